@@ -1,7 +1,50 @@
-//! Evaluates fitted models of inertial sensor error, sample by sample.
+//! Evaluates fitted models of inertial sensor error sample by sample, and takes the error out.
+//!
+//! `no_std`, no heap, no `unsafe`, no panic. The host runs the same source in f64 and f32, so what was judged is
+//! what ships.
+//!
+//! - [`Model`]: inputs, terms, scaling of up to six axes; immutable. [`Image`] is its stored form.
+//! - [`Predictor`]: one step per sample. It [tracks](Predictor::track) while the unit is known to be still and
+//!   [coasts](Predictor::coast) while it moves; [`StillnessDetector`] tells which.
+//! - [`Correction`]: what it says of each axis, with a [`Validity`].
+//! - [`Monitor`]: does the model still fit?
+//!
+//! Measured error of one axis: y(n) = (measured(n) − reference(n) − offset)/scale. Model: ŷ(n) = p(n) + r̂(n), the
+//! physical part p over inputs, the stochastic part r̂ over the remainder r = y − p, its lags and inputs
+//! (docs/MATHS.md).
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod term;
+#[cfg(test)]
+extern crate std;
 
-pub use term::{Channel, Factor, u, y};
+mod axis;
+mod convert;
+mod history;
+pub mod image;
+mod input;
+mod model;
+mod monitor;
+mod predictor;
+mod program;
+mod range;
+mod real;
+mod stillness;
+mod term;
+mod transform;
+mod validity;
+
+pub use axis::Correction;
+pub use image::{Image, ImageError, Info};
+pub use input::{Input, Source};
+pub use model::{
+    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, ModelError, Quantity,
+};
+pub use monitor::{Drift, Monitor};
+pub use predictor::{Predictor, Sample};
+pub use range::Range;
+pub use real::Real;
+pub use stillness::{StillnessDetector, StillnessLimits};
+pub use term::{Channel, Factor, MAX_DEGREE, Term, u, y};
+pub use transform::Transform;
+pub use validity::Validity;

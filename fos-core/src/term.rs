@@ -1,7 +1,12 @@
 //! What a model is a sum of: terms, each a coefficient times a product of delayed samples.
 
+use serde::{Deserialize, Serialize};
+
+/// The highest degree of a term: the paper's cross-product degree (CP) is 1, 2 or 3 here.
+pub const MAX_DEGREE: usize = 3;
+
 /// Which of a sample's values a [`Factor`] delays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Channel {
     /// The axis' own remainder r = y − p, the model's output fed back (paper eq. 14: y).
     Output,
@@ -12,7 +17,7 @@ pub enum Channel {
 /// One delayed sample: r(n − lag) or u_i(n − lag), paper eq. 14.
 ///
 /// An output needs `lag ≥ 1`: the present is what is predicted. An input may have lag 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Factor {
     /// What is delayed.
     pub channel: Channel,
@@ -28,4 +33,73 @@ pub const fn y(lag: u16) -> Factor {
 /// The factor u_input(n − lag).
 pub const fn u(input: u8, lag: u16) -> Factor {
     Factor { channel: Channel::Input(input), lag }
+}
+
+/// A coefficient times a product of one to [`MAX_DEGREE`] factors, all in scaled units.
+///
+/// ```
+/// use fos_core::{Term, u, y};
+/// const LINEAR: Term<f32> = Term::new(0.82, &[y(1)]);
+/// const CROSS: Term<f32> = Term::new(0.004, &[y(1), u(0, 0)]); // y(n−1) · u0(n)
+/// assert_eq!((LINEAR.factors().len(), CROSS.factors().len()), (1, 2));
+/// ```
+///
+/// A wrong one does not compile:
+///
+/// ```compile_fail
+/// use fos_core::{Term, y};
+/// const PRESENT: Term<f32> = Term::new(0.82, &[y(0)]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term<R> {
+    /// The coefficient, in scaled units.
+    pub coefficient: R,
+    factors: [Factor; MAX_DEGREE],
+    degree: u8,
+}
+
+impl<R: Copy> Term<R> {
+    /// A term known when the program is written.
+    ///
+    /// # Panics
+    ///
+    /// At compile time, in a constant: on no factor, more than [`MAX_DEGREE`], or an output at lag 0.
+    pub const fn new(coefficient: R, factors: &[Factor]) -> Self {
+        match Self::try_new(coefficient, factors) {
+            Some(term) => term,
+            None => panic!("a term has 1 to 3 factors, and no output at lag 0"),
+        }
+    }
+
+    /// A term from outside data; `None` on no factor, more than [`MAX_DEGREE`], or an output at lag 0.
+    pub const fn try_new(coefficient: R, factors: &[Factor]) -> Option<Self> {
+        let (first, second, third, degree) = match *factors {
+            [a] => (a, y(0), y(0), 1),
+            [a, b] => (a, b, y(0), 2),
+            [a, b, c] => (a, b, c, 3),
+            _ => return None,
+        };
+        let term = Self { coefficient, factors: [first, second, third], degree };
+        if is_present_output(first)
+            || (degree > 1 && is_present_output(second))
+            || (degree > 2 && is_present_output(third))
+        {
+            return None;
+        }
+        Some(term)
+    }
+
+    /// The same factors with another coefficient.
+    pub const fn with_coefficient<S: Copy>(&self, coefficient: S) -> Term<S> {
+        Term { coefficient, factors: self.factors, degree: self.degree }
+    }
+
+    /// Its factors, in the order of multiplication.
+    pub fn factors(&self) -> &[Factor] {
+        self.factors.get(..usize::from(self.degree)).unwrap_or(&[])
+    }
+}
+
+const fn is_present_output(factor: Factor) -> bool {
+    matches!(factor.channel, Channel::Output) && factor.lag == 0
 }

@@ -1,0 +1,147 @@
+//! The stored model: header, checksum, postcard body, and a block of names that the device carries unread.
+//!
+//! docs/MODEL_FORMAT.md describes every byte.
+
+mod read;
+mod write;
+
+use core::fmt;
+
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use serde::{Deserialize, Serialize};
+
+use crate::{AxisParameters, FittedOn, ModelError, StillnessLimits};
+
+pub use read::{AxisImage, Image, Terms};
+pub use write::encode;
+
+/// The first four bytes of an image.
+pub const MAGIC: [u8; 4] = *b"FOSM";
+
+/// The format version that this crate writes, and the only one it reads.
+pub const VERSION: u16 = 1;
+
+/// Bytes before the body: magic, version, flags (0), length of the body, length of the information, checksum.
+pub const HEADER_LENGTH: usize = 20;
+
+/// Where the checksum stands in the header; it covers every byte of the image but its own four.
+const CHECKSUM_AT: usize = 16;
+
+/// What people want to know of a model and the device need not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Info<'a> {
+    /// The sensor, as its user named it.
+    pub sensor: &'a str,
+    /// Name and unit of every quantity, one a line, in their order.
+    pub quantities: &'a str,
+    /// Identifiers of the effects that the physical part describes, one a line.
+    pub effects: &'a str,
+    /// Where the model comes from: data, digest, settings, program.
+    pub provenance: &'a str,
+}
+
+/// The start of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Head {
+    period_s: f64,
+    fitted_on: FittedOn,
+    stillness: Option<StillnessLimits<f32>>,
+    n_quantities: u8,
+    n_inputs: u8,
+    n_axes: u8,
+}
+
+/// The start of an axis in the body; its terms follow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct AxisHead {
+    parameters: AxisParameters<f32>,
+    n_physical: u8,
+    n_stochastic: u8,
+}
+
+/// Why an image cannot be read or written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// Fewer bytes than the header says, or than a header has.
+    Truncated {
+        /// Bytes needed.
+        needed: usize,
+        /// Bytes there.
+        found: usize,
+    },
+    /// It does not start with [`MAGIC`]: not an image.
+    Magic,
+    /// A format version that this program does not know.
+    UnknownVersion(u16),
+    /// Flags that this program does not know.
+    UnknownFlags(u16),
+    /// Bytes after the end of the image, or of its body or information.
+    TrailingBytes {
+        /// How many.
+        count: usize,
+    },
+    /// The checksum does not match: the image was damaged.
+    Checksum {
+        /// As stored.
+        stored: u32,
+        /// As computed.
+        computed: u32,
+    },
+    /// The checksum is right but the body is not what the format says.
+    Malformed,
+    /// A term has no factor, more than three, or an output at lag 0.
+    Term {
+        /// The axis.
+        axis: usize,
+        /// The term, physical part first.
+        term: usize,
+    },
+    /// The model in it cannot be used.
+    Model(ModelError),
+    /// Writing: the buffer is too small, or there are more than 255 of something.
+    TooLarge,
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Truncated { needed, found } => write!(f, "truncated: {found} of {needed} bytes"),
+            Self::Magic => write!(f, "not a model image: it does not start with FOSM"),
+            Self::UnknownVersion(version) => {
+                write!(f, "format version {version}; this program reads version {VERSION}")
+            }
+            Self::UnknownFlags(flags) => write!(f, "unknown flags {flags:#06x}"),
+            Self::TrailingBytes { count } => write!(f, "{count} bytes too many"),
+            Self::Checksum { stored, computed } => {
+                write!(f, "damaged: checksum {computed:08x}, stored {stored:08x}")
+            }
+            Self::Malformed => write!(f, "the body is not a model"),
+            Self::Term { axis, term } => {
+                write!(f, "axis {axis}, term {term}: it needs 1 to 3 factors and no output at lag 0")
+            }
+            Self::Model(error) => write!(f, "{error}"),
+            Self::TooLarge => {
+                write!(f, "the model does not fit: a larger buffer, or fewer than 256 of everything")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ImageError {}
+
+impl From<ModelError> for ImageError {
+    fn from(error: ModelError) -> Self {
+        Self::Model(error)
+    }
+}
+
+/// CRC-32 (ISO-HDLC) of everything but the checksum itself.
+fn checksum(image: &[u8]) -> u32 {
+    // without a table: an image is read once, a kilobyte of flash is for ever
+    let crc = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+    let mut digest = crc.digest();
+    digest.update(image.get(..CHECKSUM_AT).unwrap_or(&[]));
+    digest.update(image.get(HEADER_LENGTH..).unwrap_or(&[]));
+    digest.finalize()
+}

@@ -1,0 +1,243 @@
+//! From an image to its model. Everything is checked before anything is handed out.
+
+use serde::Deserialize;
+
+use super::{AxisHead, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use crate::predictor::Building;
+use crate::{
+    AxisParameters, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Real, StillnessLimits, Term,
+};
+
+/// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Image<'a> {
+    head: Head,
+    /// The body after its head: quantities, inputs, axes.
+    records: Records<'a>,
+    information: &'a [u8],
+}
+
+/// One axis of an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisImage<'a> {
+    /// Its numbers.
+    pub parameters: AxisParameters<f32>,
+    /// p: terms over inputs only.
+    pub physical: Terms<'a>,
+    /// r̂ without its constant.
+    pub stochastic: Terms<'a>,
+}
+
+/// The terms of a part, read one by one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terms<'a> {
+    records: Records<'a>,
+    left: u8,
+}
+
+impl<'a> Image<'a> {
+    /// Reads an image.
+    ///
+    /// # Errors
+    ///
+    /// Each thing that can be wrong has its own error; nothing is half-read. Whether the model fits a device is
+    /// found by [`predictor`](Self::predictor).
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, ImageError> {
+        let (header, rest) = bytes
+            .split_at_checked(HEADER_LENGTH)
+            .ok_or(ImageError::Truncated { needed: HEADER_LENGTH, found: bytes.len() })?;
+        let mut header = Records(header);
+        if header.bytes::<4>()? != MAGIC {
+            return Err(ImageError::Magic);
+        }
+        let version = u16::from_le_bytes(header.bytes()?);
+        if version != VERSION {
+            return Err(ImageError::UnknownVersion(version));
+        }
+        let flags = u16::from_le_bytes(header.bytes()?);
+        if flags != 0 {
+            return Err(ImageError::UnknownFlags(flags));
+        }
+        let body = header.length()?;
+        let needed = HEADER_LENGTH.saturating_add(body).saturating_add(header.length()?);
+        if bytes.len() < needed {
+            return Err(ImageError::Truncated { needed, found: bytes.len() });
+        }
+        if bytes.len() > needed {
+            return Err(ImageError::TrailingBytes { count: bytes.len() - needed });
+        }
+        let (stored, computed) = (u32::from_le_bytes(header.bytes()?), checksum(bytes));
+        if stored != computed {
+            return Err(ImageError::Checksum { stored, computed });
+        }
+        let (body, information) = rest.split_at_checked(body).ok_or(ImageError::Malformed)?;
+        let mut records = Records(body);
+        let image = Self { head: records.take()?, records, information };
+        image.check_form()?;
+        Ok(image)
+    }
+
+    /// Reads every record once, so that the iterators handed out later cannot meet a bad one.
+    fn check_form(&self) -> Result<(), ImageError> {
+        let mut records = self.records;
+        for _ in 0..self.head.n_quantities {
+            records.take::<Quantity>()?;
+        }
+        for _ in 0..self.head.n_inputs {
+            records.take::<Input<f32>>()?;
+        }
+        for axis in 0..usize::from(self.head.n_axes) {
+            let head: AxisHead = records.take()?;
+            for term in 0..usize::from(head.n_physical) + usize::from(head.n_stochastic) {
+                records.term()?.ok_or(ImageError::Term { axis, term })?;
+            }
+        }
+        records.end()?;
+        let mut information = Records(self.information);
+        information.take::<Info<'_>>()?;
+        information.end()
+    }
+
+    /// Sample period T, s.
+    pub fn period_s(&self) -> f64 {
+        self.head.period_s
+    }
+
+    /// What the measured values were while fitting.
+    pub fn fitted_on(&self) -> FittedOn {
+        self.head.fitted_on
+    }
+
+    /// When the unit counts as still, if the data told.
+    pub fn stillness(&self) -> Option<StillnessLimits<f32>> {
+        self.head.stillness
+    }
+
+    /// Names and provenance.
+    pub fn info(&self) -> Info<'a> {
+        Records(self.information).take().unwrap_or_default()
+    }
+
+    /// The logged quantities of a sample, in their order.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + 'a {
+        let mut records = self.records;
+        (0..self.head.n_quantities).map_while(move |_| records.take().ok())
+    }
+
+    /// The inputs, in their order.
+    pub fn inputs(&self) -> impl Iterator<Item = Input<f32>> + 'a {
+        let mut records = self.records;
+        for _ in 0..self.head.n_quantities {
+            let _ = records.take::<Quantity>();
+        }
+        (0..self.head.n_inputs).map_while(move |_| records.take().ok())
+    }
+
+    /// The axes, in their order.
+    pub fn axes(&self) -> impl Iterator<Item = AxisImage<'a>> + 'a {
+        let mut records = self.records;
+        for _ in 0..self.head.n_quantities {
+            let _ = records.take::<Quantity>();
+        }
+        for _ in 0..self.head.n_inputs {
+            let _ = records.take::<Input<f32>>();
+        }
+        (0..self.head.n_axes).map_while(move |_| records.axis().ok())
+    }
+
+    /// A predictor for the model, in f32 as on the device, or in f64.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong with the model, or that the capacities have no room for.
+    pub fn predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+        &self,
+    ) -> Result<Predictor<R, AXES, INPUTS, TERMS, HISTORY>, ImageError>
+    where
+        R: Real,
+    {
+        if let Some(limits) = &self.head.stillness {
+            limits.check()?;
+        }
+        let mut predictor = Predictor::begin(Building {
+            period_s: self.head.period_s,
+            n_quantities: usize::from(self.head.n_quantities),
+            n_inputs: usize::from(self.head.n_inputs),
+            n_axes: usize::from(self.head.n_axes),
+        })?;
+        for input in self.inputs() {
+            predictor.add_input(&input.convert())?;
+        }
+        for axis in self.axes() {
+            let convert = |term: Term<f32>| term.convert();
+            predictor.add_axis(
+                &axis.parameters.convert(),
+                axis.physical.map(convert),
+                axis.stochastic.map(convert),
+            )?;
+        }
+        Ok(predictor)
+    }
+}
+
+impl Iterator for Terms<'_> {
+    type Item = Term<f32>;
+
+    fn next(&mut self) -> Option<Term<f32>> {
+        self.left = self.left.checked_sub(1)?;
+        self.records.term().ok().flatten()
+    }
+}
+
+/// Bytes that have not been read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Records<'a>(&'a [u8]);
+
+impl<'a> Records<'a> {
+    fn take<T: Deserialize<'a>>(&mut self) -> Result<T, ImageError> {
+        let (record, rest) = postcard::take_from_bytes(self.0).map_err(|_| ImageError::Malformed)?;
+        self.0 = rest;
+        Ok(record)
+    }
+
+    /// A term; none if its factors do not make one.
+    fn term(&mut self) -> Result<Option<Term<f32>>, ImageError> {
+        let coefficient = self.take()?;
+        let degree = usize::from(self.take::<u8>()?);
+        let mut factors = [crate::y(0); MAX_DEGREE];
+        let Some(factors) = factors.get_mut(..degree) else { return Ok(None) };
+        for factor in factors.iter_mut() {
+            *factor = self.take::<Factor>()?;
+        }
+        Ok(Term::try_new(coefficient, factors))
+    }
+
+    fn axis(&mut self) -> Result<AxisImage<'a>, ImageError> {
+        let head: AxisHead = self.take()?;
+        let physical = self.terms(head.n_physical)?;
+        let stochastic = self.terms(head.n_stochastic)?;
+        Ok(AxisImage { parameters: head.parameters, physical, stochastic })
+    }
+
+    fn terms(&mut self, count: u8) -> Result<Terms<'a>, ImageError> {
+        let terms = Terms { records: *self, left: count };
+        for _ in 0..count {
+            self.term()?;
+        }
+        Ok(terms)
+    }
+
+    fn end(&self) -> Result<(), ImageError> {
+        if self.0.is_empty() { Ok(()) } else { Err(ImageError::TrailingBytes { count: self.0.len() }) }
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], ImageError> {
+        let (bytes, rest) = self.0.split_first_chunk::<N>().ok_or(ImageError::Malformed)?;
+        self.0 = rest;
+        Ok(*bytes)
+    }
+
+    fn length(&mut self) -> Result<usize, ImageError> {
+        usize::try_from(u32::from_le_bytes(self.bytes()?)).map_err(|_| ImageError::Malformed)
+    }
+}

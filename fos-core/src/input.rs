@@ -1,0 +1,116 @@
+//! An input: one logged quantity through one causal transform, scaled, and kept inside its fitted range.
+
+use serde::{Deserialize, Serialize};
+
+use crate::transform::Running;
+use crate::{Range, Real, Transform, Validity};
+
+/// By how much of its width a fitted range of an input is widened before a value counts as outside: the noise
+/// and the steps of a thermometer, not an extrapolation.
+const MARGIN: f64 = 0.05;
+
+/// What an input is computed from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Source {
+    /// Time since power-on alone.
+    Clock,
+    /// The logged quantity of this index in [`Sample::quantities`](crate::Sample).
+    Quantity(u8),
+    /// The remainder r of the axis of this index, one sample late: a low-pass of it is the model's long memory.
+    Remainder(u8),
+}
+
+/// An input u_i, shared by all axes and updated once per sample:
+/// x = (logged − centre)/scale, u = transform(x).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Input<R> {
+    /// What it is computed from.
+    pub source: Source,
+    /// How.
+    pub transform: Transform<R>,
+    /// Taken off the logged quantity first, in its unit, so that f32 keeps its digits.
+    pub centre: R,
+    /// The logged quantity is divided by it, in its unit; positive.
+    pub scale: R,
+    /// x while fitting. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
+    pub source_range: Range<R>,
+    /// u while fitting. Values beyond it are limited, so that no term is evaluated where it was not fitted.
+    pub range: Range<R>,
+}
+
+/// The coefficients and the state of an input.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RunningInput<R> {
+    source: Source,
+    centre: R,
+    per_scale: R,
+    source_range: Range<R>,
+    range: Range<R>,
+    transform: Running<R>,
+    /// The last usable x; none before the first.
+    held: Option<R>,
+}
+
+impl<R: Real> RunningInput<R> {
+    pub(crate) fn new(input: &Input<R>, period_s: f64) -> Self {
+        Self {
+            source: input.source,
+            centre: input.centre,
+            per_scale: R::from_f64(1.0 / input.scale.to_f64()),
+            source_range: input.source_range.widened(MARGIN),
+            range: input.range.widened(MARGIN),
+            transform: Running::new(&input.transform, period_s, input.centre, input.scale),
+            held: None,
+        }
+    }
+
+    /// As at power-on.
+    pub(crate) fn reset(&mut self) {
+        self.held = None;
+        self.transform.reset();
+    }
+
+    /// The largest |u| that can come out.
+    pub(crate) fn magnitude(&self) -> f64 {
+        self.range.magnitude()
+    }
+
+    pub(crate) fn source(&self) -> Source {
+        self.source
+    }
+
+    /// One sample: u(n) from the logged value, `None` where there is none.
+    #[inline]
+    pub(crate) fn update(&mut self, logged: Option<R>) -> (R, Validity) {
+        let mut validity = Validity::VALID;
+        let x = match logged {
+            Some(value) if value.is_finite() => {
+                let (x, inside) = self.source_range.limit((value - self.centre) * self.per_scale);
+                validity |= Validity::when(!inside, Validity::INPUT_OUT_OF_RANGE);
+                if self.held.is_none() {
+                    self.transform.start_at(x);
+                }
+                self.held = Some(x);
+                x
+            }
+            _ => {
+                let logged_quantity = matches!(self.source, Source::Quantity(_));
+                validity |= Validity::when(logged_quantity, Validity::INPUT_NOT_FINITE);
+                self.held.unwrap_or(R::ZERO)
+            }
+        };
+        let (u, inside) = self.range.limit(self.transform.update(x));
+        validity |= Validity::when(!inside, Validity::INPUT_OUT_OF_RANGE);
+        (u, validity)
+    }
+
+    /// `ticks` missing samples in bounded time. A logged quantity is taken to have stayed; a remainder to have
+    /// gone to its mean, so that the long memory of it fades as it would have.
+    pub(crate) fn skip(&mut self, ticks: u32) {
+        let x = match self.source {
+            Source::Remainder(_) => R::ZERO,
+            _ => self.held.unwrap_or(R::ZERO),
+        };
+        self.transform.skip(x, ticks);
+    }
+}

@@ -1,0 +1,310 @@
+//! The model of one sensor unit: up to six axes over shared inputs. Immutable; it may sit in flash.
+
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Channel, Input, Range, Real, Source, StillnessLimits, Term};
+
+/// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Axis {
+    /// Accelerometer x, m/s².
+    Ax,
+    /// Accelerometer y, m/s².
+    Ay,
+    /// Accelerometer z, m/s².
+    Az,
+    /// Gyro x, rad/s.
+    Gx,
+    /// Gyro y, rad/s.
+    Gy,
+    /// Gyro z, rad/s.
+    Gz,
+    /// Any other series, in a unit of its own.
+    Other,
+}
+
+/// A logged quantity that an input is computed from, in SI units except as stated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Quantity {
+    /// Sensor temperature, °C.
+    Temperature,
+    /// Supply voltage, V.
+    Supply,
+    /// Processor load, %.
+    Load,
+    /// Magnetic field x, µT.
+    MagneticX,
+    /// Magnetic field y, µT.
+    MagneticY,
+    /// Magnetic field z, µT.
+    MagneticZ,
+    /// A measured axis of the same unit.
+    Measured(Axis),
+    /// The reference (true value) of an axis.
+    Reference(Axis),
+    /// Any other; its name is in the image's [`Info`](crate::Info), in the order of the quantities.
+    Other,
+}
+
+/// What the measured values were when the model was fitted, so that a correction is never applied twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FittedOn {
+    /// As the sensor gives them.
+    Raw,
+    /// After the factory's or the driver's own correction.
+    FactoryCorrected,
+}
+
+/// The innovation on the data that the model was fitted to, in scaled units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct InnovationStatistics<R> {
+    /// Mean.
+    pub mean: R,
+    /// Variance; positive.
+    pub variance: R,
+    /// Lag-1 correlation, −1 … 1.
+    pub lag_1_correlation: R,
+}
+
+/// The numbers of one axis; its terms are beside it in [`AxisModel`].
+///
+/// y = (measured − reference − offset)/scale is the scaled error; measured, reference and offset are in the axis'
+/// unit. The terms of the physical part give p, those of the stochastic part r̂ − constant, r = y − p.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AxisParameters<R> {
+    /// Which axis.
+    pub axis: Axis,
+    /// True value at rest in the pose of the fit, in the axis' unit: 0 for a gyro, what gravity gives for an
+    /// accelerometer. Stands in for the reference when a still sample comes without one.
+    pub reference: R,
+    /// Constant error (bias), in the axis' unit. Taken off before any scaling, so that f32 keeps its digits.
+    pub offset: R,
+    /// The axis' unit per scaled unit; positive.
+    pub scale: R,
+    /// The constant a0 of the stochastic part, scaled.
+    pub constant: R,
+    /// r while fitting, scaled.
+    pub range: Range<R>,
+    /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
+    pub full_scale: R,
+    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off.
+    pub stuck_after: u16,
+    /// So many missing samples in a row are coasted before the history restarts.
+    pub gap_limit: u8,
+    /// So long has coasting been validated, s; beyond it the stochastic part fades out.
+    pub coast_limit_s: R,
+    /// The innovation while fitting.
+    pub innovation: InnovationStatistics<R>,
+}
+
+/// The model of one axis: ŷ(n) = p(n) + r̂(n).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisModel<'a, R> {
+    /// Its numbers.
+    pub parameters: AxisParameters<R>,
+    /// p: terms over inputs only.
+    pub physical: &'a [Term<R>],
+    /// r̂ without its constant: terms over the lagged remainder and inputs.
+    pub stochastic: &'a [Term<R>],
+}
+
+/// The model of one sensor unit: up to six axes over shared inputs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model<'a, R> {
+    /// Sample period T, s.
+    pub period_s: f64,
+    /// What the measured values were while fitting.
+    pub fitted_on: FittedOn,
+    /// When the unit counts as still; `None` if the data did not tell.
+    pub stillness: Option<StillnessLimits<R>>,
+    /// The logged quantities of a [`Sample`](crate::Sample), in its order.
+    pub quantities: &'a [Quantity],
+    /// The inputs u_0, u_1, …
+    pub inputs: &'a [Input<R>],
+    /// The axes, in the order of a sample's measured values.
+    pub axes: &'a [AxisModel<'a, R>],
+}
+
+/// Why a model cannot be used. Indices count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The sample period is not a positive finite number.
+    Period,
+    /// There is no axis.
+    NoAxis,
+    /// More axes than the predictor has room for.
+    TooManyAxes {
+        /// In the model.
+        found: usize,
+        /// Room for.
+        capacity: usize,
+    },
+    /// More inputs than the predictor has room for.
+    TooManyInputs {
+        /// In the model.
+        found: usize,
+        /// Room for.
+        capacity: usize,
+    },
+    /// More terms, over all axes, than the predictor has room for.
+    TooManyTerms {
+        /// Room for.
+        capacity: usize,
+    },
+    /// A lag reaches back further than the history does.
+    LagTooDeep {
+        /// The axis.
+        axis: usize,
+        /// Values that it reaches back, all channels counted.
+        needed: usize,
+        /// Values that the history holds.
+        capacity: usize,
+    },
+    /// A coefficient of the axis is NaN or infinite.
+    CoefficientNotFinite {
+        /// The axis.
+        axis: usize,
+        /// The term, physical part first.
+        term: usize,
+    },
+    /// Another number of the axis is NaN, infinite or has the wrong sign.
+    AxisParameter {
+        /// The axis.
+        axis: usize,
+    },
+    /// A term names an input that is not there.
+    UnknownInput {
+        /// The axis.
+        axis: usize,
+        /// The term, physical part first.
+        term: usize,
+    },
+    /// A term of the physical part uses the output or an input that is computed from it.
+    OutputInPhysicalPart {
+        /// The axis.
+        axis: usize,
+        /// The term.
+        term: usize,
+    },
+    /// A number of an input is NaN, infinite or has the wrong sign.
+    InputParameter {
+        /// The input.
+        input: usize,
+    },
+    /// An input's source is not there, or is not of the kind that its transform takes.
+    InputSource {
+        /// The input.
+        input: usize,
+    },
+    /// The axis' terms could overflow even with inputs and remainder inside their limits.
+    Unbounded {
+        /// The axis.
+        axis: usize,
+    },
+    /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
+    Stillness,
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Period => write!(f, "the sample period is not a positive number"),
+            Self::NoAxis => write!(f, "the model has no axis"),
+            Self::TooManyAxes { found, capacity } => write!(f, "{found} axes, room for {capacity}"),
+            Self::TooManyInputs { found, capacity } => write!(f, "{found} inputs, room for {capacity}"),
+            Self::TooManyTerms { capacity } => write!(f, "more terms than the {capacity} there is room for"),
+            Self::LagTooDeep { axis, needed, capacity } => {
+                write!(f, "axis {axis} reaches {needed} values back, the history holds {capacity}")
+            }
+            Self::CoefficientNotFinite { axis, term } => {
+                write!(f, "axis {axis}, term {term}: the coefficient is not finite")
+            }
+            Self::AxisParameter { axis } => {
+                write!(f, "axis {axis}: a parameter is not finite or out of bounds")
+            }
+            Self::UnknownInput { axis, term } => write!(f, "axis {axis}, term {term}: no such input"),
+            Self::OutputInPhysicalPart { axis, term } => {
+                write!(f, "axis {axis}, term {term}: the physical part must not use the output")
+            }
+            Self::InputParameter { input } => {
+                write!(f, "input {input}: a parameter is not finite or out of bounds")
+            }
+            Self::InputSource { input } => write!(f, "input {input}: its source does not fit its transform"),
+            Self::Unbounded { axis } => write!(f, "axis {axis}: the terms can overflow"),
+            Self::Stillness => write!(f, "a limit of stillness is not a positive number"),
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}
+
+impl<R: Real> Input<R> {
+    /// Whether the input can be used in a model of `n_quantities` quantities and `n_axes` axes.
+    pub(crate) fn check(&self, input: usize, n_quantities: usize, n_axes: usize) -> Result<(), ModelError> {
+        let numbers = self.transform.is_valid()
+            && self.centre.is_finite()
+            && is_positive(self.scale)
+            && self.source_range.is_valid()
+            && self.range.is_valid();
+        if !numbers {
+            return Err(ModelError::InputParameter { input });
+        }
+        let source = match self.source {
+            Source::Clock => self.transform.is_clock(),
+            Source::Quantity(index) => !self.transform.is_clock() && usize::from(index) < n_quantities,
+            Source::Remainder(axis) => !self.transform.is_clock() && usize::from(axis) < n_axes,
+        };
+        if source { Ok(()) } else { Err(ModelError::InputSource { input }) }
+    }
+}
+
+impl<R: Real> AxisParameters<R> {
+    pub(crate) fn check(&self, axis: usize) -> Result<(), ModelError> {
+        let finite = [self.reference, self.offset, self.constant, self.innovation.mean];
+        let not_negative = |value: R| value.is_finite() && value >= R::ZERO;
+        let correlation = self.innovation.lag_1_correlation;
+        let valid = finite.into_iter().all(Real::is_finite)
+            && is_positive(self.scale)
+            && self.range.is_valid()
+            && not_negative(self.full_scale)
+            && not_negative(self.coast_limit_s)
+            && is_positive(self.innovation.variance)
+            && correlation.abs() <= R::ONE;
+        if valid { Ok(()) } else { Err(ModelError::AxisParameter { axis }) }
+    }
+}
+
+impl<R: Real> Term<R> {
+    pub(crate) fn check(
+        &self,
+        axis: usize,
+        term: usize,
+        physical: bool,
+        source: impl Fn(u8) -> Option<Source>,
+    ) -> Result<(), ModelError> {
+        if !self.coefficient.is_finite() {
+            return Err(ModelError::CoefficientNotFinite { axis, term });
+        }
+        for factor in self.factors() {
+            let is_output = match factor.channel {
+                Channel::Output => true,
+                Channel::Input(index) => match source(index) {
+                    Some(source) => matches!(source, Source::Remainder(_)),
+                    None => return Err(ModelError::UnknownInput { axis, term }),
+                },
+            };
+            if physical && is_output {
+                return Err(ModelError::OutputInPhysicalPart { axis, term });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Finite and above 0.
+pub(crate) fn is_positive<R: Real>(value: R) -> bool {
+    value.is_finite() && value > R::ZERO
+}

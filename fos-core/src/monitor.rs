@@ -1,0 +1,146 @@
+//! Does the model still fit? Running statistics of the innovation against those stored when it was fitted.
+
+use crate::axis::Correction;
+use crate::model::{AxisParameters, InnovationStatistics};
+use crate::{Real, Validity};
+
+/// Shift of the innovation's mean, in standard deviations, that the drift test lets pass (Page 1954: k).
+///
+/// With threshold h = 40 the mean time between false alarms of white innovations is about
+/// e^(2kh)/(4k²) = 2·10⁹ samples, 110 days at 200 Hz; a shift of 0.5 σ is found in h/(0.5 − k) = 160 samples.
+const MEAN_SLACK: f64 = 0.25;
+const MEAN_THRESHOLD: f64 = 40.0;
+
+/// Excess of the squared innovation, in variances, that the power test lets pass, and its threshold: a doubled
+/// variance is found in 60/(1 − 0.5) = 120 samples.
+const POWER_SLACK: f64 = 0.5;
+const POWER_THRESHOLD: f64 = 60.0;
+
+/// One squared innovation counts for at most so many variances: an outlier is not a change of variance.
+const POWER_LIMIT: f64 = 16.0;
+
+/// Time constant of the running statistics, s.
+const TAU_S: f64 = 30.0;
+
+/// In what respect the innovation has left the statistics of the fit. It stays set until [`Monitor::restart`].
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Drift {
+    /// The mean has shifted.
+    pub mean: bool,
+    /// The variance has grown.
+    pub variance: bool,
+}
+
+/// Running mean, variance and lag-1 correlation of an axis' innovation, and a two-sided cumulative-sum test
+/// (CUSUM, Page 1954) of its mean and of its power against the values stored with the model. Constant memory.
+#[derive(Debug, Clone)]
+pub struct Monitor<R> {
+    fitted_mean: R,
+    per_deviation: R,
+    deviation: f64,
+    scale: f64,
+    mean_threshold: R,
+    gain: R,
+
+    samples: u32,
+    mean: R,
+    variance: R,
+    lag_1: R,
+    previous: R,
+    above: R,
+    below: R,
+    power: R,
+    drift: Drift,
+}
+
+impl<R: Real> Monitor<R> {
+    /// A monitor for the axis of `parameters`, sampled every `period_s` seconds.
+    pub fn new(parameters: &AxisParameters<R>, period_s: f64) -> Self {
+        let fitted = parameters.innovation;
+        let scale = parameters.scale.to_f64();
+        let deviation = libm::sqrt(fitted.variance.to_f64());
+        // correlated innovations wander further: their sum has (1 + ρ)/(1 − ρ) times the variance
+        let correlation = fitted.lag_1_correlation.to_f64().clamp(0.0, 0.99);
+        let inflation = (1.0 + correlation) / (1.0 - correlation);
+        Self {
+            fitted_mean: R::from_f64(fitted.mean.to_f64() / deviation),
+            per_deviation: R::from_f64(1.0 / (scale * deviation)),
+            deviation,
+            scale,
+            mean_threshold: R::from_f64(MEAN_THRESHOLD * inflation),
+            gain: R::from_f64(-libm::expm1(-period_s / TAU_S)),
+            samples: 0,
+            mean: R::ZERO,
+            variance: R::ONE,
+            lag_1: R::from_f64(fitted.lag_1_correlation.to_f64()),
+            previous: R::ZERO,
+            above: R::ZERO,
+            below: R::ZERO,
+            power: R::ZERO,
+            drift: Drift::default(),
+        }
+    }
+
+    /// Takes one correction; only a valid one with an innovation counts. Whether the model has stopped fitting.
+    #[inline]
+    pub fn update(&mut self, correction: &Correction<R>) -> Drift {
+        let Some(innovation) = correction.innovation else { return self.drift };
+        if correction.validity.intersects(Validity::OWN_HISTORY) {
+            return self.drift;
+        }
+        let normalised = innovation * self.per_deviation - self.fitted_mean;
+        // beyond the limits of the remainder the innovation is bounded, but squares should stay small
+        let bound = R::from_f64(1e6);
+        let e = normalised.limit(-bound, bound);
+        self.samples = self.samples.saturating_add(1);
+        self.mean = self.mean + self.gain * (e - self.mean);
+        let deviation = e - self.mean;
+        self.variance = self.variance + self.gain * (deviation * deviation - self.variance);
+        self.lag_1 = self.lag_1 + self.gain * (deviation * self.previous - self.lag_1);
+        self.previous = deviation;
+
+        let slack = R::from_f64(MEAN_SLACK);
+        self.above = (self.above + e - slack).limit(R::ZERO, self.mean_threshold);
+        self.below = (self.below - e - slack).limit(R::ZERO, self.mean_threshold);
+        let square = (e * e).limit(R::ZERO, R::from_f64(POWER_LIMIT));
+        let threshold = R::from_f64(POWER_THRESHOLD);
+        self.power = (self.power + square - R::from_f64(1.0 + POWER_SLACK)).limit(R::ZERO, threshold);
+        self.drift.mean |= self.above >= self.mean_threshold || self.below >= self.mean_threshold;
+        self.drift.variance |= self.power >= threshold;
+        self.drift
+    }
+
+    /// Innovations that counted so far; the statistics mean little before a few thousand.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The running statistics, in the scaled units of the model, to compare with the model's own.
+    pub fn statistics(&self) -> InnovationStatistics<R> {
+        let variance = self.variance.to_f64();
+        let mean = self.mean.to_f64() + self.fitted_mean.to_f64();
+        let correlation = if variance > 0.0 { self.lag_1.to_f64() / variance } else { 0.0 };
+        InnovationStatistics {
+            mean: R::from_f64(mean * self.deviation),
+            variance: R::from_f64(variance * self.deviation * self.deviation),
+            lag_1_correlation: R::from_f64(correlation.clamp(-1.0, 1.0)),
+        }
+    }
+
+    /// The running mean of the innovation in the axis' unit.
+    pub fn mean_in_unit(&self) -> f64 {
+        self.statistics().mean.to_f64() * self.scale
+    }
+
+    /// Whether the model has stopped fitting.
+    pub fn drift(&self) -> Drift {
+        self.drift
+    }
+
+    /// Forgets an alarm and starts the tests anew; the running statistics stay.
+    pub fn restart(&mut self) {
+        (self.above, self.below, self.power) = (R::ZERO, R::ZERO, R::ZERO);
+        self.drift = Drift::default();
+    }
+}

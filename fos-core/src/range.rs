@@ -1,0 +1,44 @@
+//! Was this value seen while fitting? A polynomial is trusted, and evaluated, only where it was fitted.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Real;
+
+/// The smallest and the largest value of a quantity in the data that a model was fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Range<R> {
+    /// Smallest value seen.
+    pub low: R,
+    /// Largest value seen.
+    pub high: R,
+}
+
+impl<R: Real> Range<R> {
+    /// From `low` to `high`.
+    pub const fn new(low: R, high: R) -> Self {
+        Self { low, high }
+    }
+
+    /// Finite, and the right way round.
+    pub fn is_valid(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite() && self.low <= self.high
+    }
+
+    /// Widened on both sides by `share` of its width.
+    pub(crate) fn widened(&self, share: f64) -> Self {
+        let (low, high) = (self.low.to_f64(), self.high.to_f64());
+        let margin = share * (high - low);
+        Self { low: R::from_f64(low - margin), high: R::from_f64(high + margin) }
+    }
+
+    /// The largest magnitude in the range.
+    pub(crate) fn magnitude(&self) -> f64 {
+        self.low.abs().to_f64().max(self.high.abs().to_f64())
+    }
+
+    /// `value` limited to the range, and whether it lay inside; NaN does not.
+    #[inline]
+    pub(crate) fn limit(&self, value: R) -> (R, bool) {
+        (value.limit(self.low, self.high), value >= self.low && value <= self.high)
+    }
+}

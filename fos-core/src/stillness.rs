@@ -1,0 +1,173 @@
+//! Is the device at rest? Decides between tracking and coasting.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::is_positive;
+use crate::{ModelError, Real};
+
+/// Windows that must be quiet in a row before the unit counts as still.
+const QUIET_WINDOWS: u8 = 2;
+
+/// Variances beyond the limit times this end stillness; between the two the state stays as it is (hysteresis).
+const HYSTERESIS: f64 = 2.0;
+
+/// A single sample this many standard deviations (of the limit) away ends stillness at once: the sum of squares of
+/// three normal axes exceeds 7² once in 10¹⁰ samples (chi-squared, 3 degrees of freedom).
+const JUMP: f64 = 7.0;
+
+/// When a unit counts as still. All limits are sums over three axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StillnessLimits<R> {
+    /// Samples in a window; at least 2.
+    pub window: u16,
+    /// Largest variance of the specific force within a window, (m/s²)².
+    pub accel_variance: R,
+    /// Largest variance of the rate within a window, (rad/s)².
+    pub gyro_variance: R,
+    /// Rate that the gyros show at rest, rad/s: their offsets.
+    pub gyro_at_rest: [R; 3],
+    /// Largest distance of a window's mean rate from it, rad/s. A slow steady turn has no variance; this and the
+    /// change of gravity between windows are what tells it from a bias.
+    pub gyro_deviation: R,
+}
+
+impl<R: Real> StillnessLimits<R> {
+    pub(crate) fn check(&self) -> Result<(), ModelError> {
+        let positive = [self.accel_variance, self.gyro_variance, self.gyro_deviation];
+        let valid = self.window >= 2
+            && positive.into_iter().all(is_positive)
+            && self.gyro_at_rest.into_iter().all(Real::is_finite);
+        if valid { Ok(()) } else { Err(ModelError::Stillness) }
+    }
+}
+
+/// Sums of one triad over the window under way, taken from its first sample so that f32 keeps its digits.
+#[derive(Debug, Clone, Copy)]
+struct Triad<R> {
+    first: [R; 3],
+    sum: [R; 3],
+    sum_of_squares: R,
+    /// Mean of the last complete window.
+    mean: [R; 3],
+}
+
+impl<R: Real> Triad<R> {
+    const EMPTY: Self =
+        Self { first: [R::ZERO; 3], sum: [R::ZERO; 3], sum_of_squares: R::ZERO, mean: [R::ZERO; 3] };
+
+    fn begin(&mut self, value: [R; 3]) {
+        (self.first, self.sum, self.sum_of_squares) = (value, [R::ZERO; 3], R::ZERO);
+    }
+
+    fn add(&mut self, value: [R; 3]) {
+        for ((sum, first), value) in self.sum.iter_mut().zip(self.first).zip(value) {
+            let deviation = value - first;
+            *sum = *sum + deviation;
+            self.sum_of_squares = self.sum_of_squares + deviation * deviation;
+        }
+    }
+
+    /// Ends the window; its variance, and the square of how far its mean is from that of the window before.
+    fn end(&mut self, per_window: R) -> (R, R) {
+        let (mut square_of_mean, mut shift) = (R::ZERO, R::ZERO);
+        for ((sum, first), mean) in self.sum.iter().zip(self.first).zip(self.mean.iter_mut()) {
+            let deviation = *sum * per_window;
+            square_of_mean = square_of_mean + deviation * deviation;
+            let now = first + deviation;
+            shift = shift + (now - *mean) * (now - *mean);
+            *mean = now;
+        }
+        (self.sum_of_squares * per_window - square_of_mean, shift)
+    }
+}
+
+/// Says for every sample whether the unit is still: quiet for two windows in a row, and moving again at the first
+/// window or the first sample that is not quiet. Constant memory.
+#[derive(Debug, Clone)]
+pub struct StillnessDetector<R> {
+    limits: StillnessLimits<R>,
+    per_window: R,
+    accel: Triad<R>,
+    gyro: Triad<R>,
+    filled: u16,
+    quiet_windows: u8,
+    still: bool,
+}
+
+impl<R: Real> StillnessDetector<R> {
+    /// A detector, moving until shown otherwise.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::Stillness`] if a limit is not positive or the window has fewer than two samples.
+    pub fn new(limits: StillnessLimits<R>) -> Result<Self, ModelError> {
+        limits.check()?;
+        Ok(Self {
+            limits,
+            per_window: R::from_f64(1.0 / f64::from(limits.window)),
+            accel: Triad::EMPTY,
+            gyro: Triad::EMPTY,
+            filled: 0,
+            quiet_windows: 0,
+            still: false,
+        })
+    }
+
+    /// One sample: specific force in m/s², rate in rad/s. Whether the unit is still now.
+    ///
+    /// A value that is not finite means moving, and starts the window anew.
+    pub fn update(&mut self, accel: [R; 3], gyro: [R; 3]) -> bool {
+        if !accel.into_iter().chain(gyro).all(Real::is_finite) || self.jumped(accel, gyro) {
+            return self.disturbed();
+        }
+        if self.filled == 0 {
+            self.accel.begin(accel);
+            self.gyro.begin(gyro);
+        }
+        self.accel.add(accel);
+        self.gyro.add(gyro);
+        self.filled += 1;
+        if self.filled >= self.limits.window {
+            self.filled = 0;
+            self.end_window();
+        }
+        self.still
+    }
+
+    /// Samples are missing: nothing is known of the time between.
+    pub fn disturbed(&mut self) -> bool {
+        (self.filled, self.quiet_windows, self.still) = (0, 0, false);
+        false
+    }
+
+    fn end_window(&mut self) {
+        let (accel_variance, accel_shift) = self.accel.end(self.per_window);
+        let (gyro_variance, gyro_shift) = self.gyro.end(self.per_window);
+        let limits = &self.limits;
+        let from_rest = distance_squared(self.gyro.mean, limits.gyro_at_rest);
+        let wider = R::from_f64(if self.still { HYSTERESIS } else { 1.0 });
+        let quiet = accel_variance <= wider * limits.accel_variance
+            && gyro_variance <= wider * limits.gyro_variance
+            && from_rest <= wider * wider * limits.gyro_deviation * limits.gyro_deviation;
+        // the means of two quiet windows differ by far less than the noise within them
+        let steady = self.quiet_windows == 0
+            || (accel_shift <= limits.accel_variance && gyro_shift <= limits.gyro_variance);
+        self.quiet_windows = match (quiet, steady) {
+            (false, _) => 0,
+            (true, false) => 1,
+            (true, true) => self.quiet_windows.saturating_add(1),
+        };
+        self.still = self.quiet_windows >= QUIET_WINDOWS;
+    }
+
+    fn jumped(&self, accel: [R; 3], gyro: [R; 3]) -> bool {
+        let limit = R::from_f64(JUMP * JUMP);
+        self.still
+            && (distance_squared(accel, self.accel.mean) > limit * self.limits.accel_variance
+                || distance_squared(gyro, self.gyro.mean) > limit * self.limits.gyro_variance)
+    }
+}
+
+fn distance_squared<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a.into_iter().zip(b).fold(R::ZERO, |sum, (a, b)| sum + (a - b) * (a - b))
+}
