@@ -1,2 +1,2 @@
+//! The device side.
 #![no_std]
-//! x

@@ -1,0 +1,145 @@
+//! What the examples need of the machine they run on: the emulated board, or the host.
+#![allow(dead_code, reason = "no example uses all of it")]
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+pub use board::*;
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+pub use host::*;
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+mod board {
+    use cortex_m::peripheral::syst::SystClkSource;
+    use cortex_m::peripheral::{Peripherals, SYST};
+    use semihosting::io::Read;
+
+    pub use semihosting::println;
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        println!("{info}");
+        semihosting::process::exit(101)
+    }
+
+    #[cortex_m_rt::exception]
+    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+        println!("hard fault");
+        semihosting::process::exit(102)
+    }
+
+    #[cortex_m_rt::entry]
+    fn entry() -> ! {
+        crate::run();
+        semihosting::process::exit(0)
+    }
+
+    /// Ends the program with an error.
+    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+        println!("{reason}");
+        semihosting::process::exit(1)
+    }
+
+    /// A file of the host.
+    pub struct File(semihosting::fs::File);
+
+    impl File {
+        pub fn open(path: &core::ffi::CStr) -> Self {
+            match semihosting::fs::File::open(path) {
+                Ok(file) => Self(file),
+                Err(error) => fail(format_args!("{path:?}: {error}")),
+            }
+        }
+
+        /// Fills as much of `buffer` as the file has left; how much.
+        pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+            let mut filled = 0;
+            while filled < buffer.len() {
+                match self.0.read(&mut buffer[filled..]) {
+                    Ok(0) => break,
+                    Ok(read) => filled += read,
+                    Err(error) => fail(format_args!("cannot read: {error}")),
+                }
+            }
+            filled
+        }
+    }
+
+    /// Counts instructions: with `-icount shift=5` the emulator takes 32 ns an instruction, and SysTick of the
+    /// mps2 boards runs at 25 MHz.
+    pub struct Instructions(SYST);
+
+    impl Instructions {
+        pub fn start() -> Self {
+            let mut timer = match Peripherals::take() {
+                Some(peripherals) => peripherals.SYST,
+                None => fail(format_args!("the timer is taken")),
+            };
+            timer.set_clock_source(SystClkSource::Core);
+            timer.set_reload(0x00ff_ffff);
+            timer.clear_current();
+            timer.enable_counter();
+            Self(timer)
+        }
+
+        /// Instructions that `work` takes; it must take fewer than 20 million.
+        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
+            self.0.clear_current();
+            let before = SYST::get_current();
+            work();
+            let ticks = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
+            f64::from(ticks) * 1.25
+        }
+    }
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+mod host {
+    use std::io::Read;
+
+    pub use std::println;
+
+    /// Ends the program with an error.
+    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+        println!("{reason}");
+        std::process::exit(1)
+    }
+
+    /// A file of the host.
+    pub struct File(std::fs::File);
+
+    impl File {
+        pub fn open(path: &core::ffi::CStr) -> Self {
+            match std::fs::File::open(path.to_string_lossy().as_ref()) {
+                Ok(file) => Self(file),
+                Err(error) => fail(format_args!("{path:?}: {error}")),
+            }
+        }
+
+        /// Fills as much of `buffer` as the file has left; how much.
+        pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+            let mut filled = 0;
+            while filled < buffer.len() {
+                match self.0.read(&mut buffer[filled..]) {
+                    Ok(0) => break,
+                    Ok(read) => filled += read,
+                    Err(error) => fail(format_args!("cannot read: {error}")),
+                }
+            }
+            filled
+        }
+    }
+
+    /// Instructions are counted on the emulated board only.
+    pub struct Instructions;
+
+    impl Instructions {
+        pub fn start() -> Self {
+            Self
+        }
+
+        /// Runs `work`; there is no count.
+        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
+            work();
+            f64::NAN
+        }
+    }
+}
