@@ -18,6 +18,9 @@ use super::table::{Column, Skipped, Table, check_names, column_name, must_be_num
 /// Longest line that may still be a row, bytes. Something that has longer lines is no table of samples.
 const LONGEST_LINE: u64 = 1 << 20;
 
+/// What some programs put before the text of a UTF-8 file.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Rows looked at to tell text columns from numbers with rubbish in them.
 const ROWS_TO_CLASSIFY: usize = 1000;
 
@@ -33,7 +36,7 @@ pub(super) fn read(
     if !lines.next(&mut line)? {
         return Err(not_a_log(path, "the file is empty".into()));
     }
-    let header = Header::parse(path, line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&line))?;
+    let header = Header::parse(path, &line)?;
 
     // the first rows are kept as text, to see which columns are text
     let mut first_lines = Vec::new();
@@ -83,6 +86,9 @@ impl<R: BufRead> Lines<'_, R> {
                 return Ok(false);
             }
             self.number += 1;
+            if self.number == 1 && line.starts_with(BYTE_ORDER_MARK) {
+                line.drain(..BYTE_ORDER_MARK.len());
+            }
             if n as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
                 let problem = format!("line {} is longer than {LONGEST_LINE} bytes", self.number);
                 return Err(not_a_log(self.path, problem));

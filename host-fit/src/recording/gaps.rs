@@ -9,8 +9,11 @@
 //!   scatter, and not beyond the next wait that scatter cannot explain (another gap).
 //! - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts
 //!   (64 to 4096 rows). The age of the freshest sample at a poll drifts as the two clocks slip, which lifts the
-//!   envelope by up to half a period within one window: here the rise must exceed 0.75 T, and a single
-//!   lost sample may go unseen. Rows with stamps that run backward are not part of the envelope.
+//!   envelope by up to half a period within one window: here the rise must exceed 0.75 T. Rows with stamps that
+//!   run backward are not part of the envelope.
+//!
+//! In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
+//! all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
 //!
 //! A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
 //! longest wait between the last row that is too early to come after the gap and the first that is not late.
@@ -23,7 +26,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::rate::{FirstLook, Stamps, median};
+use super::rate::{FirstLook, MAD_TO_SD, Stamps, median};
 
 /// Waits shorter than this are not looked at, periods. With jitter of sd 0.2 T, 0.4 % of single missing samples
 /// make a shorter one; these are found at a neighbouring row.
@@ -35,6 +38,17 @@ const OBVIOUS_SIGMAS: f64 = 6.0;
 /// Rise of the level from which a sample is missing, periods: jittered stamps, bursts.
 const RISE_JITTERED: f64 = 0.5;
 const RISE_BURSTS: f64 = 0.75;
+
+/// The rise must also exceed its own scatter by this factor, so that a log of a million rows has no false gap.
+const RISE_SIGMAS: f64 = 6.0;
+
+/// Suspects at which the scatter of the rise is measured in logs with bursts; more do not tell it better.
+const RISES_SAMPLED: usize = 1000;
+
+/// With less than this share of its window before the log ends, an envelope has not been reached for sure. There
+/// the rise must exceed what ten mean bursts would make.
+const ENVELOPE_SHARE: f64 = 0.25;
+const BURSTS_AT_END: f64 = 10.0;
 
 /// Over more missing samples than this the count is not exact (a period known to 1e-4 is one sample off), and the
 /// two sides are not used together to measure the period.
@@ -136,6 +150,12 @@ struct Search<'a> {
     window: usize,
     /// Wait that is surely a gap, periods.
     obvious_wait: f64,
+    /// Scatter of single stamps, periods (jittered stamps).
+    scatter: f64,
+    /// Scatter of the rise where nothing is missing, periods (bursts).
+    rise_scatter: f64,
+    /// Mean rows from one long wait to the next (bursts).
+    burst_rows: f64,
     marks: &'a [Mark],
     /// Lateness of the rows gone by, with the gaps so far taken out, s.
     settled: Vec<f64>,
@@ -155,17 +175,34 @@ impl<'a> Search<'a> {
         };
         let sd_of_wait = std::f64::consts::SQRT_2 * look.scatter;
         let start = Segment { rows: 0..0, tick: 0, missing_before: 0, boundary: Boundary::Start };
-        Search {
+        let mut search = Search {
             time_s,
             period_s: look.period_s,
             bursts,
             window: window as usize,
             obvious_wait: 1.0 + (OBVIOUS_SIGMAS * sd_of_wait).max(0.5),
+            scatter: look.scatter,
+            rise_scatter: 0.0,
+            burst_rows: look.burst_rows,
             marks,
             settled: Vec::with_capacity(time_s.len()),
             offset_s: 0.0,
             grid: Grid { segments: vec![start], clock_back: 0 },
+        };
+        if bursts {
+            search.rise_scatter = search.scatter_of_rises();
         }
+        search
+    }
+
+    /// Scatter of the rise over the long waits of the log, of which few are gaps, periods.
+    fn scatter_of_rises(&self) -> f64 {
+        let rows = self.window..self.time_s.len().saturating_sub(self.window);
+        let suspects: Vec<usize> = rows.filter(|&row| self.wait(row) >= SUSPECT_WAIT).collect();
+        let step = suspects.len().div_ceil(RISES_SAMPLED).max(1);
+        let mut rises: Vec<f64> =
+            suspects.into_iter().step_by(step).map(|row| self.rise_ahead(row).abs()).collect();
+        MAD_TO_SD * median(&mut rises)
     }
 
     /// Wait before `row`, periods.
@@ -231,20 +268,34 @@ impl<'a> Search<'a> {
         self.marks.get(next).map_or(self.time_s.len(), |mark| mark.row)
     }
 
-    /// Samples missing by a rise of the level.
-    fn count(&self, rise: f64) -> u64 {
-        let threshold = if self.bursts { RISE_BURSTS } else { RISE_JITTERED };
-        if rise > threshold { rise.round().max(1.0) as u64 } else { 0 }
+    /// Rise at `row` from which samples are missing, periods.
+    fn needed_rise(&self, row: usize) -> f64 {
+        let rows_after = self.end_of_window(row) - row;
+        if self.bursts {
+            let ends = row + rows_after == self.time_s.len();
+            let at_end = ends && (rows_after as f64) < ENVELOPE_SHARE * self.window as f64;
+            let end_effect = if at_end { BURSTS_AT_END * self.burst_rows } else { 0.0 };
+            return RISE_BURSTS.max(RISE_SIGMAS * self.rise_scatter).max(end_effect);
+        }
+        // a median of w values scatters by 1.25 σ / √w
+        let rows_before = row.min(self.window);
+        let parts = 1.0 / rows_before as f64 + 1.0 / rows_after as f64;
+        RISE_JITTERED.max(RISE_SIGMAS * 1.25 * self.scatter * parts.sqrt())
+    }
+
+    /// Samples missing at `row`, by the rise of the level there.
+    fn count(&self, row: usize, rise: f64) -> u64 {
+        if rise > self.needed_rise(row) { rise.round().max(1.0) as u64 } else { 0 }
     }
 
     fn missing(&self, row: usize) -> u64 {
-        self.count(self.rise(row))
+        self.count(row, self.rise(row))
     }
 
     /// Puts a gap that is seen at `row` where it fits best, and accepts it. Returns the last row dealt with.
     fn place(&mut self, row: usize) -> usize {
         let at = if self.bursts { self.place_in_bursts(row) } else { self.place_in_jitter(row) };
-        let missing = self.count(self.rise_ahead(at));
+        let missing = self.count(at, self.rise_ahead(at));
         if missing == 0 {
             return row;
         }
@@ -298,7 +349,7 @@ impl<'a> Search<'a> {
         let rise = self.rise(mark.row);
         let back = self.steps_back(mark.row) && rise < -RISE_JITTERED;
         self.grid.clock_back += u64::from(back);
-        self.accept(mark.row, mark.boundary, mark.missing.max(self.count(rise)));
+        self.accept(mark.row, mark.boundary, mark.missing.max(self.count(mark.row, rise)));
     }
 
     fn accept(&mut self, row: usize, boundary: Boundary, missing_before: u64) {

@@ -24,6 +24,9 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 /// clock of the log is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
 
+/// The inertial channels.
+const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
 /// Bytes read at once.
 const READ_BUFFER: usize = 1 << 18;
 
@@ -132,7 +135,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     }
     refuse_unusable(&path, &table, options.strict)?;
     if let Some(time) = time {
-        drop_copies(&mut table, time);
+        drop_copies(&mut table, time, map);
     }
     let n_rows = table.n_rows();
     if n_rows < 2 {
@@ -204,19 +207,25 @@ fn refuse_unusable(path: &Path, table: &Table, strict: bool) -> Result<(), Recor
     Ok(())
 }
 
-/// Drops rows that repeat the one before them, stamp and all.
-fn drop_copies(table: &mut Table, time: usize) {
+/// Drops rows that repeat the sample before them: the same stamp, and the same in all inertial channels (in all, if
+/// there are none of those). A sender that holds the last sample may still renew a slow channel.
+fn drop_copies(table: &mut Table, time: usize, map: &ColumnMap) {
     let stamps = &table.columns[time].values;
     let repeats = |row: usize| row > 0 && stamps[row] == stamps[row - 1];
     let n_repeats = (0..stamps.len()).filter(|&row| repeats(row)).count();
     if n_repeats == 0 || n_repeats as f64 > MAX_COPIES * stamps.len() as f64 {
         return;
     }
+    let is_inertial = |column: &&Column| AXES.iter().any(|axis| map.column_of(axis) == column.name);
+    let mut compared: Vec<&Column> = table.columns.iter().filter(is_inertial).collect();
+    if compared.is_empty() {
+        compared = table.columns.iter().collect();
+    }
     let equal = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
     let keep: Vec<bool> = (0..stamps.len())
         .map(|row| {
-            let same = |column: &Column| equal(column.values[row], column.values[row - 1]);
-            !(repeats(row) && table.columns.iter().all(same))
+            let same = |column: &&Column| equal(column.values[row], column.values[row - 1]);
+            !(repeats(row) && compared.iter().all(same))
         })
         .collect();
     table.quality.rows_repeated = keep.iter().filter(|&&keep| !keep).count() as u64;

@@ -8,8 +8,8 @@
 //! |---|---|
 //! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
-//! | a row repeats the one before, stamp and all | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
-//! | a stamp repeats, other cells differ | kept and counted |
+//! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
+//! | a stamp repeats, the sample differs | kept and counted |
 //! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
 //! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
 //! | over 5 % of rows are like that, or one in strict mode | refused |

@@ -19,7 +19,7 @@ pub struct Quality {
     pub rows_unusable: u64,
     /// The first few of them.
     pub first_unusable: Vec<BadRow>,
-    /// Rows dropped since they repeat the row before, time stamp and all (see [`super::Recording`]).
+    /// Rows dropped since they repeat the stamp and the sample of the row before.
     pub rows_repeated: u64,
     /// Rows kept although their time stamp repeats the one before: the clock of the log is coarse.
     pub stamps_repeated: u64,

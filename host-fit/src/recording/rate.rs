@@ -12,7 +12,7 @@ const EARLY_SHARE: f64 = 0.2;
 const REGULAR_SCATTER: f64 = 0.02;
 
 /// MAD of a normal distribution in standard deviations.
-const MAD_TO_SD: f64 = 1.4826;
+pub(super) const MAD_TO_SD: f64 = 1.4826;
 
 /// Rows per block in which the scatter of stamps is taken, short enough that no clock wanders in it.
 const SCATTER_BLOCK: usize = 64;
