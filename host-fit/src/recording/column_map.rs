@@ -1,0 +1,386 @@
+//! Which column of a log is which channel, and how its numbers become SI units.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use super::unit::{Affine, Unit, known_units, parse_unit};
+
+/// Maps columns of a log to channels.
+///
+/// One entry per channel, as on a command line:
+///
+/// ```text
+/// target=column[:arithmetic][:unit]     this column is that channel
+/// !column                               leave this column out
+/// ```
+///
+/// `arithmetic` is what a data sheet prints, applied from left to right (no precedence), each of `+ - * /` with
+/// a number: `/340+36.53`, `-32768*0.061`. `unit` is the unit of the result; without it the numbers are taken to
+/// be in the unit that the target's name states (`gx_rads`: rad/s). A target may replace a column of its own name.
+///
+/// ```
+/// use host_fit::recording::ColumnMap;
+/// let map = ColumnMap::from_specs([
+///     "t_s=time:us",
+///     "gx_rads=gyro_x:mdps",
+///     "ax_mps2=acc_x:g",
+///     "temp_c=T:/340+36.53:degC",
+///     "gy_rads=gy_cnt:-32768*0.061:mdps",
+///     "!debug",
+/// ])?;
+/// assert_eq!(map.column_of("gx_rads"), "gyro_x");
+/// # Ok::<(), host_fit::recording::MapError>(())
+/// ```
+///
+/// The same as a TOML file; a column whose name has a `:` in it needs the long form:
+///
+/// ```toml
+/// ignore = ["debug"]
+/// [columns]
+/// gx_rads = "gyro_x:mdps"
+/// ax_mps2 = { column = "acc:x", arithmetic = "-32768*0.061", unit = "mg" }
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColumnMap {
+    mappings: Vec<Mapping>,
+    ignored: Vec<String>,
+}
+
+/// One channel of a [`ColumnMap`].
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mapping {
+    pub(super) target: String,
+    pub(super) column: String,
+    pub(super) unit: Unit,
+    pub(super) conversion: Affine,
+}
+
+/// Why a column map was not understood.
+#[derive(Debug, Error)]
+pub enum MapError {
+    /// Not of the form `target=column…`.
+    #[error(
+        "column map \"{spec}\": write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
+    )]
+    Form {
+        /// The entry.
+        spec: String,
+    },
+    /// Not a unit known here.
+    #[error(
+        "column map \"{spec}\": unknown unit \"{unit}\"; known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
+        known_units()
+    )]
+    UnknownUnit {
+        /// The entry.
+        spec: String,
+        /// The unit in it.
+        unit: String,
+    },
+    /// Arithmetic that is not a chain of `+ - * /` with finite numbers.
+    #[error(
+        "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"; write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
+    )]
+    Arithmetic {
+        /// The entry.
+        spec: String,
+        /// The arithmetic in it.
+        arithmetic: String,
+    },
+    /// The unit measures something else than the channel does.
+    #[error(
+        "column map \"{spec}\": {target} is in {}, and \"{unit}\" cannot be converted to it",
+        expected.symbol()
+    )]
+    WrongKind {
+        /// The entry.
+        spec: String,
+        /// The channel.
+        target: String,
+        /// Unit of the channel.
+        expected: Unit,
+        /// Unit in the entry.
+        unit: String,
+    },
+    /// Two entries for one channel.
+    #[error("column map: {target} is given twice (columns \"{first}\" and \"{second}\"); keep one of them")]
+    Twice {
+        /// The channel.
+        target: String,
+        /// Its first column.
+        first: String,
+        /// Its second column.
+        second: String,
+    },
+    /// A TOML map that is not TOML, or not of the documented shape.
+    #[error("column map: {0}\nwrite a table [columns] of channel = \"column:unit\"")]
+    Toml(#[from] toml::de::Error),
+    /// A map that cannot be read.
+    #[error("column map {path}: cannot be read ({source}); check the path")]
+    Io {
+        /// The file.
+        path: String,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TomlMap {
+    #[serde(default)]
+    ignore: Vec<String>,
+    #[serde(default)]
+    columns: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TomlMapping {
+    column: String,
+    arithmetic: Option<String>,
+    unit: Option<String>,
+}
+
+impl ColumnMap {
+    /// A map from entries as given on a command line.
+    ///
+    /// # Errors
+    /// The first entry that is not understood, see [`MapError`].
+    pub fn from_specs<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<ColumnMap, MapError> {
+        let mut map = ColumnMap::default();
+        for spec in specs {
+            map.add(spec.as_ref())?;
+        }
+        Ok(map)
+    }
+
+    /// A map from the text of a TOML file.
+    ///
+    /// # Errors
+    /// Text that is not TOML, or the first entry that is not understood.
+    pub fn from_toml(text: &str) -> Result<ColumnMap, MapError> {
+        let file: TomlMap = toml::from_str(text)?;
+        let mut map = ColumnMap { mappings: Vec::new(), ignored: file.ignore };
+        for (target, value) in file.columns {
+            match value {
+                toml::Value::String(rest) => map.add(&format!("{target}={rest}"))?,
+                table => {
+                    let long: TomlMapping = table.try_into()?;
+                    let spec = format!("{target}={}", long.column);
+                    map.add_mapping(
+                        &spec,
+                        &target,
+                        &long.column,
+                        long.arithmetic.as_deref(),
+                        long.unit.as_deref(),
+                    )?;
+                }
+            }
+        }
+        Ok(map)
+    }
+
+    /// A map from a TOML file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and those of [`ColumnMap::from_toml`].
+    pub fn from_file(path: &Path) -> Result<ColumnMap, MapError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| MapError::Io { path: path.display().to_string(), source })?;
+        ColumnMap::from_toml(&text)
+    }
+
+    /// Adds one entry, as given on a command line.
+    ///
+    /// # Errors
+    /// An entry that is not understood, or whose target is mapped already.
+    pub fn add(&mut self, spec: &str) -> Result<(), MapError> {
+        let form = || MapError::Form { spec: spec.to_owned() };
+        if let Some(column) = spec.strip_prefix('!') {
+            if column.is_empty() {
+                return Err(form());
+            }
+            self.ignored.push(column.to_owned());
+            return Ok(());
+        }
+        let (target, rest) = spec.split_once('=').ok_or_else(form)?;
+        let mut parts = rest.split(':').map(str::trim);
+        let column = parts.next().unwrap_or_default();
+        let mut parts = parts.peekable();
+        let arithmetic = parts.next_if(|part| part.starts_with(['+', '-', '*', '/']));
+        let unit = parts.next();
+        if parts.next().is_some() {
+            return Err(form());
+        }
+        self.add_mapping(spec, target.trim(), column, arithmetic, unit)
+    }
+
+    fn add_mapping(
+        &mut self,
+        spec: &str,
+        target: &str,
+        column: &str,
+        arithmetic: Option<&str>,
+        unit: Option<&str>,
+    ) -> Result<(), MapError> {
+        let spec = spec.to_owned();
+        if target.is_empty() || column.is_empty() {
+            return Err(MapError::Form { spec });
+        }
+        if let Some(first) = self.mappings.iter().find(|mapping| mapping.target == target) {
+            return Err(MapError::Twice {
+                target: target.to_owned(),
+                first: first.column.clone(),
+                second: column.to_owned(),
+            });
+        }
+        let mut conversion = match arithmetic {
+            None => Affine::IDENTITY,
+            Some(chain) => parse_arithmetic(chain)
+                .ok_or_else(|| MapError::Arithmetic { spec: spec.clone(), arithmetic: chain.to_owned() })?,
+        };
+        let expected = Unit::of_column(target);
+        let mut stored = expected;
+        if let Some(unit) = unit {
+            let (kind, to_si) = parse_unit(unit)
+                .ok_or_else(|| MapError::UnknownUnit { spec: spec.clone(), unit: unit.to_owned() })?;
+            if expected != Unit::Unstated && kind != expected {
+                let unit = unit.to_owned();
+                return Err(MapError::WrongKind { spec, target: target.to_owned(), expected, unit });
+            }
+            conversion = conversion.then(to_si);
+            stored = kind;
+        }
+        self.mappings.push(Mapping {
+            target: target.to_owned(),
+            column: column.to_owned(),
+            unit: stored,
+            conversion,
+        });
+        Ok(())
+    }
+
+    /// The column of the log that holds `target`: the mapped one, else the one of that name.
+    pub fn column_of<'a>(&'a self, target: &'a str) -> &'a str {
+        self.mappings.iter().find(|mapping| mapping.target == target).map_or(target, |found| &found.column)
+    }
+
+    /// Was `column` asked to be left out?
+    pub fn ignores(&self, column: &str) -> bool {
+        self.ignored.iter().any(|name| name == column)
+    }
+
+    pub(super) fn mappings(&self) -> &[Mapping] {
+        &self.mappings
+    }
+
+    /// Is `column` the source of any channel?
+    pub(super) fn uses(&self, column: &str) -> bool {
+        self.mappings.iter().any(|mapping| mapping.column == column)
+    }
+
+    /// Columns asked to be left out.
+    pub(super) fn ignored(&self) -> &[String] {
+        &self.ignored
+    }
+}
+
+/// `-32768*0.061` as one straight line; `None` if it is not a chain of operators with finite numbers.
+fn parse_arithmetic(chain: &str) -> Option<Affine> {
+    let bytes = chain.as_bytes();
+    let mut line = Affine::IDENTITY;
+    let mut at = 0;
+    while at < bytes.len() {
+        // a sign right after an operator or an exponent belongs to the number
+        let end = (at + 2..bytes.len())
+            .find(|&i| b"+-*/".contains(&bytes[i]) && !b"eE".contains(&bytes[i - 1]))
+            .unwrap_or(bytes.len());
+        let number: f64 = chain.get(at + 1..end)?.trim().parse().ok()?;
+        let step = match bytes[at] {
+            b'+' => Affine { scale: 1.0, offset: number },
+            b'-' => Affine { scale: 1.0, offset: -number },
+            b'*' => Affine { scale: number, offset: 0.0 },
+            b'/' => Affine { scale: 1.0 / number, offset: 0.0 },
+            _ => return None,
+        };
+        line = line.then(step);
+        at = end;
+    }
+    (line.scale.is_finite() && line.offset.is_finite() && line.scale != 0.0).then_some(line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(spec: &str, cell: f64) -> f64 {
+        let map = ColumnMap::from_specs([spec]).expect(spec);
+        let mut values = [cell];
+        map.mappings()[0].conversion.apply(&mut values);
+        values[0]
+    }
+
+    #[test]
+    fn arithmetic_runs_from_left_to_right() {
+        // MPU-6050 register map: temperature in degC = raw / 340 + 36.53
+        assert!((value("temp_c=raw:/340+36.53:degC", -3920.0) - 25.000588235294118).abs() < 1e-12);
+        assert_eq!(value("x=raw:-32768*0.5", 32770.0), 1.0);
+        assert_eq!(value("x=raw:*-2e-1+1", 10.0), -1.0);
+        assert_eq!(value("x=raw", 0.1), 0.1);
+    }
+
+    #[test]
+    fn counts_with_a_scale_and_an_offset_become_si() {
+        let rate = value("gx_rads=gx:-32768*0.061:mdps", 32768.0 + 1000.0);
+        assert!((rate - 61.0e-3_f64.to_radians()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_unit_of_the_wrong_kind_is_refused() {
+        let error = ColumnMap::from_specs(["gx_rads=gyro:g"]).unwrap_err();
+        assert!(matches!(error, MapError::WrongKind { .. }), "{error}");
+        assert!(error.to_string().contains("gx_rads is in rad/s"), "{error}");
+    }
+
+    #[test]
+    fn what_cannot_be_read_says_what_to_write() {
+        for (spec, hint) in [
+            ("gx_rads", "target=column"),
+            ("=x", "target=column"),
+            ("gx_rads=", "target=column"),
+            ("!", "target=column"),
+            ("gx_rads=a:b:c:d", "target=column"),
+            ("gx_rads=gyro:rpm", "mdps"),
+            ("gx_rads=gyro:*", "arithmetic"),
+            ("gx_rads=gyro:*x:dps", "arithmetic"),
+            ("gx_rads=gyro:/0:dps", "arithmetic"),
+            ("gx_rads=gyro:*0:dps", "arithmetic"),
+            ("gx_rads=gyro:+inf:dps", "arithmetic"),
+        ] {
+            let message = ColumnMap::from_specs([spec]).unwrap_err().to_string();
+            assert!(message.contains(hint), "{spec}: {message}");
+        }
+    }
+
+    #[test]
+    fn one_channel_from_two_columns_is_refused() {
+        let error = ColumnMap::from_specs(["gx_rads=a", "gx_rads=b"]).unwrap_err();
+        assert!(matches!(error, MapError::Twice { .. }));
+    }
+
+    #[test]
+    fn a_toml_map_says_the_same_as_the_command_line() {
+        let toml = r#"
+            ignore = ["debug"]
+            [columns]
+            ax_mps2 = { column = "acc_x", arithmetic = "-32768*0.061", unit = "mg" }
+            gx_rads = "gyro_x:mdps"
+        "#;
+        let specs = ["ax_mps2=acc_x:-32768*0.061:mg", "gx_rads=gyro_x:mdps", "!debug"];
+        assert_eq!(ColumnMap::from_toml(toml).unwrap(), ColumnMap::from_specs(specs).unwrap());
+        assert!(ColumnMap::from_toml("[colums]\na = \"b\"").is_err());
+    }
+}

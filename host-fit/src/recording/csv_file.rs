@@ -1,0 +1,368 @@
+//! Reads CSV: a header line, then a row of numbers per line.
+//!
+//! Lines are split here rather than by a CSV library, so that rubbish stays within its line: a lone quotation
+//! mark must not swallow the rows after it. Only a line with quotation marks goes through the library.
+//!
+//! The separator is the one the header has most of: comma, semicolon or tab. Blank lines and lines that start
+//! with `#` are passed over. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.
+
+use std::collections::HashMap;
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+use super::column_map::ColumnMap;
+use super::error::RecordingError;
+use super::quality::{BadRow, Place, Problem};
+use super::table::{Column, Skipped, Table, check_names, column_name, must_be_numeric};
+
+/// Longest line that may still be a row, bytes. Something that has longer lines is no table of samples.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// What some programs put before the text of a UTF-8 file.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Rows looked at to tell text columns from numbers with rubbish in them.
+const ROWS_TO_CLASSIFY: usize = 1000;
+
+/// Reads a whole file. In `strict` mode the first unusable row is an error.
+pub(super) fn read(
+    path: &Path,
+    input: impl BufRead,
+    map: &ColumnMap,
+    strict: bool,
+) -> Result<Table, RecordingError> {
+    let mut lines = Lines { input, number: 0, path };
+    let mut line = Vec::new();
+    if !lines.next(&mut line)? {
+        return Err(not_a_log(path, "the file is empty".into()));
+    }
+    let header = Header::parse(path, &line)?;
+
+    // the first rows are kept as text, to see which columns are text
+    let mut first_lines = Vec::new();
+    while first_lines.len() < ROWS_TO_CLASSIFY && lines.next(&mut line)? {
+        first_lines.push((lines.number, line.clone()));
+    }
+    let mut parser = Parser::new(path, map, &header, &first_lines)?;
+    let mut take = |number, line: &[u8]| match parser.take(number, line) {
+        Ok(()) => Ok(()),
+        Err(row) if strict => Err(RecordingError::BadRow { path: path.to_owned(), row }),
+        Err(row) => {
+            parser.skip(row);
+            Ok(())
+        }
+    };
+    for (number, line) in &first_lines {
+        take(*number, line)?;
+    }
+    drop(first_lines);
+    while lines.next(&mut line)? {
+        take(lines.number, &line)?;
+    }
+    parser.finish()
+}
+
+fn not_a_log(path: &Path, problem: String) -> RecordingError {
+    RecordingError::NotALog { path: path.to_owned(), problem }
+}
+
+/// Lines that may hold data, without their ends.
+struct Lines<'a, R> {
+    input: R,
+    /// Number of the line last read, from 1.
+    number: u64,
+    path: &'a Path,
+}
+
+impl<R: BufRead> Lines<'_, R> {
+    /// Reads the next line that is not blank or a comment; false at the end of the file.
+    fn next(&mut self, line: &mut Vec<u8>) -> Result<bool, RecordingError> {
+        loop {
+            line.clear();
+            let n = (&mut self.input).take(LONGEST_LINE).read_until(b'\n', line).map_err(|source| {
+                RecordingError::Io { path: self.path.to_owned(), action: "read it", source }
+            })?;
+            if n == 0 {
+                return Ok(false);
+            }
+            self.number += 1;
+            if self.number == 1 && line.starts_with(BYTE_ORDER_MARK) {
+                line.drain(..BYTE_ORDER_MARK.len());
+            }
+            if n as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+                let problem = format!("line {} is longer than {LONGEST_LINE} bytes", self.number);
+                return Err(not_a_log(self.path, problem));
+            }
+            while line.last().is_some_and(|byte| b"\r\n".contains(byte)) {
+                line.pop();
+            }
+            if !line.is_empty() && line[0] != b'#' {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+/// Names of the columns, and what stands between them.
+struct Header {
+    names: Vec<String>,
+    separator: u8,
+}
+
+impl Header {
+    fn parse(path: &Path, line: &[u8]) -> Result<Header, RecordingError> {
+        let count = |separator: u8| line.iter().filter(|&&byte| byte == separator).count();
+        let separator = [b'\t', b';', b','].into_iter().max_by_key(|&s| count(s)).unwrap_or(b',');
+        let mut names = Vec::new();
+        for_each_cell(line, separator, |i, cell| {
+            names.push(column_name(&String::from_utf8_lossy(cell), i));
+        });
+        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let problem = "the first line holds numbers where the names of the columns should be";
+            return Err(not_a_log(path, problem.into()));
+        }
+        check_names(path, &names)?;
+        Ok(Header { names, separator })
+    }
+}
+
+/// Hands every cell of a line to `take` with its index, without spaces around it; returns how many there are.
+fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) -> usize {
+    let mut n = 0;
+    if line.contains(&b'"') {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(separator).from_reader(line);
+        let mut record = csv::ByteRecord::new();
+        if let Ok(true) = reader.read_byte_record(&mut record) {
+            for cell in &record {
+                take(n, cell.trim_ascii());
+                n += 1;
+            }
+        }
+    } else {
+        for cell in line.split(|&byte| byte == separator) {
+            take(n, cell.trim_ascii());
+            n += 1;
+        }
+    }
+    n
+}
+
+/// What a cell says.
+enum Cell {
+    Number(f64),
+    Empty,
+    Text,
+}
+
+fn parse_cell(cell: &[u8]) -> Cell {
+    if cell.is_empty() {
+        return Cell::Empty;
+    }
+    let Ok(text) = std::str::from_utf8(cell) else { return Cell::Text };
+    if let Ok(number) = text.parse() {
+        return Cell::Number(number);
+    }
+    let is = |word: &str| text.eq_ignore_ascii_case(word);
+    match () {
+        () if is("true") => Cell::Number(1.0),
+        () if is("false") => Cell::Number(0.0),
+        () if is("na") || is("null") || is("none") => Cell::Empty,
+        () => Cell::Text,
+    }
+}
+
+/// What is done with the cells of a column.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// Numbers go to the table's column of this index.
+    Numbers(usize),
+    /// As numbers, but nothing has been seen that would tell them from text.
+    Undecided(usize),
+    /// Each different content gets a number, in order of appearance.
+    Labels(usize),
+    /// Not looked at.
+    LeftOut,
+}
+
+/// Turns lines into rows of a table.
+struct Parser<'a> {
+    separator: u8,
+    names: &'a [String],
+    kinds: Vec<Kind>,
+    labels: HashMap<Vec<u8>, f64>,
+    /// The row being read, one value per column of the table.
+    row: Vec<f64>,
+    /// Columns whose cell is empty in the row being read.
+    row_empty: Vec<usize>,
+    /// Empty cells per column of the table.
+    empty: Vec<u64>,
+    time: Option<usize>,
+    table: Table,
+    needed: Vec<bool>,
+    path: &'a Path,
+}
+
+impl<'a> Parser<'a> {
+    fn new(
+        path: &'a Path,
+        map: &ColumnMap,
+        header: &'a Header,
+        first_lines: &[(u64, Vec<u8>)],
+    ) -> Result<Parser<'a>, RecordingError> {
+        let names = header.names.as_slice();
+        let (mut numbers, mut texts) = (vec![0_u32; names.len()], vec![0_u32; names.len()]);
+        for (_, line) in first_lines {
+            for_each_cell(line, header.separator, |i, cell| match parse_cell(cell) {
+                Cell::Number(_) if i < names.len() => numbers[i] += 1,
+                Cell::Text if i < names.len() => texts[i] += 1,
+                _ => {}
+            });
+        }
+        let mut table = Table::default();
+        let needed: Vec<bool> = names.iter().map(|name| must_be_numeric(name, map)).collect();
+        let mut kinds = Vec::with_capacity(names.len());
+        for (i, name) in names.iter().enumerate() {
+            let is_text = texts[i] > numbers[i];
+            let column = table.columns.len();
+            let kind = if map.ignores(name) {
+                Kind::LeftOut
+            } else if is_text && name == map.column_of("segment") {
+                Kind::Labels(column)
+            } else if is_text && needed[i] {
+                return Err(RecordingError::TextColumn { path: path.to_owned(), column: name.clone() });
+            } else if is_text {
+                table.quality.text_columns.push(name.clone());
+                Kind::LeftOut
+            } else if numbers[i] + texts[i] == 0 {
+                Kind::Undecided(column)
+            } else {
+                Kind::Numbers(column)
+            };
+            if kind != Kind::LeftOut {
+                table.columns.push(Column { name: name.clone(), values: Vec::new() });
+            }
+            kinds.push(kind);
+        }
+        let n = table.columns.len();
+        Ok(Parser {
+            separator: header.separator,
+            names,
+            kinds,
+            labels: HashMap::new(),
+            row: vec![f64::NAN; n],
+            row_empty: Vec::new(),
+            empty: vec![0; n],
+            time: table.index_of(map.column_of("t_s")),
+            table,
+            needed,
+            path,
+        })
+    }
+
+    /// Adds the row that `line` holds, or says why it cannot.
+    fn take(&mut self, number: u64, line: &[u8]) -> Result<(), BadRow> {
+        self.table.quality.rows_in_file += 1;
+        self.row_empty.clear();
+        let names = self.names;
+        let mut problem = None;
+        let mut extra_is_empty = false;
+        let n_cells = for_each_cell(line, self.separator, |i, cell| {
+            let Some(&kind) = self.kinds.get(i) else {
+                extra_is_empty = cell.is_empty();
+                return;
+            };
+            let (column, value) = match (kind, parse_cell_unless(kind == Kind::LeftOut, cell)) {
+                (Kind::LeftOut, _) => return,
+                (Kind::Labels(column), _) => {
+                    let next = self.labels.len() as f64;
+                    (column, *self.labels.entry(cell.to_vec()).or_insert(next))
+                }
+                (Kind::Numbers(column) | Kind::Undecided(column), Cell::Empty) => {
+                    self.row_empty.push(column);
+                    (column, f64::NAN)
+                }
+                (Kind::Numbers(column), Cell::Number(value)) => (column, value),
+                (Kind::Undecided(column), Cell::Number(value)) => {
+                    self.kinds[i] = Kind::Numbers(column);
+                    (column, value)
+                }
+                (Kind::Undecided(column), Cell::Text) if !self.needed[i] => {
+                    // the first content after many empty cells: remarks, not measurements
+                    self.kinds[i] = Kind::LeftOut;
+                    self.table.quality.text_columns.push(names[i].clone());
+                    (column, f64::NAN)
+                }
+                (_, Cell::Text) => {
+                    let place = Place::Line { line: number, cell: i as u64 + 1 };
+                    problem.get_or_insert_with(|| {
+                        BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber)
+                    });
+                    return;
+                }
+            };
+            self.row[column] = value;
+        });
+        // some loggers end every row with a separator
+        let cells_match = n_cells == names.len() || (n_cells == names.len() + 1 && extra_is_empty);
+        if !cells_match {
+            let problem = Problem::CellCount { expected: names.len(), found: n_cells };
+            return Err(BadRow::new(Place::Line { line: number, cell: 0 }, None, line, problem));
+        }
+        if let Some(problem) = problem {
+            return Err(problem);
+        }
+        if let Some(time) = self.time.filter(|&time| !self.row[time].is_finite()) {
+            let name = &self.table.columns[time].name;
+            let cell = names.iter().position(|other| other == name).map_or(0, |i| i as u64 + 1);
+            let place = Place::Line { line: number, cell };
+            return Err(BadRow::new(place, Some(name), b"", Problem::NoTime));
+        }
+        for (column, value) in self.table.columns.iter_mut().zip(&self.row) {
+            column.values.push(*value);
+        }
+        self.row_empty.iter().for_each(|&column| self.empty[column] += 1);
+        Ok(())
+    }
+
+    /// Leaves a row out, and remembers where.
+    fn skip(&mut self, row: BadRow) {
+        self.table.quality.note_unusable(row);
+        let before_row = self.table.n_rows();
+        match self.table.skipped.last_mut() {
+            Some(last) if last.before_row == before_row => last.rows += 1,
+            _ => self.table.skipped.push(Skipped { before_row, rows: 1 }),
+        }
+    }
+
+    fn finish(mut self) -> Result<Table, RecordingError> {
+        for i in 0..self.table.columns.len() {
+            self.table.columns[i].values.shrink_to_fit();
+        }
+        // columns that turned out to be text after many empty cells
+        let text = std::mem::take(&mut self.table.quality.text_columns);
+        let is_kept = |name: &String| !text.contains(name);
+        let mut empty = self.empty.iter();
+        let mut kept_empty = Vec::new();
+        self.table.columns.retain(|column| {
+            let count = *empty.next().unwrap_or(&0);
+            let keep = is_kept(&column.name);
+            if keep {
+                kept_empty.push(count);
+            }
+            keep
+        });
+        self.table.quality.text_columns = text;
+        if self.table.columns.is_empty() {
+            return Err(not_a_log(self.path, "no column holds numbers".into()));
+        }
+        for (i, empty) in kept_empty.into_iter().enumerate() {
+            self.table.note_missing_cells(i, empty);
+        }
+        Ok(self.table)
+    }
+}
+
+/// A cell that nobody looks at is not parsed.
+fn parse_cell_unless(left_out: bool, cell: &[u8]) -> Cell {
+    if left_out { Cell::Empty } else { parse_cell(cell) }
+}

@@ -1,0 +1,177 @@
+//! What can keep a log from being loaded or written, and what to do about it.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::column_map::MapError;
+use super::quality::BadRow;
+
+/// Why a log could not be loaded, used or written.
+#[derive(Debug, Error)]
+pub enum RecordingError {
+    /// The system refused to read or write.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// The system's answer.
+        source: io::Error,
+    },
+    /// Parquet that cannot be read or written.
+    #[error("{}: Parquet: {source}; if it was cut short while being written, export it again", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What the library says.
+        source: parquet::errors::ParquetError,
+    },
+    /// Not a table of text, nor anything else known.
+    #[error("{}: {problem}; expected CSV (a header line, then numbers), gzip'd CSV or Parquet", path.display())]
+    NotALog {
+        /// The file.
+        path: PathBuf,
+        /// What is not as it should be.
+        problem: String,
+    },
+    /// Two columns have one name.
+    #[error("{}: two columns are named \"{name}\"; rename one in the header", path.display())]
+    DuplicateColumn {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+    },
+    /// The column map names a column that is not there.
+    #[error("{}: the column map names \"{column}\", which the log does not have{}", path.display(), suggest(closest, available))]
+    UnknownColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// The most similar column.
+        closest: Option<String>,
+        /// The columns of the log.
+        available: Vec<String>,
+    },
+    /// A column that must hold numbers holds text.
+    #[error(
+        "{}: column \"{column}\" is needed as numbers and holds text; check the header, or map another column to it (target=column:unit)",
+        path.display()
+    )]
+    TextColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+    },
+    /// No time stamps, and no rate to stand in for them.
+    #[error(
+        "{}: no column t_s{}; name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none",
+        path.display(),
+        suggest(closest, available)
+    )]
+    NoTime {
+        /// The file.
+        path: PathBuf,
+        /// The column most like a time.
+        closest: Option<String>,
+        /// The columns of the log.
+        available: Vec<String>,
+    },
+    /// Time stamps that do not run forward.
+    #[error(
+        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate; check the column map, or leave the column out (!{column}) and give rate_hz",
+        path.display()
+    )]
+    NoClock {
+        /// The file.
+        path: PathBuf,
+        /// The column of the stamps.
+        column: String,
+    },
+    /// A rate that is no rate.
+    #[error("rate_hz is {rate_hz}; give a positive number of samples per second")]
+    BadRate {
+        /// The rate, Hz.
+        rate_hz: f64,
+    },
+    /// Too little to work with.
+    #[error("{}: {rows} usable rows; at least 2 are needed", path.display())]
+    TooFewRows {
+        /// The file.
+        path: PathBuf,
+        /// Usable rows.
+        rows: usize,
+    },
+    /// A row that cannot be used, in strict mode.
+    #[error("{}:{row}\ncorrect or remove that row, or load without strict to skip such rows", path.display())]
+    BadRow {
+        /// The file.
+        path: PathBuf,
+        /// The row.
+        row: BadRow,
+    },
+    /// So many rows cannot be used that the log cannot be trusted.
+    #[error(
+        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\ncheck the separator and the column map; a column that is not needed can be left out (!column)",
+        path.display(),
+        limit * 100.0,
+        path.display()
+    )]
+    TooManyBadRows {
+        /// The file.
+        path: PathBuf,
+        /// Rows that cannot be used.
+        unusable: u64,
+        /// Rows in the file.
+        rows: u64,
+        /// The first of them.
+        first: Box<BadRow>,
+        /// Highest fraction that is skipped.
+        limit: f64,
+    },
+    /// A channel that the recording does not have.
+    #[error(
+        "no channel \"{name}\"{}; a column in other units is mapped as in {name}=column:unit",
+        suggest(closest, available)
+    )]
+    NoChannel {
+        /// The channel.
+        name: String,
+        /// The most similar channel.
+        closest: Option<String>,
+        /// The channels of the recording.
+        available: Vec<String>,
+    },
+    /// Columns that do not have one length.
+    #[error(
+        "column \"{name}\" has {found} values where the first has {expected}; give all columns one length"
+    )]
+    Lengths {
+        /// The column.
+        name: String,
+        /// Values in the first column.
+        expected: usize,
+        /// Values in this one.
+        found: usize,
+    },
+    /// A file name that does not tell the format to write.
+    #[error("{}: cannot tell the format from the name; end it in .csv, .csv.gz or .parquet", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A column map that was not understood.
+    #[error(transparent)]
+    Map(#[from] MapError),
+}
+
+/// What was meant, perhaps, and what there is.
+fn suggest(closest: &Option<String>, available: &[String]) -> String {
+    let meant = closest.as_ref().map_or(String::new(), |name| format!(" (did you mean \"{name}\"?)"));
+    format!("{meant}; there are {}", available.join(", "))
+}

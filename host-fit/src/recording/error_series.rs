@@ -1,0 +1,98 @@
+//! The error of one axis, as far as it was measured.
+
+use serde::Serialize;
+
+use super::Recording;
+use super::channel::Channel;
+use super::error::RecordingError;
+use super::unit::Unit;
+
+/// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
+#[derive(Clone, Debug)]
+pub struct ErrorSeries {
+    /// Name of the measured channel.
+    pub channel: String,
+    /// Unit of the values.
+    pub unit: Unit,
+    /// One value per row, in `unit`; NaN where the measurement or the reference is missing.
+    pub values: Vec<f64>,
+    /// What was subtracted.
+    pub reference: Reference,
+}
+
+/// What the measurement is compared with.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reference {
+    /// Nothing was subtracted: the log is static, the true value a constant that leaves with the offset.
+    Constant,
+    /// The channel of this name, the truth as logged beside the measurement.
+    Channel(String),
+}
+
+impl Recording {
+    /// The channel of an axis: its full name (`gx_rads`), or short (`gx`, `ay`).
+    ///
+    /// # Errors
+    /// No such channel.
+    pub fn axis(&self, axis: &str) -> Result<&Channel, RecordingError> {
+        let full = match axis {
+            "ax" | "ay" | "az" => format!("{axis}_mps2"),
+            "gx" | "gy" | "gz" => format!("{axis}_rads"),
+            other => other.to_owned(),
+        };
+        self.channel(&full)
+    }
+
+    /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel
+    /// `ref_<name>` where the log has it, else constant.
+    ///
+    /// # Errors
+    /// No such channel.
+    pub fn error_series(&self, axis: &str) -> Result<ErrorSeries, RecordingError> {
+        let measured = self.axis(axis)?;
+        let name = format!("ref_{}", measured.name);
+        let truth = self.channels().iter().find(|channel| channel.name == name);
+        let (values, reference) = match truth {
+            None => (measured.values.clone(), Reference::Constant),
+            Some(truth) => {
+                let difference = measured.values.iter().zip(&truth.values).map(|(m, r)| m - r).collect();
+                (difference, Reference::Channel(name))
+            }
+        };
+        Ok(ErrorSeries { channel: measured.name.clone(), unit: measured.unit, values, reference })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Source};
+    use super::*;
+
+    fn recording(names: &[&str]) -> Recording {
+        let columns =
+            names.iter().enumerate().map(|(i, name)| (name.to_string(), vec![i as f64; 3])).collect();
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
+    }
+
+    #[test]
+    fn the_reference_is_subtracted_where_there_is_one() {
+        let error = recording(&["ref_gx_rads", "gx_rads"]).error_series("gx").unwrap();
+        assert_eq!(error.values, [1.0; 3]);
+        assert_eq!(error.reference, Reference::Channel("ref_gx_rads".into()));
+    }
+
+    #[test]
+    fn without_a_reference_it_is_the_measurement_and_says_so() {
+        let error = recording(&["ref_gy_rads", "gx_rads"]).error_series("gx_rads").unwrap();
+        assert_eq!(error.values, [1.0; 3]);
+        assert_eq!(error.reference, Reference::Constant);
+    }
+
+    #[test]
+    fn an_axis_that_is_not_there_names_the_closest() {
+        let message = recording(&["gx_rads", "temp_c"]).error_series("gy").unwrap_err().to_string();
+        assert!(message.contains("did you mean \"gx_rads\"?"), "{message}");
+    }
+}

@@ -1,0 +1,374 @@
+//! Finds samples that are missing, from time stamps alone.
+//!
+//! **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
+//! later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait
+//! between two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before
+//! it by more than half a period: round(rise / T) samples are missing.
+//!
+//! - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
+//!   scatter, and not beyond the next wait that scatter cannot explain (another gap).
+//! - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts
+//!   (64 to 4096 rows). The age of the freshest sample at a poll drifts as the two clocks slip, which lifts the
+//!   envelope by up to half a period within one window: here the rise must exceed 0.75 T. Rows with stamps that
+//!   run backward are not part of the envelope.
+//!
+//! In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
+//! all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
+//!
+//! A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
+//! longest wait between the last row that is too early to come after the gap and the first that is not late.
+//!
+//! Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
+//! it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
+//! Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use super::rate::{FirstLook, MAD_TO_SD, Stamps, median};
+
+/// Waits shorter than this are not looked at, periods. With jitter of sd 0.2 T, 0.4 % of single missing samples
+/// make a shorter one; these are found at a neighbouring row.
+const SUSPECT_WAIT: f64 = 1.25;
+
+/// A wait longer than T by this many standard deviations of jitter is not jitter.
+const OBVIOUS_SIGMAS: f64 = 6.0;
+
+/// Rise of the level from which a sample is missing, periods: jittered stamps, bursts.
+const RISE_JITTERED: f64 = 0.5;
+const RISE_BURSTS: f64 = 0.75;
+
+/// The rise must also exceed its own scatter by this factor, so that a log of a million rows has no false gap.
+const RISE_SIGMAS: f64 = 6.0;
+
+/// Suspects at which the scatter of the rise is measured in logs with bursts; more do not tell it better.
+const RISES_SAMPLED: usize = 1000;
+
+/// With less than this share of its window before the log ends, an envelope has not been reached for sure. There
+/// the rise must exceed what ten mean bursts would make.
+const ENVELOPE_SHARE: f64 = 0.25;
+const BURSTS_AT_END: f64 = 10.0;
+
+/// Over more missing samples than this the count is not exact (a period known to 1e-4 is one sample off), and the
+/// two sides are not used together to measure the period.
+const EXACT_MISSING: u64 = 5_000;
+
+/// A stretch of rows without gaps.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Segment {
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Place of its first row on the regular sample grid; the first row of the recording is 0.
+    pub tick: u64,
+    /// Samples missing between the segment before and this one.
+    pub missing_before: u64,
+    /// Why it starts here.
+    pub boundary: Boundary,
+}
+
+/// Why a segment starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Boundary {
+    /// The recording starts.
+    Start,
+    /// Samples are missing.
+    Gap,
+    /// The `segment` column changes.
+    SegmentColumn,
+    /// Time goes back; it is not known how many samples are missing (`missing_before` is 0).
+    ClockBack,
+}
+
+/// A boundary known without looking at stamps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mark {
+    /// First row after it.
+    pub(super) row: usize,
+    pub(super) boundary: Boundary,
+    /// Samples known to be missing.
+    pub(super) missing: u64,
+}
+
+/// The rows of a recording on the regular sample grid.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub(super) segments: Vec<Segment>,
+    pub(super) clock_back: u64,
+}
+
+impl Grid {
+    /// Grid index of every row.
+    pub(super) fn ticks(&self) -> Vec<u64> {
+        self.segments.iter().flat_map(|s| (0..s.rows.len() as u64).map(move |i| s.tick + i)).collect()
+    }
+
+    /// Stretches over which rows can be counted: short gaps are counted exactly, other boundaries are not.
+    pub(super) fn unbroken(&self) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for segment in &self.segments {
+            let counted = segment.boundary == Boundary::Gap && segment.missing_before <= EXACT_MISSING;
+            match stretches.last_mut() {
+                Some(last) if counted => last.end = segment.rows.end,
+                _ => stretches.push(segment.rows.clone()),
+            }
+        }
+        stretches
+    }
+}
+
+/// Finds all boundaries. `marks` are in order of rows, one per row.
+pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {
+    let mut search = Search::new(time_s, look, marks);
+    let mut marks = marks.iter().peekable();
+    let mut row = 1;
+    while row < time_s.len() {
+        while search.settled.len() < row {
+            search.settle();
+        }
+        if let Some(mark) = marks.next_if(|mark| mark.row == row) {
+            search.accept_mark(mark);
+        } else if search.steps_back(row) {
+            search.grid.clock_back += 1;
+            if search.rise(row) < -RISE_JITTERED {
+                search.accept(row, Boundary::ClockBack, 0);
+            }
+        } else if search.wait(row) >= SUSPECT_WAIT && search.missing(row) > 0 {
+            row = search.place(row);
+        }
+        row += 1;
+    }
+    search.finish()
+}
+
+struct Search<'a> {
+    time_s: &'a [f64],
+    period_s: f64,
+    bursts: bool,
+    /// Rows that make a level.
+    window: usize,
+    /// Wait that is surely a gap, periods.
+    obvious_wait: f64,
+    /// Scatter of single stamps, periods (jittered stamps).
+    scatter: f64,
+    /// Scatter of the rise where nothing is missing, periods (bursts).
+    rise_scatter: f64,
+    /// Mean rows from one long wait to the next (bursts).
+    burst_rows: f64,
+    marks: &'a [Mark],
+    /// Lateness of the rows gone by, with the gaps so far taken out, s.
+    settled: Vec<f64>,
+    /// Lateness taken out, s.
+    offset_s: f64,
+    grid: Grid,
+}
+
+impl<'a> Search<'a> {
+    fn new(time_s: &'a [f64], look: &FirstLook, marks: &'a [Mark]) -> Search<'a> {
+        let bursts = look.stamps == Stamps::Bursts;
+        let window = if bursts {
+            (16.0 * look.burst_rows).clamp(64.0, 4096.0)
+        } else {
+            // a median of w stamps scatters by 1.25 σ / √w: for a rise of T/2 to be seven of the difference's
+            (612.0 * look.scatter * look.scatter).clamp(16.0, 64.0)
+        };
+        let sd_of_wait = std::f64::consts::SQRT_2 * look.scatter;
+        let start = Segment { rows: 0..0, tick: 0, missing_before: 0, boundary: Boundary::Start };
+        let mut search = Search {
+            time_s,
+            period_s: look.period_s,
+            bursts,
+            window: window as usize,
+            obvious_wait: 1.0 + (OBVIOUS_SIGMAS * sd_of_wait).max(0.5),
+            scatter: look.scatter,
+            rise_scatter: 0.0,
+            burst_rows: look.burst_rows,
+            marks,
+            settled: Vec::with_capacity(time_s.len()),
+            offset_s: 0.0,
+            grid: Grid { segments: vec![start], clock_back: 0 },
+        };
+        if bursts {
+            search.rise_scatter = search.scatter_of_rises();
+        }
+        search
+    }
+
+    /// Scatter of the rise over the long waits of the log, of which few are gaps, periods.
+    fn scatter_of_rises(&self) -> f64 {
+        let rows = self.window..self.time_s.len().saturating_sub(self.window);
+        let suspects: Vec<usize> = rows.filter(|&row| self.wait(row) >= SUSPECT_WAIT).collect();
+        let step = suspects.len().div_ceil(RISES_SAMPLED).max(1);
+        let mut rises: Vec<f64> =
+            suspects.into_iter().step_by(step).map(|row| self.rise_ahead(row).abs()).collect();
+        MAD_TO_SD * median(&mut rises)
+    }
+
+    /// Wait before `row`, periods.
+    fn wait(&self, row: usize) -> f64 {
+        (self.time_s[row] - self.time_s[row - 1]) / self.period_s
+    }
+
+    fn steps_back(&self, row: usize) -> bool {
+        self.wait(row) < -1.0
+    }
+
+    /// Lateness of a row to come, s.
+    fn late(&self, row: usize) -> f64 {
+        (self.time_s[row] - self.time_s[0]) - self.period_s * row as f64 - self.offset_s
+    }
+
+    /// Counts the next row as gone by.
+    fn settle(&mut self) {
+        let late = self.late(self.settled.len());
+        self.settled.push(late);
+    }
+
+    /// Level of lateness of `rows`, as `late` gives it.
+    fn level(&self, rows: Range<usize>, late: impl Fn(usize) -> f64) -> f64 {
+        if self.bursts {
+            let first = rows.start;
+            // time cannot run backward as rows arrive: such a stamp is wrong
+            rows.filter(|&i| i == first || self.time_s[i] >= self.time_s[i - 1])
+                .map(late)
+                .fold(f64::INFINITY, f64::min)
+        } else {
+            median(&mut rows.map(late).collect::<Vec<_>>())
+        }
+    }
+
+    /// Rise of the level from before `row` to after it, periods. All rows before must be settled.
+    fn rise(&self, row: usize) -> f64 {
+        let before = self.level(row.saturating_sub(self.window)..row, |i| self.settled[i]);
+        let after = self.level(row..self.end_of_window(row), |i| self.late(i));
+        (after - before) / self.period_s
+    }
+
+    /// Rise at a row of which rows before are not settled yet.
+    fn rise_ahead(&self, row: usize) -> f64 {
+        let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
+        let before = self.level(row.saturating_sub(self.window)..row, late);
+        let after = self.level(row..self.end_of_window(row), late);
+        (after - before) / self.period_s
+    }
+
+    /// Where the rows end whose level is compared with what is before `row`.
+    fn end_of_window(&self, row: usize) -> usize {
+        let end = (row + self.window).min(self.time_s.len()).min(self.next_mark(row));
+        // a stamp that is wrong for one row comes back by a long wait, which is no gap
+        if self.bursts || self.steps_back(row) {
+            return end;
+        }
+        (row + 1..end).find(|&i| self.wait(i) >= self.obvious_wait).unwrap_or(end)
+    }
+
+    fn next_mark(&self, row: usize) -> usize {
+        let next = self.marks.partition_point(|mark| mark.row <= row);
+        self.marks.get(next).map_or(self.time_s.len(), |mark| mark.row)
+    }
+
+    /// Rise at `row` from which samples are missing, periods.
+    fn needed_rise(&self, row: usize) -> f64 {
+        let rows_after = self.end_of_window(row) - row;
+        if self.bursts {
+            let ends = row + rows_after == self.time_s.len();
+            let at_end = ends && (rows_after as f64) < ENVELOPE_SHARE * self.window as f64;
+            let end_effect = if at_end { BURSTS_AT_END * self.burst_rows } else { 0.0 };
+            return RISE_BURSTS.max(RISE_SIGMAS * self.rise_scatter).max(end_effect);
+        }
+        // a median of w values scatters by 1.25 σ / √w
+        let rows_before = row.min(self.window);
+        let parts = 1.0 / rows_before as f64 + 1.0 / rows_after as f64;
+        RISE_JITTERED.max(RISE_SIGMAS * 1.25 * self.scatter * parts.sqrt())
+    }
+
+    /// Samples missing at `row`, by the rise of the level there.
+    fn count(&self, row: usize, rise: f64) -> u64 {
+        if rise > self.needed_rise(row) { rise.round().max(1.0) as u64 } else { 0 }
+    }
+
+    fn missing(&self, row: usize) -> u64 {
+        self.count(row, self.rise(row))
+    }
+
+    /// Puts a gap that is seen at `row` where it fits best, and accepts it. Returns the last row dealt with.
+    fn place(&mut self, row: usize) -> usize {
+        let at = if self.bursts { self.place_in_bursts(row) } else { self.place_in_jitter(row) };
+        let missing = self.count(at, self.rise_ahead(at));
+        if missing == 0 {
+            return row;
+        }
+        self.settled.truncate(at);
+        while self.settled.len() < at {
+            self.settle();
+        }
+        self.accept(at, Boundary::Gap, missing);
+        at
+    }
+
+    /// The row from which the level after fits better than the level before: least sum of absolute deviations.
+    fn place_in_jitter(&self, row: usize) -> usize {
+        let half = self.window / 2;
+        let segment_start = self.grid.segments.last().map_or(0, |segment| segment.rows.start);
+        let from = row.saturating_sub(half).max(segment_start + 1);
+        let to = self.end_of_window(row).max(row + 1);
+        let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
+        let before = self.level(row.saturating_sub(self.window)..row, late);
+        let after = before + self.missing(row) as f64 * self.period_s;
+        let (mut cost, mut best) = (0.0, (f64::INFINITY, row));
+        for at in from..to {
+            if self.wait(at) >= 1.0 && cost < best.0 {
+                best = (cost, at);
+            }
+            cost += (late(at) - before).abs() - (late(at) - after).abs();
+        }
+        best.1
+    }
+
+    /// The longest wait from where the level has risen in full to the first fresh row after it.
+    fn place_in_bursts(&self, row: usize) -> usize {
+        let end = (row + self.window).min(self.next_mark(row));
+        let suspects = (row..end).filter(|&i| self.wait(i) >= SUSPECT_WAIT && !self.steps_back(i));
+        // the last burst before the gap may show a part of the rise already
+        let (mut highest, mut at) = (f64::NEG_INFINITY, row);
+        for suspect in suspects {
+            let rise = self.rise_ahead(suspect);
+            if rise > highest + 0.5 {
+                (highest, at) = (rise, suspect);
+            }
+        }
+        // no row from `at` on is too early to come after the gap, for `at` is where the level has risen
+        let after = self.level(at..self.end_of_window(at), |i| self.late(i));
+        let fresh = (at..end).find(|&i| self.late(i) < after + self.period_s).unwrap_or(at);
+        (at..=fresh).max_by(|&a, &b| self.wait(a).total_cmp(&self.wait(b))).unwrap_or(at)
+    }
+
+    /// Accepts a boundary that is known; the stamps may tell that more samples are missing.
+    fn accept_mark(&mut self, mark: &Mark) {
+        let rise = self.rise(mark.row);
+        let back = self.steps_back(mark.row) && rise < -RISE_JITTERED;
+        self.grid.clock_back += u64::from(back);
+        self.accept(mark.row, mark.boundary, mark.missing.max(self.count(mark.row, rise)));
+    }
+
+    fn accept(&mut self, row: usize, boundary: Boundary, missing_before: u64) {
+        self.offset_s += self.rise(row) * self.period_s;
+        let segments = &mut self.grid.segments;
+        let (mut tick, mut start) = (0, 0);
+        if let Some(last) = segments.last_mut() {
+            last.rows.end = row;
+            start = last.rows.start;
+            tick = last.tick;
+        }
+        let tick = tick + (row - start) as u64 + missing_before;
+        segments.push(Segment { rows: row..row, tick, missing_before, boundary });
+    }
+
+    fn finish(mut self) -> Grid {
+        if let Some(last) = self.grid.segments.last_mut() {
+            last.rows.end = self.time_s.len();
+        }
+        self.grid
+    }
+}

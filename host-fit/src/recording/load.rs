@@ -1,0 +1,331 @@
+//! From a file to a recording: find the format, read the table, give the columns their meaning.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+
+use flate2::bufread::MultiGzDecoder;
+
+use super::channel::Channel;
+use super::closest::closest;
+use super::column_map::ColumnMap;
+use super::error::RecordingError;
+use super::gaps::{Boundary, Grid, Mark, Segment};
+use super::rate::{self, Rate, Stamps};
+use super::source::{Hashing, Source};
+use super::table::{Column, Skipped, Table, check_names};
+use super::unit::Unit;
+use super::{Recording, csv_file, gaps, parquet_file};
+
+/// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
+pub const MAX_UNUSABLE: f64 = 0.05;
+
+/// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
+/// clock of the log is coarse, and equal rows are equal measurements.
+const MAX_COPIES: f64 = 0.1;
+
+/// The inertial channels.
+const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+/// Bytes read at once.
+const READ_BUFFER: usize = 1 << 18;
+
+/// How a log is read. The default suits a log with the columns of the log format.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Which column is which channel, in what unit.
+    pub columns: ColumnMap,
+    /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
+    pub rate_hz: Option<f64>,
+    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them.
+    pub strict: bool,
+}
+
+/// Reads a CSV, gzip'd CSV or Parquet file, told apart by their first bytes.
+///
+/// # Errors
+/// A file that cannot be read or is no log; see [`RecordingError`].
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
+    let path = path.as_ref();
+    let failed = |action| move |source| RecordingError::Io { path: path.to_owned(), action, source };
+    let mut file = File::open(path).map_err(failed("open it"))?;
+    let mut magic = [0; 4];
+    let n = read_up_to(&mut file, &mut magic).map_err(failed("read it"))?;
+    file.rewind().map_err(failed("read it"))?;
+    let mut hashing = Hashing::new(file.try_clone().map_err(failed("read it"))?);
+
+    let table = if magic[..n] == *b"PAR1" {
+        // read out of order, so not by way of the checksum; the two share one open file
+        io::copy(&mut hashing, &mut io::sink()).map_err(failed("read it"))?;
+        parquet_file::read(path, file, &options.columns)?
+    } else {
+        let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
+        if magic.starts_with(&[0x1f, 0x8b]) {
+            let text = BufReader::with_capacity(READ_BUFFER, MultiGzDecoder::new(input));
+            csv_file::read(path, text, &options.columns, options.strict)?
+        } else {
+            csv_file::read(path, input, &options.columns, options.strict)?
+        }
+    };
+    let source = hashing.finish(path.display().to_string()).map_err(failed("read it"))?;
+    assemble(source, table, options)
+}
+
+fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut n = 0;
+    while n < buffer.len() {
+        match input.read(&mut buffer[n..])? {
+            0 => break,
+            more => n += more,
+        }
+    }
+    Ok(n)
+}
+
+impl Recording {
+    /// A recording from columns in memory, named as in a log: `t_s`, `gx_rads`, `still`, ….
+    ///
+    /// # Errors
+    /// Columns of different length, and what [`load`] refuses.
+    pub fn from_columns(
+        source: Source,
+        columns: Vec<(String, Vec<f64>)>,
+        options: &LoadOptions,
+    ) -> Result<Recording, RecordingError> {
+        let expected = columns.first().map_or(0, |(_, values)| values.len());
+        if let Some((name, values)) = columns.iter().find(|(_, values)| values.len() != expected) {
+            return Err(RecordingError::Lengths { name: name.clone(), expected, found: values.len() });
+        }
+        let mut table = Table::default();
+        table.quality.rows_in_file = expected as u64;
+        for (name, values) in columns {
+            if !options.columns.ignores(&name) {
+                table.columns.push(Column { name, values });
+            }
+        }
+        check_names(Path::new(&source.path), &table.names())?;
+        for i in 0..table.columns.len() {
+            table.note_missing_cells(i, 0);
+        }
+        assemble(source, table, options)
+    }
+}
+
+/// Gives the columns of a table their meaning.
+fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<Recording, RecordingError> {
+    let path = Path::new(&source.path).to_owned();
+    let map = &options.columns;
+    if let Some(rate_hz) = options.rate_hz.filter(|hz| !(hz.is_finite() && *hz > 0.0)) {
+        return Err(RecordingError::BadRate { rate_hz });
+    }
+    check_map(&path, &table, map)?;
+
+    let time = table.index_of(map.column_of("t_s"));
+    match time {
+        Some(time) => table.drop_rows_without_time(time),
+        None if options.rate_hz.is_none() => {
+            let available = table.names();
+            let alike = ["time", "timestamp", "t_ms", "t"].iter().find_map(|name| {
+                closest(name, available.iter().map(String::as_str).filter(|name| name.contains('t')))
+            });
+            let closest = alike.map(str::to_owned);
+            return Err(RecordingError::NoTime { path, closest, available });
+        }
+        None => {}
+    }
+    refuse_unusable(&path, &table, options.strict)?;
+    if let Some(time) = time {
+        drop_copies(&mut table, time, map);
+    }
+    let n_rows = table.n_rows();
+    if n_rows < 2 {
+        return Err(RecordingError::TooFewRows { path, rows: n_rows });
+    }
+
+    let Table { columns, skipped, mut quality } = table;
+    let mut channels = name_channels(columns, map);
+    let mut take = |name: &str| {
+        let index = channels.iter().position(|channel| channel.name == name)?;
+        Some(channels.remove(index).values)
+    };
+    let stamps = take("t_s");
+    // a cell that does not say still does not count as still
+    let still = take("still").map(|cells| cells.into_iter().map(|cell| cell > 0.5).collect());
+    let marks = find_marks(take("segment").as_deref().unwrap_or_default(), &skipped);
+
+    let (time_s, grid, rate) = match (stamps, options.rate_hz) {
+        (Some(time_s), nominal_hz) => {
+            let (grid, rate) = measure(&time_s, nominal_hz, &marks)
+                .ok_or_else(|| RecordingError::NoClock { path, column: map.column_of("t_s").to_owned() })?;
+            (time_s, grid, rate)
+        }
+        (None, rate_hz) => without_stamps(n_rows, rate_hz.unwrap_or(1.0), &marks),
+    };
+    quality.stamps_repeated = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
+    quality.clock_back = grid.clock_back;
+    quality.gaps = grid.segments.iter().filter(|segment| segment.missing_before > 0).count() as u64;
+    quality.samples_missing = grid.segments.iter().map(|segment| segment.missing_before).sum();
+    Ok(Recording { source, time_s, channels, segments: grid.segments, rate, still, quality })
+}
+
+/// Refuses a map that names columns the log does not have.
+fn check_map(path: &Path, table: &Table, map: &ColumnMap) -> Result<(), RecordingError> {
+    let mapped = map.mappings().iter().map(|mapping| &mapping.column);
+    match mapped.into_iter().find(|column| table.index_of(column).is_none()) {
+        None => Ok(()),
+        Some(column) => {
+            let mut available = table.names();
+            available.extend(map.ignored().iter().cloned());
+            available.extend(table.quality.text_columns.iter().cloned());
+            let closest = closest(column, available.iter().map(String::as_str)).map(str::to_owned);
+            Err(RecordingError::UnknownColumn {
+                path: path.to_owned(),
+                column: column.clone(),
+                closest,
+                available,
+            })
+        }
+    }
+}
+
+/// Refuses a log of which too many rows cannot be used.
+fn refuse_unusable(path: &Path, table: &Table, strict: bool) -> Result<(), RecordingError> {
+    let quality = &table.quality;
+    let Some(first) = quality.first_unusable.first() else { return Ok(()) };
+    if strict {
+        return Err(RecordingError::BadRow { path: path.to_owned(), row: first.clone() });
+    }
+    if quality.rows_unusable as f64 > MAX_UNUSABLE * quality.rows_in_file as f64 {
+        return Err(RecordingError::TooManyBadRows {
+            path: path.to_owned(),
+            unusable: quality.rows_unusable,
+            rows: quality.rows_in_file,
+            first: Box::new(first.clone()),
+            limit: MAX_UNUSABLE,
+        });
+    }
+    Ok(())
+}
+
+/// Drops rows that repeat the sample before them: the same stamp, and the same in all inertial channels (in all, if
+/// there are none of those). A sender that holds the last sample may still renew a slow channel.
+fn drop_copies(table: &mut Table, time: usize, map: &ColumnMap) {
+    let stamps = &table.columns[time].values;
+    let repeats = |row: usize| row > 0 && stamps[row] == stamps[row - 1];
+    let n_repeats = (0..stamps.len()).filter(|&row| repeats(row)).count();
+    if n_repeats == 0 || n_repeats as f64 > MAX_COPIES * stamps.len() as f64 {
+        return;
+    }
+    let is_inertial = |column: &&Column| AXES.iter().any(|axis| map.column_of(axis) == column.name);
+    let mut compared: Vec<&Column> = table.columns.iter().filter(is_inertial).collect();
+    if compared.is_empty() {
+        compared = table.columns.iter().collect();
+    }
+    let equal = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
+    let keep: Vec<bool> = (0..stamps.len())
+        .map(|row| {
+            let same = |column: &&Column| equal(column.values[row], column.values[row - 1]);
+            !(repeats(row) && compared.iter().all(same))
+        })
+        .collect();
+    table.quality.rows_repeated = keep.iter().filter(|&&keep| !keep).count() as u64;
+    // skipped rows are placed by row: count those that are left
+    let mut kept = 0;
+    let mut skipped = table.skipped.iter_mut().peekable();
+    for (row, &keep) in keep.iter().enumerate() {
+        if let Some(found) = skipped.next_if(|found| found.before_row == row) {
+            found.before_row = kept;
+        }
+        kept += usize::from(keep);
+    }
+    skipped.for_each(|found| found.before_row = kept);
+    table.keep_rows(&keep);
+}
+
+/// Channels in SI units, in the order of the file; a column that is mapped twice is there twice.
+fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
+    let mut channels = Vec::with_capacity(columns.len());
+    for Column { name, values } in columns {
+        let mappings: Vec<_> = map.mappings().iter().filter(|mapping| mapping.column == name).collect();
+        let Some((last, others)) = mappings.split_last() else {
+            // a mapped channel takes the place of a column of its name
+            if map.column_of(&name) == name {
+                channels.push(Channel { unit: Unit::of_column(&name), name, values });
+            }
+            continue;
+        };
+        let mut add = |mapping: &super::column_map::Mapping, mut values: Vec<f64>| {
+            mapping.conversion.apply(&mut values);
+            channels.push(Channel { name: mapping.target.clone(), unit: mapping.unit, values });
+        };
+        others.iter().for_each(|mapping| add(mapping, values.clone()));
+        add(last, values);
+    }
+    channels
+}
+
+/// Boundaries known without stamps: changes of the label (an empty one is no change), rows skipped.
+fn find_marks(labels: &[f64], skipped: &[Skipped]) -> Vec<Mark> {
+    let mut marks: Vec<Mark> = skipped
+        .iter()
+        .filter(|found| found.before_row > 0)
+        .map(|found| Mark { row: found.before_row, boundary: Boundary::Gap, missing: found.rows })
+        .collect();
+    let mut current = f64::NAN;
+    for (row, &label) in labels.iter().enumerate().filter(|(_, label)| !label.is_nan()) {
+        if !current.is_nan() && label != current {
+            marks.push(Mark { row, boundary: Boundary::SegmentColumn, missing: 0 });
+        }
+        current = label;
+    }
+    marks.sort_by_key(|mark| mark.row);
+    marks.dedup_by(|later, kept| {
+        let same = later.row == kept.row;
+        if same {
+            kept.missing += later.missing;
+            kept.boundary = Boundary::SegmentColumn;
+        }
+        same
+    });
+    marks
+}
+
+/// Rate and segments from time stamps. The period is needed to count what is missing, and what is missing to measure
+/// the period: it is done twice.
+fn measure(time_s: &[f64], nominal_hz: Option<f64>, marks: &[Mark]) -> Option<(Grid, Rate)> {
+    let mut look = rate::first_look(time_s, nominal_hz)?;
+    let mut grid = gaps::find(time_s, &look, marks);
+    if let Some(period_s) = rate::slope(time_s, &grid) {
+        look.period_s = period_s;
+        grid = gaps::find(time_s, &look, marks);
+    }
+    let period_s = rate::slope(time_s, &grid).unwrap_or(look.period_s);
+    let jitter_s = rate::jitter(time_s, &grid, period_s);
+    let stamps = rate::name_stamps(look.stamps, jitter_s, period_s);
+    Some((grid, Rate { nominal_hz, true_hz: 1.0 / period_s, period_s, jitter_s, stamps }))
+}
+
+/// Time, rate and segments of a log without stamps: row over rate, and boundaries where they are known.
+fn without_stamps(n_rows: usize, rate_hz: f64, marks: &[Mark]) -> (Vec<f64>, Grid, Rate) {
+    let mut segments =
+        vec![Segment { rows: 0..n_rows, tick: 0, missing_before: 0, boundary: Boundary::Start }];
+    let mut missing = 0;
+    for mark in marks {
+        missing += mark.missing;
+        if let Some(last) = segments.last_mut() {
+            last.rows.end = mark.row;
+        }
+        segments.push(Segment {
+            rows: mark.row..n_rows,
+            tick: mark.row as u64 + missing,
+            missing_before: mark.missing,
+            boundary: mark.boundary,
+        });
+    }
+    let grid = Grid { segments, clock_back: 0 };
+    let period_s = 1.0 / rate_hz;
+    let time_s = grid.ticks().into_iter().map(|tick| tick as f64 * period_s).collect();
+    let rate =
+        Rate { nominal_hz: Some(rate_hz), true_hz: rate_hz, period_s, jitter_s: 0.0, stamps: Stamps::Absent };
+    (time_s, grid, rate)
+}

@@ -1,0 +1,127 @@
+//! Measured data: channels with units on a regular sample grid, in segments without gaps.
+//!
+//! [`load`] reads CSV, gzip'd CSV and Parquet with the columns of the log format (`t_s`, `ax_mps2` … `gz_rads`,
+//! `temp_c`, …; a [`ColumnMap`] names and converts others) into a [`Recording`]; [`write_columns`] writes. The rules
+//! for what is wrong with real logs:
+//!
+//! | in the log | what happens |
+//! |---|---|
+//! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
+//! | time goes back by more than a sample, and stays back | the segment ends; counted |
+//! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
+//! | a stamp repeats, the sample differs | kept and counted |
+//! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
+//! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
+//! | over 5 % of rows are like that, or one in strict mode | refused |
+//! | a column holds text | left out and listed (`segment`: its labels count) |
+//! | the value of `segment` changes | the segment ends |
+//! | `still` is above 0.5 | the sensor is known to be still |
+//! | no `t_s` | row number over the stated rate, else refused |
+
+mod channel;
+mod closest;
+mod column_map;
+mod csv_file;
+mod error;
+mod error_series;
+mod gaps;
+mod load;
+mod parquet_file;
+mod quality;
+mod rate;
+mod source;
+mod table;
+mod unit;
+mod write;
+
+#[cfg(test)]
+mod gap_tests;
+#[cfg(test)]
+mod load_tests;
+#[cfg(test)]
+mod real_log_tests;
+
+use std::ops::Range;
+
+pub use channel::Channel;
+pub use column_map::{ColumnMap, MapError};
+pub use error::RecordingError;
+pub use error_series::{ErrorSeries, Reference};
+pub use gaps::{Boundary, Segment};
+pub use load::{LoadOptions, MAX_UNUSABLE, load};
+pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
+pub use rate::{Rate, Stamps};
+pub use source::Source;
+pub use unit::Unit;
+pub use write::write_columns;
+
+/// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Where it came from.
+    pub source: Source,
+    /// Time of every row as stamped, s.
+    pub time_s: Vec<f64>,
+    channels: Vec<Channel>,
+    /// Stretches without gaps, in order; together they are all rows. Nothing is fitted or predicted across two.
+    pub segments: Vec<Segment>,
+    /// The sample rate, as measured.
+    pub rate: Rate,
+    /// Where the sensor is known to be still, one flag per row; `None` if the log does not say.
+    pub still: Option<Vec<bool>>,
+    /// What was wrong with the log.
+    pub quality: Quality,
+}
+
+impl Recording {
+    /// Rows.
+    pub fn n_rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// All channels, in the order of the file.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The channel of this name.
+    ///
+    /// # Errors
+    /// There is none; the error lists what there is, and the most similar name.
+    pub fn channel(&self, name: &str) -> Result<&Channel, RecordingError> {
+        self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
+            let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
+            let closest = closest::closest(name, available.iter().map(String::as_str)).map(str::to_owned);
+            RecordingError::NoChannel { name: name.to_owned(), closest, available }
+        })
+    }
+
+    /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment
+    /// that the cut falls into is cut in two. `fraction` is held to 0 … 1.
+    pub fn split(&self, fraction: f64) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+        let cut = (fraction.clamp(0.0, 1.0) * self.n_rows() as f64).round() as usize;
+        let part = |from: usize, to: usize| {
+            let rows = self.segments.iter().map(|s| s.rows.start.max(from)..s.rows.end.min(to));
+            rows.filter(|rows| !rows.is_empty()).collect()
+        };
+        (part(0, cut), part(cut, self.n_rows()))
+    }
+
+    /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
+    pub fn still_rows(&self) -> Vec<Range<usize>> {
+        let Some(still) = &self.still else {
+            return self.segments.iter().map(|segment| segment.rows.clone()).collect();
+        };
+        let mut stretches = Vec::new();
+        for segment in &self.segments {
+            let mut start = segment.rows.start;
+            for run in still[segment.rows.clone()].chunk_by(|a, b| a == b) {
+                if run[0] {
+                    stretches.push(start..start + run.len());
+                }
+                start += run.len();
+            }
+        }
+        stretches
+    }
+}

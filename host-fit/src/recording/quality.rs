@@ -1,0 +1,129 @@
+//! What was wrong with a log, counted and placed.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// How many rows that could not be used are kept with their place and content.
+const PLACES_KEPT: usize = 5;
+
+/// Longest content of a bad cell that is kept, characters.
+const CONTENT_KEPT: usize = 40;
+
+/// What was wrong with a log. All counts are zero for a clean one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Quality {
+    /// Data rows in the file, used or not (not the header, comments or blank lines).
+    pub rows_in_file: u64,
+    /// Rows that could not be used: a cell that is no number, a wrong number of cells, no time.
+    pub rows_unusable: u64,
+    /// The first few of them.
+    pub first_unusable: Vec<BadRow>,
+    /// Rows dropped since they repeat the stamp and the sample of the row before.
+    pub rows_repeated: u64,
+    /// Rows kept although their time stamp repeats the one before: the clock of the log is coarse.
+    pub stamps_repeated: u64,
+    /// Times that the stamps go back by more than one sample period.
+    pub clock_back: u64,
+    /// Empty or not finite cells, by column; only columns that have any.
+    pub missing_cells: Vec<MissingCells>,
+    /// Stretches of missing samples.
+    pub gaps: u64,
+    /// Samples missing in them, counted on the regular sample grid.
+    pub samples_missing: u64,
+    /// Columns that hold text and were left out.
+    pub text_columns: Vec<String>,
+}
+
+/// Cells of one channel without a usable number; they read NaN.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissingCells {
+    /// The column, as named in the file.
+    pub column: String,
+    /// Cells with nothing in them (also `NA`, `null`, `none`).
+    pub empty: u64,
+    /// Cells with NaN or an infinity.
+    pub not_finite: u64,
+}
+
+/// A row that could not be used.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BadRow {
+    /// Where it is.
+    pub place: Place,
+    /// Name of the column that gave the reason, if one did.
+    pub column: Option<String>,
+    /// The content, shortened.
+    pub content: String,
+    /// What is wrong with it.
+    pub problem: Problem,
+}
+
+/// Where a row is in its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// Line of a text file, the first is 1, and the cell in it, the first is 1 (0: the whole line).
+    Line {
+        /// The line.
+        line: u64,
+        /// The cell in it.
+        cell: u64,
+    },
+    /// Data row, the first is 1; for files without lines.
+    Row(u64),
+}
+
+/// Why a row could not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Problem {
+    /// A cell is no number.
+    NotANumber,
+    /// The row has more or fewer cells than the header.
+    CellCount {
+        /// Cells in the header.
+        expected: usize,
+        /// Cells in the row.
+        found: usize,
+    },
+    /// The time stamp is empty or not finite.
+    NoTime,
+}
+
+impl BadRow {
+    pub(super) fn new(place: Place, column: Option<&str>, content: &[u8], problem: Problem) -> BadRow {
+        let content = String::from_utf8_lossy(content).chars().take(CONTENT_KEPT).collect();
+        BadRow { place, column: column.map(str::to_owned), content, problem }
+    }
+}
+
+impl fmt::Display for BadRow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Place::Line { line, cell: 0 } => write!(f, "{line}: ")?,
+            Place::Line { line, cell } => write!(f, "{line}:{cell}: ")?,
+            Place::Row(row) => write!(f, "row {row}: ")?,
+        }
+        if let Some(column) = &self.column {
+            write!(f, "{column}: ")?;
+        }
+        match self.problem {
+            Problem::NotANumber => write!(f, "\"{}\" is not a number", self.content),
+            Problem::CellCount { expected, found } => {
+                write!(f, "{found} cells where the header has {expected}: \"{}\"", self.content)
+            }
+            Problem::NoTime => write!(f, "no time stamp"),
+        }
+    }
+}
+
+impl Quality {
+    /// Counts a row that could not be used, and keeps it if it is among the first.
+    pub(super) fn note_unusable(&mut self, row: BadRow) {
+        self.rows_unusable += 1;
+        if self.first_unusable.len() < PLACES_KEPT {
+            self.first_unusable.push(row);
+        }
+    }
+}

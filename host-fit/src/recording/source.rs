@@ -1,0 +1,72 @@
+//! Where data came from: the file, and a checksum of its bytes.
+
+use std::fmt::Write as _;
+use std::io::{self, Read};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// The file a recording was read from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// Path as it was given; for data that never were a file, what made them.
+    pub path: String,
+    /// Size of the file, bytes (0: not a file).
+    pub bytes: u64,
+    /// SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file).
+    pub sha256: String,
+}
+
+impl Source {
+    /// Names data that were not read from a file.
+    pub fn made_by(what: impl Into<String>) -> Source {
+        Source { path: what.into(), bytes: 0, sha256: String::new() }
+    }
+}
+
+/// Passes bytes on and takes their checksum, so that what is hashed is what was read.
+pub(super) struct Hashing<R> {
+    inner: R,
+    hash: Sha256,
+    bytes: u64,
+}
+
+impl<R: Read> Hashing<R> {
+    pub(super) fn new(inner: R) -> Hashing<R> {
+        Hashing { inner, hash: Sha256::new(), bytes: 0 }
+    }
+
+    /// Reads what is left (a decoder may stop before the end) and names the whole.
+    pub(super) fn finish(mut self, path: String) -> io::Result<Source> {
+        io::copy(&mut self, &mut io::sink())?;
+        let mut sha256 = String::new();
+        for byte in self.hash.finalize() {
+            let _ = write!(sha256, "{byte:02x}"); // writing to a String cannot fail
+        }
+        Ok(Source { path, bytes: self.bytes, sha256 })
+    }
+}
+
+impl<R: Read> Read for Hashing<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        self.hash.update(&buffer[..n]);
+        self.bytes += n as u64;
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checksum_is_that_of_the_standard() {
+        // FIPS 180-2, appendix B.1
+        let mut reader = Hashing::new(&b"abc"[..]);
+        reader.read_exact(&mut [0]).unwrap();
+        let source = reader.finish("x".into()).unwrap();
+        assert_eq!(source.bytes, 3);
+        assert_eq!(source.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+}
