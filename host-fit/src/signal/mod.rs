@@ -15,10 +15,14 @@
 //! | `spectrum` | power spectral density (Welch) |
 //! | `autocorrelation` | does the series remember? with the bound for white noise |
 //! | `allan` | Allan deviation with its confidence interval |
+//! | `noise_floor` | what no causal linear predictor can beat |
+//! | `quantisation` | step of the converter, seen from the data |
 
 pub mod allan;
 pub mod autocorrelation;
 pub mod blocks;
+pub mod noise_floor;
+pub mod quantisation;
 pub mod spectrum;
 
 #[cfg(test)]
