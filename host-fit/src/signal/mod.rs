@@ -1,0 +1,85 @@
+//! Statistics of a sampled series: how its power spreads over frequency, lag and averaging time, and how
+//! much of it nobody could have predicted.
+//!
+//! Every function takes `stretches: &[&[f64]]`, the gap-free pieces of one recording in the order they were
+//! measured, all at the same rate. Nothing is ever computed across the end of a stretch: no lag product, no
+//! difference of averages, no Fourier transform, no block. One unbroken recording is one stretch:
+//! `welch(&[&series], …)`.
+//!
+//! Values must be finite. A NaN is not looked for and would spread into every result; splitting a recording
+//! at its gaps is the caller's duty.
+//!
+//! | file | answers |
+//! |---|---|
+//! | `blocks` | slow error: variance of block means; envelopes for display |
+//! | `spectrum` | power spectral density (Welch) |
+//! | `autocorrelation` | does the series remember? with the bound for white noise |
+//! | `allan` | Allan deviation with its confidence interval |
+//! | `noise_floor` | what no causal linear predictor can beat |
+//! | `quantisation` | step of the converter, seen from the data |
+
+pub mod allan;
+pub mod autocorrelation;
+pub mod blocks;
+pub mod noise_floor;
+pub mod quantisation;
+pub mod spectrum;
+
+#[cfg(test)]
+mod simulated;
+
+/// Number of samples in all stretches together.
+pub fn sample_count(stretches: &[&[f64]]) -> usize {
+    stretches.iter().map(|stretch| stretch.len()).sum()
+}
+
+/// Mean of all samples; 0 where there are none.
+pub fn mean(stretches: &[&[f64]]) -> f64 {
+    let count = sample_count(stretches).max(1);
+    stretches.iter().copied().flatten().sum::<f64>() / count as f64
+}
+
+/// Mean square about the mean of all samples (divided by N, not N − 1); 0 where there are none.
+///
+/// ```
+/// use host_fit::signal::variance;
+/// assert_eq!(variance(&[&[1.0, 3.0], &[5.0, 7.0]]), 5.0);
+/// ```
+pub fn variance(stretches: &[&[f64]]) -> f64 {
+    let mean = mean(stretches);
+    let count = sample_count(stretches).max(1);
+    stretches.iter().copied().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64
+}
+
+/// Whether all samples are equal, as they are where there are none.
+pub fn is_constant(stretches: &[&[f64]]) -> bool {
+    let mut samples = stretches.iter().copied().flatten();
+    let first = samples.next();
+    samples.all(|x| Some(x) == first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_variance_do_not_depend_on_where_the_gaps_are() {
+        let series = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
+        for cut in 0..=series.len() {
+            let (left, right) = series.split_at(cut);
+            assert_eq!(mean(&[left, right]), 5.0);
+            assert_eq!(variance(&[left, right]), 4.0);
+        }
+    }
+
+    #[test]
+    fn nothing_measured_has_mean_and_variance_zero() {
+        assert_eq!((mean(&[]), variance(&[])), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_constant_is_one_across_gaps_too() {
+        assert!(is_constant(&[]) && is_constant(&[&[]]) && is_constant(&[&[1.0], &[1.0, 1.0]]));
+        assert!(!is_constant(&[&[1.0], &[1.0, 2.0]]) && !is_constant(&[&[1.0], &[2.0]]));
+    }
+}
