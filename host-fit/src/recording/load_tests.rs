@@ -255,7 +255,7 @@ fn split_is_contiguous_and_cuts_a_segment_in_two() {
     let recording = load_text(&log(|i| (i == 20).then_some("#"))).unwrap();
     let (first, rest) = recording.split(0.5);
     assert_eq!(first, [0..20, 20..50]);
-    assert_eq!(rest, [50..99]);
+    assert_eq!((rest.len(), rest[0].clone()), (1, 50..99));
     assert!(recording.split(1.0).1.is_empty());
 }
 
