@@ -39,6 +39,10 @@ const BURSTS_AT_END: f64 = 10.0;
 /// two sides are not used together to measure the period.
 const EXACT_MISSING: u64 = 5_000;
 
+/// Most samples that one gap is said to miss, 150 years at 200 Hz: beyond it the stamps are nonsense, and ticks must
+/// not overflow.
+const MOST_MISSING: f64 = 1e12;
+
 /// A stretch of rows without gaps.
 ///
 /// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
@@ -300,7 +304,7 @@ impl<'a> Search<'a> {
 
     /// Samples missing at `row`, by the rise of the level there.
     fn count(&self, row: usize, rise: f64) -> u64 {
-        if rise > self.needed_rise(row) { rise.round().max(1.0) as u64 } else { 0 }
+        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MOST_MISSING) as u64 } else { 0 }
     }
 
     fn missing(&self, row: usize) -> u64 {
