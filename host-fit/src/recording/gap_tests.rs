@@ -106,6 +106,17 @@ fn a_poll_that_slips_slowly_against_the_sample_clock_makes_no_gap() {
 }
 
 #[test]
+fn a_host_that_was_away_and_catches_up_slowly_makes_no_gap() {
+    // polls of 8 samples, and one absence of 50 after which 1.3 samples are read per period
+    let mut stamps = bursts(20_000, 12.0, 4);
+    let back = stamps[9000] + 50.0 * T;
+    for (i, stamp) in stamps[9000..].iter_mut().enumerate() {
+        *stamp = stamp.max(back + i as f64 * T / 1.3);
+    }
+    assert_eq!(gaps(&record(stamps)), []);
+}
+
+#[test]
 fn a_removed_block_is_found_with_its_length_under_jitter() {
     for seed in 0..40 {
         for k in [1, 2, 5, 17, 1000] {

@@ -1,26 +1,4 @@
-//! Finds samples that are missing, from time stamps alone.
-//!
-//! **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
-//! later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait
-//! between two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before
-//! it by more than half a period: round(rise / T) samples are missing.
-//!
-//! - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
-//!   scatter, and not beyond the next wait that scatter cannot explain (another gap).
-//! - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts
-//!   (64 to 4096 rows). The age of the freshest sample at a poll drifts as the two clocks slip, which lifts the
-//!   envelope by up to half a period within one window: here the rise must exceed 0.75 T. Rows with stamps that
-//!   run backward are not part of the envelope.
-//!
-//! In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
-//! all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
-//!
-//! A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
-//! longest wait between the last row that is too early to come after the gap and the first that is not late.
-//!
-//! Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
-//! it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
-//! Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
+//! Finds samples that are missing, from time stamps alone. The rule is told at [`Segment`].
 
 use std::ops::Range;
 
@@ -45,6 +23,13 @@ const RISE_SIGMAS: f64 = 6.0;
 /// Suspects at which the scatter of the rise is measured in logs with bursts; more do not tell it better.
 const RISES_SAMPLED: usize = 1000;
 
+/// Rows in which a host has worked off what waited for it, per sample period that it was away.
+const CATCH_UP: f64 = 8.0;
+
+/// Fewest and most rows that make a level: jittered stamps, bursts.
+const ROWS_JITTERED: (f64, f64) = (16.0, 64.0);
+const ROWS_BURSTS: (f64, f64) = (64.0, 4096.0);
+
 /// With less than this share of its window before the log ends, an envelope has not been reached for sure. There
 /// the rise must exceed what ten mean bursts would make.
 const ENVELOPE_SHARE: f64 = 0.25;
@@ -54,7 +39,33 @@ const BURSTS_AT_END: f64 = 10.0;
 /// two sides are not used together to measure the period.
 const EXACT_MISSING: u64 = 5_000;
 
+/// Most samples that one gap is said to miss, 150 years at 200 Hz: beyond it the stamps are nonsense, and ticks must
+/// not overflow.
+const MOST_MISSING: f64 = 1e12;
+
 /// A stretch of rows without gaps.
+///
+/// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
+/// later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait
+/// between two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before
+/// it by more than half a period: round(rise / T) samples are missing.
+///
+/// - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
+///   scatter, and not beyond the next wait that scatter cannot explain (another gap).
+/// - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts or
+///   eight times the wait, until a slow host has caught up (64 to 4096 rows). The age of the freshest sample at a
+///   poll drifts as the two clocks slip, which lifts the envelope by up to half a period within one window: here
+///   the rise must exceed 0.75 T. Rows with stamps that run backward are not part of the envelope.
+///
+/// In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
+/// all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
+///
+/// A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
+/// longest wait between the last row that is too early to come after the gap and the first that is not late.
+///
+/// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
+/// it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
+/// Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Segment {
     /// Its rows.
@@ -168,10 +179,10 @@ impl<'a> Search<'a> {
     fn new(time_s: &'a [f64], look: &FirstLook, marks: &'a [Mark]) -> Search<'a> {
         let bursts = look.stamps == Stamps::Bursts;
         let window = if bursts {
-            (16.0 * look.burst_rows).clamp(64.0, 4096.0)
+            (16.0 * look.burst_rows).clamp(ROWS_BURSTS.0, ROWS_BURSTS.1)
         } else {
             // a median of w stamps scatters by 1.25 σ / √w: for a rise of T/2 to be seven of the difference's
-            (612.0 * look.scatter * look.scatter).clamp(16.0, 64.0)
+            (612.0 * look.scatter * look.scatter).clamp(ROWS_JITTERED.0, ROWS_JITTERED.1)
         };
         let sd_of_wait = std::f64::consts::SQRT_2 * look.scatter;
         let start = Segment { rows: 0..0, tick: 0, missing_before: 0, boundary: Boundary::Start };
@@ -240,7 +251,7 @@ impl<'a> Search<'a> {
 
     /// Rise of the level from before `row` to after it, periods. All rows before must be settled.
     fn rise(&self, row: usize) -> f64 {
-        let before = self.level(row.saturating_sub(self.window)..row, |i| self.settled[i]);
+        let before = self.level(row.saturating_sub(self.window_at(row))..row, |i| self.settled[i]);
         let after = self.level(row..self.end_of_window(row), |i| self.late(i));
         (after - before) / self.period_s
     }
@@ -248,14 +259,22 @@ impl<'a> Search<'a> {
     /// Rise at a row of which rows before are not settled yet.
     fn rise_ahead(&self, row: usize) -> f64 {
         let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
-        let before = self.level(row.saturating_sub(self.window)..row, late);
+        let before = self.level(row.saturating_sub(self.window_at(row))..row, late);
         let after = self.level(row..self.end_of_window(row), late);
         (after - before) / self.period_s
     }
 
+    /// Rows that make the levels before and after `row`.
+    fn window_at(&self, row: usize) -> usize {
+        if !self.bursts {
+            return self.window;
+        }
+        self.window.max((CATCH_UP * self.wait(row)).min(ROWS_BURSTS.1) as usize)
+    }
+
     /// Where the rows end whose level is compared with what is before `row`.
     fn end_of_window(&self, row: usize) -> usize {
-        let end = (row + self.window).min(self.time_s.len()).min(self.next_mark(row));
+        let end = (row + self.window_at(row)).min(self.time_s.len()).min(self.next_mark(row));
         // a stamp that is wrong for one row comes back by a long wait, which is no gap
         if self.bursts || self.steps_back(row) {
             return end;
@@ -273,19 +292,19 @@ impl<'a> Search<'a> {
         let rows_after = self.end_of_window(row) - row;
         if self.bursts {
             let ends = row + rows_after == self.time_s.len();
-            let at_end = ends && (rows_after as f64) < ENVELOPE_SHARE * self.window as f64;
+            let at_end = ends && (rows_after as f64) < ENVELOPE_SHARE * self.window_at(row) as f64;
             let end_effect = if at_end { BURSTS_AT_END * self.burst_rows } else { 0.0 };
             return RISE_BURSTS.max(RISE_SIGMAS * self.rise_scatter).max(end_effect);
         }
         // a median of w values scatters by 1.25 σ / √w
-        let rows_before = row.min(self.window);
+        let rows_before = row.min(self.window_at(row));
         let parts = 1.0 / rows_before as f64 + 1.0 / rows_after as f64;
         RISE_JITTERED.max(RISE_SIGMAS * 1.25 * self.scatter * parts.sqrt())
     }
 
     /// Samples missing at `row`, by the rise of the level there.
     fn count(&self, row: usize, rise: f64) -> u64 {
-        if rise > self.needed_rise(row) { rise.round().max(1.0) as u64 } else { 0 }
+        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MOST_MISSING) as u64 } else { 0 }
     }
 
     fn missing(&self, row: usize) -> u64 {
@@ -314,7 +333,7 @@ impl<'a> Search<'a> {
         let from = row.saturating_sub(half).max(segment_start + 1);
         let to = self.end_of_window(row).max(row + 1);
         let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
-        let before = self.level(row.saturating_sub(self.window)..row, late);
+        let before = self.level(row.saturating_sub(self.window_at(row))..row, late);
         let after = before + self.missing(row) as f64 * self.period_s;
         let (mut cost, mut best) = (0.0, (f64::INFINITY, row));
         for at in from..to {
@@ -328,7 +347,7 @@ impl<'a> Search<'a> {
 
     /// The longest wait from where the level has risen in full to the first fresh row after it.
     fn place_in_bursts(&self, row: usize) -> usize {
-        let end = (row + self.window).min(self.next_mark(row));
+        let end = (row + self.window_at(row)).min(self.next_mark(row));
         let suspects = (row..end).filter(|&i| self.wait(i) >= SUSPECT_WAIT && !self.steps_back(i));
         // the last burst before the gap may show a part of the rise already
         let (mut highest, mut at) = (f64::NEG_INFINITY, row);

@@ -24,7 +24,7 @@ enum Kind {
     Numbers,
     /// An instant or a duration: seconds since the first one, taken as integers so that no digit is lost.
     Seconds {
-        per_tick: f64,
+        per_second: f64,
         first: Option<i64>,
     },
     /// Each different content gets a number, in order of appearance.
@@ -90,13 +90,13 @@ pub(super) fn read(
 /// How to read a column of this type; `None` if it holds nothing that is a number.
 fn kind_of(data_type: &DataType, is_segment: bool) -> Option<Kind> {
     let seconds = |unit: &TimeUnit| {
-        let per_tick = match unit {
+        let per_second = match unit {
             TimeUnit::Second => 1.0,
-            TimeUnit::Millisecond => 1e-3,
-            TimeUnit::Microsecond => 1e-6,
-            TimeUnit::Nanosecond => 1e-9,
+            TimeUnit::Millisecond => 1e3,
+            TimeUnit::Microsecond => 1e6,
+            TimeUnit::Nanosecond => 1e9,
         };
-        Kind::Seconds { per_tick, first: None }
+        Kind::Seconds { per_second, first: None }
     };
     match data_type {
         DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(seconds(unit)),
@@ -121,14 +121,14 @@ fn append(array: &ArrayRef, kind: &mut Kind, values: &mut Vec<f64>) -> Result<()
                 values.extend(numbers.iter().map(|cell| cell.unwrap_or(f64::NAN)));
             }
         }
-        Kind::Seconds { per_tick, first } => {
+        Kind::Seconds { per_second, first } => {
             let ticks = cast(array, &DataType::Int64)?;
             let ticks: &Int64Array = downcast(&ticks)?;
             values.extend(ticks.iter().map(|cell| {
                 cell.map_or(f64::NAN, |tick| {
                     // in i128, since the span of two i64 may not fit in one
                     let since = i128::from(tick) - i128::from(*first.get_or_insert(tick));
-                    since as f64 * *per_tick
+                    since as f64 / *per_second
                 })
             }));
         }
@@ -150,4 +150,49 @@ fn downcast<T: 'static>(array: &ArrayRef) -> Result<&T, ArrowError> {
     array.as_any().downcast_ref().ok_or_else(|| {
         ArrowError::CastError(format!("a column of type {} did not convert", array.data_type()))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use arrow::array::{BooleanArray, Float32Array, Int16Array, TimestampNanosecondArray};
+    use arrow::record_batch::RecordBatch;
+    use parquet::arrow::ArrowWriter;
+
+    use super::super::{Boundary, LoadOptions, Unit, load};
+    use super::*;
+
+    #[test]
+    fn instants_flags_integers_labels_and_nulls_are_understood() {
+        // 2023-11-14 in ns, where f64 would round stamps to 256 ns
+        let instants: Vec<i64> = (0..6).map(|i| 1_700_000_000_000_000_001 + i * 5_000_000).collect();
+        let batch = RecordBatch::try_from_iter([
+            ("time", Arc::new(TimestampNanosecondArray::from(instants)) as ArrayRef),
+            ("gx", Arc::new(Int16Array::from(vec![Some(100), None, Some(-3), Some(4), Some(5), Some(6)]))),
+            ("temp_c", Arc::new(Float32Array::from(vec![0.1_f32; 6]))),
+            ("still", Arc::new(BooleanArray::from(vec![true, true, true, false, false, true]))),
+            ("segment", Arc::new(StringArray::from(vec!["a", "a", "b", "b", "b", "b"]))),
+            ("note", Arc::new(StringArray::from(vec!["x"; 6]))),
+        ])
+        .unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.parquet");
+        let mut writer =
+            ArrowWriter::try_new(std::fs::File::create(&path).unwrap(), batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+
+        let columns = ColumnMap::from_specs(["t_s=time", "gx_rads=gx:/131:dps"]).unwrap();
+        let log = load(&path, &LoadOptions { columns, ..LoadOptions::default() }).unwrap();
+        assert_eq!(log.time_s, [0.0, 0.005, 0.01, 0.015, 0.02, 0.025]);
+        assert_eq!(log.quality.text_columns, ["note"]);
+        assert_eq!(log.still_rows(), [0..2, 2..3, 5..6]);
+        assert_eq!((log.segments[1].rows.start, log.segments[1].boundary), (2, Boundary::SegmentColumn));
+        let rate = log.channel("gx_rads").unwrap();
+        assert_eq!((rate.unit, rate.n_missing()), (Unit::RadianPerSecond, 1));
+        assert!((rate.values[0] - (100.0_f64 / 131.0).to_radians()).abs() < 1e-15);
+        assert_eq!(log.channel("temp_c").unwrap().values[0], f64::from(0.1_f32));
+        assert_eq!(log.quality.missing_cells[0].empty, 1);
+    }
 }

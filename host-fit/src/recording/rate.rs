@@ -87,6 +87,7 @@ pub(super) fn first_look(time_s: &[f64], nominal_hz: Option<f64>) -> Option<Firs
         .filter(|wait| (wait - typical_wait).abs() <= 0.5 * typical_wait.abs())
         .collect();
     let near = usual.iter().sum::<f64>() / usual.len().max(1) as f64;
+    let near = if near.is_finite() { near } else { 0.0 };
 
     // waits of one and two ticks in turn may be loss or a coarse clock: only the stated rate can tell
     let nominal_is = |period: f64| nominal_hz.is_some_and(|hz| (period * hz - 1.0).abs() < 0.2);
