@@ -1,1 +1,5 @@
-//! x
+//! Fits models of inertial sensor error with Fast Orthogonal Search, compares and exports them.
+#![forbid(unsafe_code)]
+
+pub mod candidates;
+pub mod moments;
