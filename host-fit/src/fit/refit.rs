@@ -183,3 +183,9 @@ fn condition(r: faer::MatRef<'_, f64>) -> f64 {
     // the iteration for singular values converges for every finite matrix; NaN says so if it ever does not
     scaled.singular_values().map_or(f64::NAN, |s| s[0] / s[s.len() - 1])
 }
+
+/// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.
+pub(crate) fn working_bytes(terms: usize) -> usize {
+    let width = terms + 2;
+    (BLOCK_ROWS * (width + 2) + 4 * width * width) * size_of::<f64>()
+}

@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::layout::{Layout, Tile, TileShape};
 
-/// Rows per cache block. Thirteen half-products (ten lags, degree 2) of 384 rows are 40 kB: they stay in a
+/// Rows per cache block. Twelve half-products (ten lags, degree 2) of 384 rows are 38 kB: they stay in a
 /// 48 kB first-level cache while every tile passes over them.
 const BLOCK_ROWS: usize = 384;
 
