@@ -1,0 +1,209 @@
+//! Fast orthogonal search on the Gram matrix.
+//!
+//! Korenberg, "A robust orthogonal algorithm for system identification and time-series analysis", Biological
+//! Cybernetics 60 (1989) 267. The model is y(n) = Σ a_m p_m(n) + e(n) (paper eq. 13), p_0 = 1. The orthogonal
+//! functions w_m are never formed; with averages ⟨·⟩ over the rows, only
+//!
+//! ```text
+//!   D(0,0) = 1         D(m,0) = ⟨p_m⟩         C(0) = ⟨y⟩                      (1)
+//!   α(m,r) = D(m,r) / D(r,r)                                                  (2)
+//!   D(m,r) = ⟨p_m p_r⟩ − Σ_{i<r} α(r,i) D(m,i)                                (3)   = ⟨p_m w_r⟩
+//!   D(m,m) = ⟨p_m²⟩ − Σ_{i<m} α(m,i) D(m,i)                                   (4)   = ⟨w_m²⟩
+//!   C(m)   = ⟨y p_m⟩ − Σ_{r<m} α(m,r) C(r)                                    (5)   = ⟨y w_m⟩
+//!   g_m = C(m)/D(m,m)        Q_m = g_m² D(m,m)                                (6)
+//!   MSE = ⟨y²⟩ − Σ Q_m                                                        (7)
+//!   a_m = Σ_{i≥m} g_i v_i,   v_m = 1,   v_i = −Σ_{m≤r<i} α(i,r) v_r           (8)
+//! ```
+//!
+//! What differs from the textbook: averages come from the Gram matrix, and every candidate keeps its D(m,·),
+//! so a step costs M·K multiply-adds for M candidates and K terms, whatever the length of the record.
+//! D(m,r)/√D(r,r) is a row of the Cholesky factor of the Gram matrix of the terms.
+
+use super::stop::{StopRule, Stopped};
+use crate::moments::Gram;
+
+/// Smallest D(m,m)/⟨p_m²⟩ of a candidate that may be chosen; below it the candidate is collinear with the
+/// terms.
+///
+/// (4) and the sums in it carry some 10⁻¹⁵ of ⟨p_m²⟩ of rounding error, which 10⁻¹² keeps below 0.1 % of
+/// D(m,m). Relative to ⟨p_m²⟩ before the mean is taken off, because the rounding is; and to each candidate's
+/// own, because a square in small units is a small number and no less a candidate.
+pub const COLLINEAR: f64 = 1e-12;
+
+/// Smallest MSE/⟨y²⟩ that (7) can tell from zero.
+const EXACT: f64 = 1e-13;
+
+/// One term chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Index in the pool.
+    pub candidate: usize,
+    /// Q: drop in mean square error, unit of y².
+    pub mse_reduction: f64,
+    /// Error reduction ratio Q/⟨y²⟩.
+    pub err: f64,
+    /// Mean square error with this term, by (7). The refit has it from residuals.
+    pub mse: f64,
+}
+
+/// What a search chose, in which order, and why it stopped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Terms in the order chosen.
+    pub steps: Vec<Step>,
+    /// Why there are not more.
+    pub stopped: Stopped,
+    /// Candidates that are collinear with the terms (or with the constant), in order of the pool.
+    pub collinear: Vec<usize>,
+    /// Mean square error of the constant alone, the variance of y.
+    pub initial_mse: f64,
+    /// a_0 by (8).
+    pub constant: f64,
+    /// a_m by (8), one per step. The refit has them to more digits.
+    pub coefficients: Vec<f64>,
+}
+
+impl Selection {
+    /// Indices of the chosen candidates, in order.
+    pub fn candidates(&self) -> impl Iterator<Item = usize> {
+        self.steps.iter().map(|step| step.candidate)
+    }
+
+    /// Mean square error of the model by (7).
+    pub fn mse(&self) -> f64 {
+        self.steps.last().map_or(self.initial_mse, |step| step.mse)
+    }
+}
+
+/// A candidate not yet chosen, with its part of the recursion.
+struct Open {
+    candidate: usize,
+    /// D(m,0), D(m,1), … for the terms so far.
+    d: Vec<f64>,
+    /// D(m,m) if it were chosen next.
+    dmm: f64,
+    /// C(m).
+    c: f64,
+}
+
+impl Open {
+    /// Equations (2) to (5) for term r, whose own D(r,·) is `d_r`.
+    fn orthogonalise(&mut self, product: f64, d_r: &[f64], d_rr: &[f64], c_r: f64) {
+        let r = d_r.len();
+        let d = product - (0..r).map(|i| d_r[i] / d_rr[i] * self.d[i]).sum::<f64>();
+        let alpha = d / d_rr[r];
+        self.dmm -= alpha * d;
+        self.c -= alpha * c_r;
+        self.d.push(d);
+    }
+
+    /// Q of (6).
+    fn mse_reduction(&self) -> f64 {
+        self.c * self.c / self.dmm
+    }
+}
+
+/// Chooses terms from the pool of a Gram matrix, the one with the largest Q each time, until `rule` stops.
+///
+/// Equal Q go to the candidate that comes first in the pool.
+pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
+    let initial_mse = gram.target_variance();
+    let exact = EXACT * gram.target_mean_square();
+    let noise = rule.noise.threshold(gram.rows(), gram.size());
+
+    let mut factor = Factorisation::of_constant(gram);
+    let mut steps: Vec<Step> = Vec::new();
+    let mut collinear = Vec::new();
+    let mut open: Vec<Open> = (0..gram.size())
+        .map(|candidate| {
+            let mut open =
+                Open { candidate, d: vec![], dmm: gram.product(candidate, candidate), c: gram.target_product(candidate) };
+            factor.orthogonalise(&mut open, gram.mean(candidate));
+            open
+        })
+        .collect();
+
+    let stopped = loop {
+        let mse = steps.last().map_or(initial_mse, |step| step.mse);
+        open.retain(|m| {
+            let free = m.dmm > COLLINEAR * gram.product(m.candidate, m.candidate);
+            if !free {
+                collinear.push(m.candidate);
+            }
+            free
+        });
+        if mse <= exact {
+            break Stopped::Exact;
+        }
+        if rule.mse_ratio.is_some_and(|ratio| mse <= ratio * initial_mse) {
+            break Stopped::MseRatio;
+        }
+        if steps.len() == rule.max_terms {
+            break Stopped::MaxTerms;
+        }
+        // first of equals: replaced only by a larger one
+        let larger = |best: usize, i: usize| if open[i].mse_reduction() > open[best].mse_reduction() { i } else { best };
+        let Some(best) = (0..open.len()).reduce(larger) else {
+            break Stopped::NothingLeft;
+        };
+        let mse_reduction = open[best].mse_reduction();
+        let candidate = open[best].candidate;
+        if mse_reduction < noise * mse {
+            break Stopped::Noise { candidate, mse_reduction, needed: noise * mse };
+        }
+
+        factor.push(open.remove(best));
+        for m in &mut open {
+            factor.orthogonalise(m, gram.product(m.candidate, candidate));
+        }
+        let err = mse_reduction / gram.target_mean_square();
+        steps.push(Step { candidate, mse_reduction, err, mse: mse - mse_reduction });
+    };
+    collinear.sort_unstable();
+    let mut weights = factor.weights();
+    let constant = weights.remove(0);
+    Selection { steps, stopped, collinear, initial_mse, constant, coefficients: weights }
+}
+
+/// The recursion's numbers of the terms chosen so far, the constant first.
+struct Factorisation {
+    /// D(m,0), …, D(m,m−1) of each term.
+    d: Vec<Vec<f64>>,
+    /// D(m,m) of each term.
+    diagonal: Vec<f64>,
+    /// C(m) of each term.
+    c: Vec<f64>,
+}
+
+impl Factorisation {
+    /// Equation (1).
+    fn of_constant(gram: &Gram) -> Self {
+        Self { d: vec![vec![]], diagonal: vec![1.0], c: vec![gram.target_mean()] }
+    }
+
+    fn push(&mut self, chosen: Open) {
+        self.d.push(chosen.d);
+        self.diagonal.push(chosen.dmm);
+        self.c.push(chosen.c);
+    }
+
+    /// Takes the newest term out of a candidate; `product` is their ⟨p_m p_r⟩.
+    fn orthogonalise(&self, open: &mut Open, product: f64) {
+        let newest = self.c.len() - 1;
+        open.orthogonalise(product, &self.d[newest], &self.diagonal, self.c[newest]);
+    }
+
+    /// Equation (8).
+    fn weights(&self) -> Vec<f64> {
+        let terms = self.c.len();
+        let weight = |m: usize| {
+            let mut v = vec![0.0; terms];
+            v[m] = 1.0;
+            for i in m + 1..terms {
+                v[i] = -(m..i).map(|r| self.d[i][r] / self.diagonal[r] * v[r]).sum::<f64>();
+            }
+            (m..terms).map(|i| self.c[i] / self.diagonal[i] * v[i]).sum()
+        };
+        (0..terms).map(weight).collect()
+    }
+}

@@ -1,0 +1,191 @@
+//! Coefficients of a chosen set of terms, from an orthogonal factorisation of the data.
+//!
+//! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen
+//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are taken through Householder
+//! reflections, block of rows after block of rows (sequential TSQR; Demmel, Grigori, Hoemmen and Langou, SIAM J.
+//! Sci. Comput. 34 (2012) A206, §4.2):
+//!
+//! ```text
+//!   [ R  z ]        [ R        z       ]
+//!   [ 0  ρ ]   ←  Qᵀ[ 0        ρ       ]          R a = z,   n·Q_m = z_m²,   n·MSE = ρ²
+//!                   [ X_block  y_block ]
+//! ```
+//!
+//! so memory is one block, and nothing squared is ever solved.
+
+use std::ops::Range;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Mat, Par, Spec};
+use fos_core::{Factor, y};
+use thiserror::Error;
+
+use crate::candidates::{Monomial, monomial_text};
+use crate::moments::{Product, Rows, SignalsError};
+
+/// Rows taken in at a time: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
+const BLOCK_ROWS: usize = 512;
+
+/// Smallest share of a column's norm that must be left when the columns before it are taken out. Householder
+/// reflections leave some 10⁻¹⁵ of a column that is an exact sum of others, a little more after thousands of
+/// blocks; a candidate the search may choose leaves 10⁻⁶ at least.
+const RANK: f64 = 1e-12;
+
+/// A least-squares fit of given terms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refit {
+    /// a_0, unit of y.
+    pub constant: f64,
+    /// a_m of each term, unit of y over unit of the monomial.
+    pub coefficients: Vec<f64>,
+    /// Standard error of the constant, √(σ²(XᵀX)⁻¹) with σ² = RSS/(n − p), p parameters with the constant.
+    /// Valid for white residuals.
+    pub constant_error: f64,
+    /// Standard error of each coefficient, likewise.
+    pub coefficient_errors: Vec<f64>,
+    /// Q of each term in the given order: how much it lowered the mean square error when it was added.
+    pub mse_reductions: Vec<f64>,
+    /// Mean of e², summed over the actual residuals.
+    pub mse: f64,
+    /// Condition number of X with its columns scaled to unit norm.
+    pub condition: f64,
+    /// Rows used, n.
+    pub rows: usize,
+}
+
+/// Why terms could not be fitted.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum RefitError {
+    /// The signals do not fit the terms.
+    #[error(transparent)]
+    Signals(#[from] SignalsError),
+    /// As many parameters as rows, or more.
+    #[error("{parameters} parameters cannot be fitted to {rows} rows")]
+    TooFewRows {
+        /// Rows with target and lagged values present.
+        rows: usize,
+        /// Terms and the constant.
+        parameters: usize,
+    },
+    /// A term is a sum of the constant and the terms before it.
+    #[error("term {term}, {text}, is a sum of the constant and the terms before it: leave it out")]
+    Collinear {
+        /// Index of the term.
+        term: usize,
+        /// The term as people write it.
+        text: String,
+    },
+}
+
+/// Fits the constant and `terms` to all `rows` of the signals by least squares.
+///
+/// # Errors
+/// Signals that do not fit the terms, too few rows, or a term collinear with those before it.
+pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refit, RefitError> {
+    rows.check(signals, terms.iter().flatten())?;
+    let parameters = terms.len() + 1;
+    let count = rows.count();
+    if count <= parameters {
+        return Err(RefitError::TooFewRows { rows: count, parameters });
+    }
+    // the columns of [X y]
+    let target = [y(0)];
+    let monomials = std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
+    let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
+
+    let factor = triangular_factor(signals, rows, &columns);
+    let (r, z) = (factor.submatrix(0, 0, parameters, parameters), factor.col(parameters));
+    for j in 0..parameters {
+        if r[(j, j)].abs() <= RANK * r.col(j).norm_l2() {
+            // the constant's column cannot be dependent: it is first and not zero
+            let term = j - 1;
+            return Err(RefitError::Collinear { term, text: monomial_text(&terms[term]) });
+        }
+    }
+
+    let mut weights = Mat::from_fn(parameters, 1, |i, _| z[i]);
+    solve_upper_triangular_in_place(r, weights.as_mut(), Par::Seq);
+    let weights: Vec<f64> = (0..parameters).map(|i| weights[(i, 0)]).collect();
+    let n = count as f64;
+    let mse = residual_sum_of_squares(signals, rows, &columns, &weights) / n;
+
+    let mut inverse = Mat::<f64>::identity(parameters, parameters);
+    solve_upper_triangular_in_place(r, inverse.as_mut(), Par::Seq);
+    let sigma = (mse * n / (n - parameters as f64)).sqrt();
+    let error = |j: usize| sigma * inverse.row(j).norm_l2();
+    Ok(Refit {
+        constant: weights[0],
+        coefficients: weights[1..].to_vec(),
+        constant_error: error(0),
+        coefficient_errors: (1..parameters).map(error).collect(),
+        mse_reductions: (1..parameters).map(|m| z[m] * z[m] / n).collect(),
+        mse,
+        condition: condition(r),
+        rows: count,
+    })
+}
+
+/// The triangular factor of [X y] over all rows.
+fn triangular_factor(signals: &[&[f64]], rows: &Rows, columns: &[Product]) -> Mat<f64> {
+    let width = columns.len();
+    let reflectors = recommended_block_size::<f64>(BLOCK_ROWS, width);
+    let mut stacked = Mat::<f64>::zeros(width + BLOCK_ROWS, width);
+    let mut coefficients = Mat::<f64>::zeros(reflectors, width);
+    let scratch = qr_in_place_scratch::<f64>(width + BLOCK_ROWS, width, reflectors, Par::Seq, Spec::default());
+    let mut scratch = MemBuffer::new(scratch);
+    for block in blocks(rows, BLOCK_ROWS) {
+        let height = width + block.len();
+        for (j, column) in columns.iter().enumerate() {
+            let stored = stacked.col_as_slice_mut(j);
+            stored[j + 1..width].fill(0.0);
+            column.fill(signals, block.clone(), &mut stored[width..height]);
+        }
+        let stack = MemStack::new(&mut scratch);
+        let block = stacked.as_mut().subrows_mut(0, height);
+        qr_in_place(block, coefficients.as_mut(), Par::Seq, stack, Spec::default());
+    }
+    Mat::from_fn(width, width, |i, j| if i <= j { stacked[(i, j)] } else { 0.0 })
+}
+
+/// Σ (y − X a)² with every residual formed.
+fn residual_sum_of_squares(signals: &[&[f64]], rows: &Rows, columns: &[Product], weights: &[f64]) -> f64 {
+    let target = columns.len() - 1;
+    let mut residuals = vec![0.0; BLOCK_ROWS];
+    let mut column = vec![0.0; BLOCK_ROWS];
+    let mut total = 0.0;
+    for block in blocks(rows, BLOCK_ROWS) {
+        let (residuals, column) = (&mut residuals[..block.len()], &mut column[..block.len()]);
+        columns[target].fill(signals, block.clone(), residuals);
+        for (product, weight) in columns[..target].iter().zip(weights) {
+            product.fill(signals, block.clone(), column);
+            residuals.iter_mut().zip(&*column).for_each(|(e, p)| *e -= weight * p);
+        }
+        total += residuals.iter().map(|e| e * e).sum::<f64>();
+    }
+    total
+}
+
+/// The rows in pieces of at most `most`.
+fn blocks(rows: &Rows, most: usize) -> impl Iterator<Item = Range<usize>> {
+    let pieces = move |range: &Range<usize>| {
+        let end = range.end;
+        range.clone().step_by(most).map(move |start| start..end.min(start + most))
+    };
+    rows.ranges().iter().flat_map(pieces)
+}
+
+/// Largest over smallest singular value of R with unit columns.
+fn condition(r: faer::MatRef<'_, f64>) -> f64 {
+    let norms: Vec<f64> = r.col_iter().map(|column| column.norm_l2()).collect();
+    let scaled = Mat::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / norms[j]);
+    // the iteration for singular values converges for every finite matrix; NaN says so if it ever does not
+    scaled.singular_values().map_or(f64::NAN, |s| s[0] / s[s.len() - 1])
+}
+
+/// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.
+pub(crate) fn working_bytes(terms: usize) -> usize {
+    let width = terms + 2;
+    (BLOCK_ROWS * (width + 2) + 4 * width * width) * size_of::<f64>()
+}

@@ -1,0 +1,78 @@
+//! Fast orthogonal search as printed: the slow twin of [`super::fos`].
+//!
+//! Every average of the recursion (equations 1 to 8 there) is a sum over the rows, taken anew for every
+//! candidate at every step. Kept because it is plainly the published method: tests hold the fast search
+//! against it, and the benchmark says what the rearrangement is worth.
+
+use fos_core::Factor;
+
+use super::fos::COLLINEAR;
+use super::stop::StopRule;
+use crate::candidates::Candidates;
+use crate::moments::{Rows, SignalsError, column};
+
+/// Terms in the order chosen, with Q of each: (index in the pool, drop in mean square error).
+///
+/// Stops by the same rules as [`super::fos::search`].
+///
+/// # Errors
+/// Signals that do not fit the pool.
+pub fn search(
+    signals: &[&[f64]],
+    rows: &Rows,
+    pool: &Candidates,
+    rule: &StopRule,
+) -> Result<Vec<(usize, f64)>, SignalsError> {
+    rows.check(signals, pool.factors())?;
+    let value = |monomial: &[Factor], n: usize| -> f64 {
+        monomial.iter().map(|f| signals[column(f)][n - usize::from(f.lag)]).product()
+    };
+    let average = |a: &[Factor], b: &[Factor]| {
+        let every_row = rows.ranges().iter().cloned().flatten();
+        every_row.map(|n| value(a, n) * value(b, n)).sum::<f64>() / rows.count() as f64
+    };
+    let target = [fos_core::y(0)];
+    let constant: &[Factor] = &[];
+    let noise = rule.noise.threshold(rows.count(), pool.len());
+
+    let mut chosen = Vec::new();
+    let mut p = vec![constant];
+    let mut d = vec![vec![1.0]];
+    let mut c = vec![average(&target, constant)];
+    let initial_mse = average(&target, &target) - c[0] * c[0];
+    let mut mse = initial_mse;
+    while chosen.len() < rule.max_terms && rule.mse_ratio.is_none_or(|ratio| mse > ratio * initial_mse) {
+        let m = p.len();
+        let mut best: Option<(usize, f64, Vec<f64>, f64)> = None;
+        for (candidate, monomial) in pool.monomials().iter().enumerate() {
+            if chosen.iter().any(|&(taken, _)| taken == candidate) {
+                continue;
+            }
+            // D(m,0) … D(m,m) and C(m)
+            let mut row: Vec<f64> = Vec::new();
+            for r in 0..m {
+                let projected: f64 = (0..r).map(|i| d[r][i] / d[i][i] * row[i]).sum();
+                row.push(average(monomial, p[r]) - projected);
+            }
+            let mean_square = average(monomial, monomial);
+            let dmm = mean_square - (0..m).map(|i| row[i] / d[i][i] * row[i]).sum::<f64>();
+            let cm = average(&target, monomial) - (0..m).map(|r| row[r] / d[r][r] * c[r]).sum::<f64>();
+            let q = cm * cm / dmm;
+            if dmm > COLLINEAR * mean_square && best.as_ref().is_none_or(|(_, most, _, _)| q > *most) {
+                row.push(dmm);
+                best = Some((candidate, q, row, cm));
+            }
+        }
+        match best {
+            Some((candidate, q, row, cm)) if q >= noise * mse => {
+                chosen.push((candidate, q));
+                p.push(&pool.monomials()[candidate]);
+                d.push(row);
+                c.push(cm);
+                mse -= q;
+            }
+            _ => break,
+        }
+    }
+    Ok(chosen)
+}

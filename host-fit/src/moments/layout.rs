@@ -1,0 +1,192 @@
+//! Which sums a pool needs, and how they are shared out as small matrix products.
+//!
+//! 1. Every Gram entry is the average of a product of two candidates (or of a candidate and the target).
+//!    As a (shape, shift) pair, many entries share one shape: with ten output lags and degree 2, 2,279
+//!    products have 297 shapes.
+//! 2. Each shape is left(n)·right(n − c), a product of two half-products. For one shift c, the shapes with that
+//!    shift are entries of a matrix product LᵀR over the rows, L holding left halves, R right halves c samples
+//!    late. It is cut into tiles that keep their sums in registers; tiles nobody needs are left out.
+
+use super::product::Product;
+use crate::candidates::Candidates;
+
+/// The sums kept for a pool and the order in which a pass over the data forms them.
+#[derive(Debug)]
+pub(super) struct Layout {
+    /// The distinct products, as (shape, shift), sorted: all shifts of one shape stand together.
+    pub(super) products: Vec<(Product, usize)>,
+    /// The distinct shapes, each with its run of `products` and the place of its sum among the tiles' sums.
+    pub(super) shapes: Vec<Shape>,
+    /// The distinct half-products.
+    pub(super) halves: Vec<Product>,
+    pub(super) tiles: Vec<Tile>,
+    /// Largest lag in any product: N₀.
+    pub(super) max_lag: usize,
+}
+
+/// All the products that are shifted copies of one.
+#[derive(Debug)]
+pub(super) struct Shape {
+    pub(super) product: Product,
+    /// Its copies: `products[first..end]`, shifts ascending.
+    pub(super) first: usize,
+    pub(super) end: usize,
+    /// Index of its sum among the sums of all tiles.
+    pub(super) sum: usize,
+}
+
+/// Sums over rows of left(n)·right(n − shift) for every left and right half listed.
+#[derive(Debug)]
+pub(super) struct Tile {
+    pub(super) shift: usize,
+    /// Indices into the half-products.
+    pub(super) left: Vec<usize>,
+    pub(super) right: Vec<usize>,
+    /// Place of the tile's first sum; sums are stored left half after left half.
+    pub(super) first_sum: usize,
+}
+
+impl Tile {
+    pub(super) fn len(&self) -> usize {
+        self.left.len() * self.right.len()
+    }
+}
+
+/// The most left and right halves in a tile.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TileShape {
+    pub(super) left: usize,
+    pub(super) right: usize,
+}
+
+impl Layout {
+    /// The products of every pair of candidates, of every candidate with the target and the constant.
+    pub(super) fn new(pool: &Candidates, tile_shape: TileShape) -> Self {
+        let monomials = pool.monomials();
+        let target = [fos_core::y(0)];
+        let mut products = vec![Product::of(&target, &[]), Product::of(&target, &target)];
+        for (i, p) in monomials.iter().enumerate() {
+            products.push(Product::of(p, &[]));
+            products.push(Product::of(p, &target));
+            products.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
+        }
+        let mut products: Vec<(Product, usize)> = products.iter().map(Product::normalised).collect();
+        products.sort_unstable();
+        products.dedup();
+
+        let mut shapes = Vec::new();
+        let mut first = 0;
+        for copies in products.chunk_by(|a, b| a.0 == b.0) {
+            let end = first + copies.len();
+            shapes.push(Shape { product: copies[0].0, first, end, sum: 0 });
+            first = end;
+        }
+        let (halves, tiles) = tile(&mut shapes, tile_shape);
+        Self { products, shapes, halves, tiles, max_lag: pool.max_lag() }
+    }
+
+    /// Where the sum of a product is kept, if it is.
+    pub(super) fn find(&self, product: &Product) -> Option<usize> {
+        self.products.binary_search(&product.normalised()).ok()
+    }
+
+    /// How many sums the tiles form; at least one per shape.
+    pub(super) fn tile_sums(&self) -> usize {
+        self.tiles.last().map_or(0, |tile| tile.first_sum + tile.len())
+    }
+}
+
+/// Groups the shapes into tiles and tells each shape where its sum will be.
+///
+/// Left halves that need the same right halves are put side by side, so that tiles come out full.
+fn tile(shapes: &mut [Shape], most: TileShape) -> (Vec<Product>, Vec<Tile>) {
+    let split: Vec<_> = shapes.iter().map(|shape| shape.product.halves()).collect();
+    let mut halves: Vec<Product> = split.iter().flat_map(|(left, right, _)| [*left, *right]).collect();
+    halves.sort_unstable();
+    halves.dedup();
+    let index = |half: &Product| halves.binary_search(half).expect("every half was listed");
+
+    /// One entry of LᵀR that is needed.
+    #[derive(PartialEq, Eq, PartialOrd, Ord)]
+    struct Entry {
+        shift: usize,
+        left: usize,
+        right: usize,
+        shape: usize,
+    }
+    let entry = |(shape, (left, right, shift)): (usize, &(Product, Product, usize))| Entry {
+        shift: *shift,
+        left: index(left),
+        right: index(right),
+        shape,
+    };
+    let mut entries: Vec<Entry> = split.iter().enumerate().map(entry).collect();
+    entries.sort_unstable();
+
+    let mut tiles: Vec<Tile> = Vec::new();
+    for same_shift in entries.chunk_by(|a, b| a.shift == b.shift) {
+        let mut rows: Vec<&[Entry]> = same_shift.chunk_by(|a, b| a.left == b.left).collect();
+        rows.sort_by(|a, b| a.iter().map(|e| e.right).cmp(b.iter().map(|e| e.right)));
+        for rows in balanced_chunks(&rows, most.left) {
+            let mut columns: Vec<usize> = rows.iter().flat_map(|row| row.iter().map(|e| e.right)).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            for right in balanced_chunks(&columns, most.right) {
+                let first_sum = tiles.last().map_or(0, |tile| tile.first_sum + tile.len());
+                for (i, row) in rows.iter().enumerate() {
+                    for entry in row.iter() {
+                        if let Ok(j) = right.binary_search(&entry.right) {
+                            shapes[entry.shape].sum = first_sum + i * right.len() + j;
+                        }
+                    }
+                }
+                let left = rows.iter().map(|row| row[0].left).collect();
+                tiles.push(Tile { shift: same_shift[0].shift, left, right: right.to_vec(), first_sum });
+            }
+        }
+    }
+    (halves, tiles)
+}
+
+/// Cuts a list into the fewest pieces of at most `most`, as equal as can be.
+fn balanced_chunks<T>(list: &[T], most: usize) -> impl Iterator<Item = &[T]> {
+    let pieces = list.len().div_ceil(most);
+    list.chunks(list.len().div_ceil(pieces.max(1)).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TILE: TileShape = TileShape { left: 4, right: 6 };
+
+    #[test]
+    fn ten_lags_of_degree_two_share_297_sums() {
+        let pool = Candidates::builder().output(1..=10, 2).build().unwrap();
+        let layout = Layout::new(&pool, TILE);
+        let by_order = |order| layout.shapes.iter().filter(|s| s.product.factors().count() == order).count();
+        assert_eq!([1, 2, 3, 4].map(by_order), [1, 11, 65, 220]);
+        assert_eq!(layout.halves.len(), 12, "the constant, y(n), and y(n)·y(n-d) for d = 0 to 9");
+        let waste = layout.tile_sums() as f64 / layout.shapes.len() as f64;
+        assert!(waste < 1.2, "tiles form {waste} times the sums needed");
+    }
+
+    #[test]
+    fn every_shape_is_the_product_its_tile_forms() {
+        let pool = Candidates::builder()
+            .output(1..=3, 3)
+            .input(0, 0..=4, 2)
+            .input(2, 7..=7, 1)
+            .cross_products(3)
+            .build()
+            .unwrap();
+        let layout = Layout::new(&pool, TILE);
+        for shape in &layout.shapes {
+            let within = |tile: &&Tile| (tile.first_sum..tile.first_sum + tile.len()).contains(&shape.sum);
+            let tile = layout.tiles.iter().find(within).expect("a tile forms it");
+            let (i, j) = ((shape.sum - tile.first_sum) / tile.right.len(), (shape.sum - tile.first_sum) % tile.right.len());
+            let formed = (layout.halves[tile.left[i]], layout.halves[tile.right[j]], tile.shift);
+            assert_eq!(formed, shape.product.halves());
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! Which rows of a recording a model may be fitted to.
+
+use std::ops::Range;
+
+use fos_core::{Channel, Factor};
+use thiserror::Error;
+
+/// The rows n at which the target y(n) and every lagged value back to n − N₀ are present, without a gap
+/// between them.
+///
+/// Nothing is interpolated and nothing is joined across a hole. Models to be compared are fitted to the same
+/// `Rows`, made for the largest lag among them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rows {
+    ranges: Vec<Range<usize>>,
+    max_lag: usize,
+}
+
+/// Why signals cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SignalsError {
+    /// The pool or model names an input that was not given.
+    #[error("input {input} is used, but only {given} inputs were given")]
+    MissingInput {
+        /// Index of the input.
+        input: usize,
+        /// Number of inputs among the signals.
+        given: usize,
+    },
+    /// No signals at all.
+    #[error("no signals were given: the first one is the output")]
+    NoOutput,
+    /// A column is not as long as the output.
+    #[error("signal {column} has {length} samples, the output has {expected}")]
+    Length {
+        /// Index of the column; 0 is the output.
+        column: usize,
+        /// Its samples.
+        length: usize,
+        /// The output's samples.
+        expected: usize,
+    },
+    /// A segment reaches beyond the data.
+    #[error("segment {index} ends at sample {end}, the signals have {samples}")]
+    Segment {
+        /// Index of the segment.
+        index: usize,
+        /// Its end.
+        end: usize,
+        /// Samples of each signal.
+        samples: usize,
+    },
+    /// Rows made for shorter lags than are needed.
+    #[error("the rows allow lags up to {allowed}, but lag {needed} is used")]
+    Lag {
+        /// Largest lag the rows were made for.
+        allowed: usize,
+        /// Largest lag needed.
+        needed: usize,
+    },
+}
+
+impl Rows {
+    /// Finds the rows of gap-free `segments` at which every one of `factors` and the target are present.
+    ///
+    /// `signals`: column 0 is the output, column i + 1 is input i, all equally long, one sample per row. A
+    /// sample that is not finite, in any channel that `factors` name or in the output, ends its segment.
+    ///
+    /// # Errors
+    /// Signals of unequal length, an input not given, or a segment beyond the data.
+    pub fn usable<'f>(
+        signals: &[&[f64]],
+        segments: &[Range<usize>],
+        factors: impl IntoIterator<Item = &'f Factor>,
+    ) -> Result<Self, SignalsError> {
+        let samples = signals.first().ok_or(SignalsError::NoOutput)?.len();
+        if let Some(index) = segments.iter().position(|s| s.end > samples) {
+            return Err(SignalsError::Segment { index, end: segments[index].end, samples });
+        }
+        let mut used = vec![false; signals.len()];
+        used[0] = true;
+        let mut max_lag = 0;
+        for factor in factors {
+            let column = column(factor);
+            *used.get_mut(column).ok_or_else(|| missing_input(column, signals))? = true;
+            max_lag = max_lag.max(usize::from(factor.lag));
+        }
+        let used: Vec<&[f64]> = signals.iter().zip(used).filter(|(_, used)| *used).map(|(s, _)| *s).collect();
+        check_lengths(signals)?;
+
+        let mut ranges = Vec::new();
+        for segment in segments {
+            let mut rest = segment.clone();
+            while rest.start < rest.end {
+                let present = used.iter().map(|s| leading_finite(&s[rest.clone()])).min().unwrap_or(0);
+                if present > max_lag {
+                    ranges.push(rest.start + max_lag..rest.start + present);
+                }
+                rest.start += present + 1;
+            }
+        }
+        Ok(Self { ranges, max_lag })
+    }
+
+    /// Ranges of target rows; every row is preceded by at least [`max_lag`](Self::max_lag) present samples.
+    pub fn ranges(&self) -> &[Range<usize>] {
+        &self.ranges
+    }
+
+    /// N₀: the largest lag these rows allow, in samples.
+    pub fn max_lag(&self) -> usize {
+        self.max_lag
+    }
+
+    /// Number of rows, n.
+    pub fn count(&self) -> usize {
+        self.ranges.iter().map(ExactSizeIterator::len).sum()
+    }
+
+    /// The rows whose target lies in `block`; their lagged values may lie before it.
+    pub fn within(&self, block: &Range<usize>) -> Self {
+        let cut = |r: &Range<usize>| r.start.max(block.start)..r.end.min(block.end);
+        let ranges = self.ranges.iter().map(cut).filter(|r| r.start < r.end).collect();
+        Self { ranges, max_lag: self.max_lag }
+    }
+
+    /// Checks that these rows can serve products of `factors` of these signals.
+    pub(crate) fn check<'f>(
+        &self,
+        signals: &[&[f64]],
+        factors: impl IntoIterator<Item = &'f Factor>,
+    ) -> Result<(), SignalsError> {
+        let samples = signals.first().ok_or(SignalsError::NoOutput)?.len();
+        check_lengths(signals)?;
+        if let Some(index) = self.ranges.iter().position(|r| r.end > samples) {
+            return Err(SignalsError::Segment { index, end: self.ranges[index].end, samples });
+        }
+        for factor in factors {
+            if column(factor) >= signals.len() {
+                return Err(missing_input(column(factor), signals));
+            }
+            if usize::from(factor.lag) > self.max_lag {
+                return Err(SignalsError::Lag { allowed: self.max_lag, needed: factor.lag.into() });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The column of the signals that holds a factor's channel.
+pub(crate) fn column(factor: &Factor) -> usize {
+    match factor.channel {
+        Channel::Output => 0,
+        Channel::Input(i) => usize::from(i) + 1,
+    }
+}
+
+fn missing_input(column: usize, signals: &[&[f64]]) -> SignalsError {
+    SignalsError::MissingInput { input: column - 1, given: signals.len() - 1 }
+}
+
+fn check_lengths(signals: &[&[f64]]) -> Result<(), SignalsError> {
+    let expected = signals[0].len();
+    match signals.iter().position(|s| s.len() != expected) {
+        Some(column) => Err(SignalsError::Length { column, length: signals[column].len(), expected }),
+        None => Ok(()),
+    }
+}
+
+/// How many samples are finite before the first that is not.
+fn leading_finite(signal: &[f64]) -> usize {
+    // x·0 is 0 for a finite x and NaN otherwise, and NaN survives adding: one test per chunk vectorises,
+    // one per sample does not.
+    let spoiled = |chunk: &[f64]| !chunk.iter().fold(0.0, |sum, x| sum + x * 0.0).is_finite();
+    const CHUNK: usize = 64;
+    let clean = signal.chunks(CHUNK).take_while(|chunk| !spoiled(chunk)).map(<[f64]>::len).sum::<usize>();
+    clean + signal[clean..].iter().take_while(|x| x.is_finite()).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use fos_core::{u, y};
+
+    use super::*;
+
+    #[test]
+    fn needs_every_lag_inside_one_segment() {
+        let signal = vec![0.0; 20];
+        let rows = Rows::usable(&[&signal], &[0..5, 5..8, 8..20], &[y(1), y(3)]).unwrap();
+        assert_eq!(rows.ranges(), [3..5, 11..20]);
+        assert_eq!(rows.count(), 11);
+        assert_eq!(rows.within(&(4..12)).ranges(), [4..5, 11..12]);
+    }
+
+    #[test]
+    fn ends_a_segment_at_a_missing_value_of_a_channel_in_use() {
+        let mut output = vec![1.0; 300];
+        let mut input = vec![1.0; 300];
+        output[100] = f64::NAN;
+        input[150] = f64::INFINITY;
+        input[151] = f64::NAN;
+        let rows = |factors: &[Factor]| Rows::usable(&[&output, &input], &[0..300], factors).unwrap();
+        assert_eq!(rows(&[y(2)]).ranges(), [2..100, 103..300]);
+        assert_eq!(rows(&[y(2), u(0, 0)]).ranges(), [2..100, 103..150, 154..300]);
+    }
+
+    #[test]
+    fn refuses_signals_that_do_not_fit() {
+        let (output, short) = (vec![0.0; 10], vec![0.0; 9]);
+        let refused = |signals: &[&[f64]], segment: Range<usize>, factor: Factor| {
+            Rows::usable(signals, &[segment], &[factor]).unwrap_err()
+        };
+        assert_eq!(refused(&[&output], 0..10, u(0, 0)), SignalsError::MissingInput { input: 0, given: 0 });
+        assert_eq!(refused(&[], 0..0, y(1)), SignalsError::NoOutput);
+        let length = SignalsError::Length { column: 1, length: 9, expected: 10 };
+        assert_eq!(refused(&[&output, &short], 0..9, u(0, 0)), length);
+        assert_eq!(
+            refused(&[&output], 0..11, y(1)),
+            SignalsError::Segment { index: 0, end: 11, samples: 10 }
+        );
+        let rows = Rows::usable(&[&output], &[0..10], &[y(2)]).unwrap();
+        assert_eq!(rows.check(&[&output], &[y(3)]), Err(SignalsError::Lag { allowed: 2, needed: 3 }));
+    }
+}

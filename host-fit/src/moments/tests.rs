@@ -1,0 +1,157 @@
+//! Moments against sums written out row by row.
+
+use fos_core::{u, y};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::candidates::Monomial;
+
+fn noise(samples: usize, seed: u64, scale: f64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    (0..samples).map(|_| scale * (random.random::<f64>() - 0.3)).collect()
+}
+
+/// Compares every Gram entry with its definition. The bound is relative to the average magnitude of what is
+/// summed: that is what rounding is proportional to.
+fn assert_matches_definition(signals: &[&[f64]], rows: &Rows, pool: &Candidates) {
+    let gram = Moments::accumulate(signals, rows, pool).unwrap().gram(pool).unwrap();
+    assert_eq!(gram.rows(), rows.count());
+    let check = |value: f64, a: &Monomial, b: &Monomial| {
+        let value_at = |m: &Monomial, n: usize| -> f64 {
+            m.iter().map(|f| signals[column(f)][n - usize::from(f.lag)]).product()
+        };
+        let terms = rows.ranges().iter().cloned().flatten().map(|n| value_at(a, n) * value_at(b, n));
+        let (sum, magnitude) = terms.fold((0.0, 0.0), |(s, m), t| (s + t, m + t.abs()));
+        let (expected, scale) = (sum / rows.count() as f64, magnitude / rows.count() as f64);
+        // n additions of the plain sum dominate: n·ε/2 at worst, and far less in practice
+        let bound = 1e-13 * scale;
+        assert!((value - expected).abs() <= bound, "{a:?}·{b:?}: {value} for {expected}");
+    };
+    let (one, target) = (vec![], vec![y(0)]);
+    check(gram.target_mean(), &target, &one);
+    check(gram.target_mean_square(), &target, &target);
+    for (i, p) in pool.monomials().iter().enumerate() {
+        check(gram.mean(i), p, &one);
+        check(gram.target_product(i), p, &target);
+        for (j, q) in pool.monomials().iter().enumerate() {
+            check(gram.product(i, j), p, q);
+        }
+    }
+}
+
+fn pools() -> Vec<Candidates> {
+    let builders = [
+        Candidates::builder().output(1..=1, 1),
+        Candidates::builder().output(1..=10, 2),
+        Candidates::builder().output(1..=4, 3),
+        Candidates::builder().output(1..=3, 2).input(0, 0..=5, 1).input(1, 2..=3, 2).cross_products(3),
+        Candidates::builder().monomial(&[y(1), y(23)]).monomial(&[u(1, 0)]).monomial(&[u(0, 40), y(2), y(2)]),
+    ];
+    builders.into_iter().map(|builder| builder.build().unwrap()).collect()
+}
+
+#[test]
+fn match_their_definition_over_awkward_sizes() {
+    let lengths = [45, 50, 63, 90, 391, 392, 393, 400, 801, 1500];
+    for (seed, samples) in lengths.into_iter().enumerate() {
+        let columns: Vec<_> = (0..3).map(|c| noise(samples, 10 * seed as u64 + c, 3.0)).collect();
+        let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        for pool in pools() {
+            let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors()).unwrap();
+            assert_matches_definition(&signals, &rows, &pool);
+        }
+    }
+}
+
+#[test]
+fn stop_at_gaps_missing_values_and_short_segments() {
+    let mut columns: Vec<_> = (0..3).map(|c| noise(1200, 77 + c, 1.0)).collect();
+    columns[0][300] = f64::NAN;
+    columns[1][310] = f64::NAN;
+    columns[2][700] = f64::INFINITY;
+    let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let segments = [0..3, 3..8, 8..8, 8..290, 295..420, 430..477, 480..1200];
+    for pool in pools() {
+        let rows = Rows::usable(&signals, &segments, pool.factors()).unwrap();
+        assert_matches_definition(&signals, &rows, &pool);
+    }
+}
+
+#[test]
+fn do_not_depend_on_the_unit() {
+    let unit = noise(2000, 5, 1.0);
+    let pool = Candidates::builder().output(1..=4, 3).build().unwrap();
+    let gram = |signal: &[f64]| {
+        let rows = Rows::usable(&[signal], &[0..2000], pool.factors()).unwrap();
+        Moments::accumulate(&[signal], &rows, &pool).unwrap().gram(&pool).unwrap()
+    };
+    // powers of two: scaling is then exact, and so must be the result
+    for exponent in [-20, 20] {
+        let scale = 2f64.powi(exponent);
+        let scaled: Vec<f64> = unit.iter().map(|x| x * scale).collect();
+        let (a, b) = (gram(&unit), gram(&scaled));
+        for (i, p) in pool.monomials().iter().enumerate() {
+            for (j, q) in pool.monomials().iter().enumerate() {
+                let degree = (p.len() + q.len()) as i32;
+                assert_eq!(a.product(i, j) * scale.powi(degree), b.product(i, j));
+            }
+        }
+    }
+}
+
+#[test]
+fn add_up_over_blocks_and_subtract_when_one_is_left_out() {
+    let columns: Vec<_> = (0..2).map(|c| noise(900, 31 + c, 2.0)).collect();
+    let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let pool =
+        Candidates::builder().output(1..=5, 2).input(0, 0..=8, 1).cross_products(2).build().unwrap();
+    let rows = Rows::usable(&signals, &[0..400, 410..900], pool.factors()).unwrap();
+    let blocks = [0..100, 100..104, 104..450, 450..900];
+    let parts = Moments::accumulate_blocks(&signals, &rows, &blocks, &pool).unwrap();
+    let whole = Moments::accumulate(&signals, &rows, &pool).unwrap();
+
+    let mut sum = parts[0].clone();
+    parts[1..].iter().for_each(|part| sum += part);
+    assert_eq!(sum.rows(), whole.rows());
+    // entries are sums of up to 900 products of magnitude ≤ 2·2·2·2: 900·16·ε ≈ 3e-12
+    let close = |a: &Moments, b: &Moments| a.sums.iter().zip(&b.sums).all(|(a, b)| (a - b).abs() < 3e-12);
+    assert!(close(&sum, &whole));
+
+    sum -= &parts[2];
+    let kept = Moments::accumulate(&signals, &rows.within(&(0..104)), &pool).unwrap();
+    let mut rest = Moments::accumulate(&signals, &rows.within(&(450..900)), &pool).unwrap();
+    rest += &kept;
+    assert_eq!(sum.rows(), rest.rows());
+    assert!(close(&sum, &rest));
+}
+
+#[test]
+fn serve_any_pool_they_cover() {
+    let signal = noise(500, 3, 1.0);
+    let wide = Candidates::builder().output(1..=6, 2).build().unwrap();
+    let narrow = Candidates::builder().output(1..=2, 1).monomial(&[y(3), y(5)]).build().unwrap();
+    let rows = Rows::usable(&[&signal], &[0..500], wide.factors()).unwrap();
+    let moments = Moments::accumulate(&[&signal], &rows, &wide).unwrap();
+    let gram = moments.gram(&narrow).unwrap();
+    let (all, place) = (moments.gram(&wide).unwrap(), wide.position(&[y(3), y(5)]).unwrap());
+    assert_eq!(gram.product(2, 2), all.product(place, place));
+
+    let beyond = Candidates::builder().output(1..=7, 1).build().unwrap();
+    assert!(matches!(moments.gram(&beyond), Err(GramError::NotCovered(_))));
+    let none = Moments::accumulate(&[&signal], &rows.within(&(0..0)), &wide).unwrap();
+    assert_eq!(none.gram(&wide).unwrap_err(), GramError::NoRows);
+}
+
+#[test]
+#[should_panic(expected = "same pool")]
+fn of_different_pools_do_not_add() {
+    let signal = noise(50, 3, 1.0);
+    let of = |lags| {
+        let pool = Candidates::builder().output(1..=lags, 1).build().unwrap();
+        let rows = Rows::usable(&[&signal], &[0..50], pool.factors()).unwrap();
+        Moments::accumulate(&[&signal], &rows, &pool).unwrap()
+    };
+    let mut a = of(2);
+    a += &of(3);
+}
