@@ -267,6 +267,18 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.axes.iter_mut().for_each(RunningAxis::reset);
     }
 
+    /// The next sample does not follow the last one: histories restart, inputs and clocks go on.
+    pub fn restart(&mut self) {
+        self.axes.iter_mut().for_each(RunningAxis::restart);
+    }
+
+    /// u(n) of an input, scaled, as of the last sample; `None` if there is no such input.
+    pub fn input(&self, index: usize) -> Option<R> {
+        let n_inputs = self.inputs.len();
+        let back = (n_inputs + self.axes.len()).checked_sub(index)?;
+        if index < n_inputs { Some(self.history.back(u16::try_from(back).ok()?)) } else { None }
+    }
+
     /// How many axes the model has.
     pub fn n_axes(&self) -> usize {
         self.axes.len()

@@ -1,7 +1,10 @@
 //! Fitting: choosing terms and finding their coefficients.
 
+pub mod axis;
 pub mod fos;
+pub mod options;
 pub mod refit;
+pub mod regressors;
 pub mod stop;
 pub mod textbook;
 
@@ -11,7 +14,9 @@ use thiserror::Error;
 
 use crate::candidates::{Candidates, Monomial};
 use crate::moments::{GramError, Moments, Rows, SignalsError};
+pub use axis::{AxisError, AxisFit, AxisReport, SelectionStep, fit_axis, training_rows};
 pub use fos::{Selection, Step};
+pub use options::{FitOptions, InputSpec, Stop, Train};
 pub use refit::{Refit, RefitError};
 pub use stop::{NoiseRule, StopRule, Stopped};
 

@@ -1,0 +1,79 @@
+//! Arguments that several subcommands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::Failure;
+use crate::recording::{ColumnMap, LoadOptions, Recording, load};
+
+/// How a log is read.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct Reading {
+    /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
+    /// gx_rads=gx_cnt*1.33e-4. May be repeated
+    #[arg(long = "map", value_name = "COLUMN=SOURCE[:UNIT]")]
+    pub(super) map: Vec<String>,
+    /// The same, from a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(super) map_file: Option<PathBuf>,
+    /// Nominal sample rate, Hz; needed if the log has no time stamps
+    #[arg(long, value_name = "HZ")]
+    pub(super) rate: Option<f64>,
+    /// Refuse the first row that cannot be read instead of skipping and counting
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+impl Reading {
+    /// Reads `log`.
+    pub(super) fn read(&self, log: &Path) -> Result<Recording, Failure> {
+        let mut columns = match &self.map_file {
+            Some(path) => ColumnMap::from_file(path)?,
+            None => ColumnMap::default(),
+        };
+        for spec in &self.map {
+            columns.add(spec)?;
+        }
+        Ok(load(log, &LoadOptions { columns, rate_hz: self.rate, strict: self.strict })?)
+    }
+}
+
+/// The axes that `--axis` names: one, several with commas, or all that the log has.
+pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Failure> {
+    if names != "all" {
+        let axes: Result<Vec<String>, _> =
+            names.split(',').map(|name| recording.axis(name.trim()).map(|channel| channel.name.clone())).collect();
+        return Ok(axes?);
+    }
+    let six = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+    let axes: Vec<String> =
+        six.iter().filter(|name| recording.channel(name).is_ok()).map(|name| (*name).to_owned()).collect();
+    if axes.is_empty() {
+        return Err("the log has none of the columns ax_mps2 … gz_rads\nhelp: name the axis with --axis COLUMN, or map the columns with --map".into());
+    }
+    Ok(axes)
+}
+
+/// What was read, in a few lines.
+pub(super) fn describe(recording: &Recording) -> String {
+    let rate = &recording.rate;
+    let duration_s = recording.time_s.last().copied().unwrap_or(0.0) - recording.time_s.first().copied().unwrap_or(0.0);
+    let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
+    format!(
+        "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
+        recording.source.path,
+        recording.n_rows(),
+        duration_s,
+        recording.segments.len(),
+        rate.true_hz,
+        rate.stamps,
+        rate.jitter_s,
+        quality(recording),
+    )
+}
+
+fn quality(recording: &Recording) -> String {
+    let report = recording.quality.to_string();
+    if report.is_empty() { String::new() } else { format!("\n  {}", report.replace('\n', "\n  ")) }
+}

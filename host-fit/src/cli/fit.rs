@@ -1,0 +1,166 @@
+//! `fit`: from a log to a study.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{Reading, axes, describe};
+use super::error_table::error_table;
+use super::output::{Failure, number, print_json, progress, table};
+use crate::compare::study_of;
+use crate::evaluate::ModelErrors;
+use crate::fit::{AxisReport, FitOptions, InputSpec, Stop, Train, fit_axis};
+use crate::rest;
+use crate::study::Study;
+
+/// Fit nonlinear autoregressive models of the error of one or more axes
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit fit quiet.csv.gz --axis all -o unit.json")]
+pub(super) struct Fit {
+    /// The log: CSV, gzip'd CSV or Parquet
+    log: PathBuf,
+    /// gx, a column, several with commas, or all
+    #[arg(long, default_value = "all")]
+    axis: String,
+    /// The study to write
+    #[arg(short, long, default_value = "study.json")]
+    output: PathBuf,
+    /// L: output lags 1 … L are candidates
+    #[arg(long, default_value_t = FitOptions::default().max_lag)]
+    max_lag: u16,
+    /// Cross-product degree (CP): 1, 2 or 3
+    #[arg(long, default_value_t = FitOptions::default().degree, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=3))]
+    degree: usize,
+    /// Time constants of the low-passes of the output offered beside its lags, s; "none" for none
+    #[arg(long, default_value = "0.1,1,10,100")]
+    memory: String,
+    /// Offer an input to the search: temp_c, temp_c:lowpass(60), clock:decay(200). May be repeated
+    #[arg(long, value_name = "INPUT")]
+    input: Vec<InputSpec>,
+    /// Put an input into the physical part, which also holds in motion. May be repeated
+    #[arg(long, value_name = "INPUT")]
+    physical: Vec<InputSpec>,
+    /// Most terms of an axis
+    #[arg(long, default_value_t = FitOptions::default().max_terms)]
+    max_terms: usize,
+    /// When to stop before: multiplicity (allows for the number of candidates), korenberg, never
+    #[arg(long, default_value = "multiplicity")]
+    stop: Stop,
+    /// Train on this share of the rows at rest, from the start (50%), or for this long (180s)
+    #[arg(long, default_value = "50%")]
+    train: Train,
+    /// Take this off the error instead of its mean, in the axis' unit
+    #[arg(long, allow_negative_numbers = true)]
+    offset: Option<f64>,
+    /// Scale by this instead of the standard deviation, in the axis' unit
+    #[arg(long)]
+    scale: Option<f64>,
+    /// Measured values of this magnitude count as saturated, in the axis' unit
+    #[arg(long, default_value_t = 0.0)]
+    full_scale: f64,
+    /// The log is after a factory's or driver's correction
+    #[arg(long)]
+    factory_corrected: bool,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print the study as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Fit {
+    fn options(&self) -> Result<FitOptions, Failure> {
+        let memory_s = match self.memory.as_str() {
+            "none" => Vec::new(),
+            list => list
+                .split(',')
+                .map(|tau| match tau.trim().parse::<f64>() {
+                    Ok(tau) if tau > 0.0 && tau.is_finite() => Ok(tau),
+                    _ => Err(format!("--memory: {tau:?} is not a positive time in seconds")),
+                })
+                .collect::<Result<_, _>>()?,
+        };
+        Ok(FitOptions {
+            max_lag: self.max_lag,
+            degree: self.degree,
+            memory_s,
+            inputs: self.input.clone(),
+            physical: self.physical.clone(),
+            max_terms: self.max_terms,
+            stop: self.stop,
+            train: self.train,
+            offset: self.offset,
+            scale: self.scale,
+            full_scale: self.full_scale,
+            fitted_on: match self.factory_corrected {
+                true => fos_core::FittedOn::FactoryCorrected,
+                false => fos_core::FittedOn::Raw,
+            },
+        })
+    }
+
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        let recording = self.reading.read(&self.log)?;
+        let rest = rest::find(&recording);
+        if !self.json {
+            println!("{}", describe(&recording));
+        }
+        let axes = axes(&recording, &self.axis)?;
+        let bar = progress(axes.len() as u64, "fitting");
+        let mut fits = Vec::new();
+        for axis in &axes {
+            bar.set_message(format!("fitting {axis}"));
+            fits.push(fit_axis(&recording, &rest, axis, &options)?);
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let study = study_of(&recording, &rest, fits, options, self.reading.map.clone())?;
+        study.write(&self.output)?;
+        if self.json {
+            return print_json(&study);
+        }
+        print_study(&study);
+        println!("\nstudy written to {}", self.output.display());
+        Ok(())
+    }
+}
+
+/// The model of every axis and its errors.
+pub(super) fn print_study(study: &Study) {
+    println!(
+        "  at rest {:.1} % of the rows, known {}; trained on the first {} rows",
+        100.0 * study.data.still_share,
+        study.data.still_known_by.describe(),
+        study.data.trained_rows
+    );
+    for report in &study.axes {
+        print_selection(report);
+    }
+    for (axis, report) in study.axes.iter().enumerate() {
+        println!("\n{}: errors on the rows that were not fitted", report.column);
+        let errors: Vec<&ModelErrors> = study.steps.iter().map(|step| &step.errors[axis]).collect();
+        println!("{}", error_table(&errors));
+    }
+}
+
+fn print_selection(report: &AxisReport) {
+    println!(
+        "\n{}: {} candidates over {} rows; {}; condition number {}",
+        report.column,
+        report.candidates,
+        report.rows,
+        report.stopped,
+        number(report.condition_number)
+    );
+    let mut steps = table(&["  term", "MSE reduction", "ERR", "MSE after"]);
+    for step in &report.steps {
+        steps.add_row(vec![
+            format!("  {}", step.monomial),
+            number(step.mse_reduction),
+            number(step.error_reduction_ratio),
+            number(step.mse),
+        ]);
+    }
+    println!("{steps}");
+}

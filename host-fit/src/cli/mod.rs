@@ -1,0 +1,61 @@
+//! The command line: each subcommand parses, runs, prints.
+
+mod arguments;
+mod bench;
+mod compare;
+mod demo;
+mod error_table;
+mod export;
+mod fit;
+mod inspect;
+mod output;
+mod replay;
+mod simulate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use output::Failure;
+
+/// Fits models of inertial sensor error with Fast Orthogonal Search, compares them with the measurements, exports them
+/// to the device.
+#[derive(Debug, Parser)]
+#[command(name = "host-fit", version, arg_required_else_help = true, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Demo),
+    Simulate(simulate::Simulate),
+    Fit(fit::Fit),
+    Compare(compare::Compare),
+    Export(export::Export),
+    Inspect(inspect::Inspect),
+    Replay(replay::Replay),
+    Bench(bench::Bench),
+}
+
+/// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
+pub fn run() -> ExitCode {
+    let done: Result<(), Failure> = match Cli::parse().command {
+        Command::Demo(command) => command.run(),
+        Command::Simulate(command) => command.run(),
+        Command::Fit(command) => command.run(),
+        Command::Compare(command) => command.run(),
+        Command::Export(command) => command.run(),
+        Command::Inspect(command) => command.run(),
+        Command::Replay(command) => command.run(),
+        Command::Bench(command) => command.run(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! `replay`: an image over a log, on fos-core in f32, as the device would.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fos_core::Image;
+
+use super::arguments::Reading;
+use super::output::{Failure, number, print_json, table};
+use crate::file;
+use crate::recording::write_columns;
+use crate::replay::{Replay as Replayed, replay};
+use crate::rest;
+
+/// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit replay unit.fosm field.parquet -o corrected.parquet")]
+pub(super) struct Replay {
+    /// The image
+    image: PathBuf,
+    /// The log
+    log: PathBuf,
+    /// The corrected log to write: .csv, .csv.gz or .parquet
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Write the log in the form that the firmware in the loop reads
+    #[arg(long, value_name = "FILE")]
+    device_log: Option<PathBuf>,
+    /// Columns of the axes and quantities, where the image's own names do not fit: gx_rads,gy_rads
+    #[arg(long, value_delimiter = ',', value_name = "COLUMNS")]
+    axes: Vec<String>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Replay {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let bytes = file::read(&self.image)?;
+        let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
+        let recording = self.reading.read(&self.log)?;
+        let rest = rest::find(&recording);
+        let replayed = replay(&image, &recording, &rest, &self.axes)?;
+        if let Some(path) = &self.device_log {
+            file::write_atomically(path, &replayed.device_log)?;
+        }
+        if let Some(path) = &self.output {
+            write_columns(path, &replayed.columns(&recording))?;
+        }
+        if self.json {
+            return print_json(&replayed.summary);
+        }
+        self.print(&replayed);
+        Ok(())
+    }
+
+    fn print(&self, replayed: &Replayed) {
+        let summary = &replayed.summary;
+        println!(
+            "{} rows: {} tracked at rest, {} coasted in motion; rest known {}",
+            summary.rows,
+            summary.tracked,
+            summary.rows - summary.tracked,
+            summary.still_known_by.describe()
+        );
+        let mut rows = table(&["  axis", "innovations", "rms f32", "rms f64", "f32 costs", "valid rows"]);
+        for axis in &summary.axes {
+            rows.add_row(vec![
+                format!("  {}", axis.column),
+                axis.innovations.to_string(),
+                number(axis.innovation_rms_f32),
+                number(axis.innovation_rms_f64),
+                format!("{:.1e}", axis.largest_difference / axis.innovation_rms_f64),
+                format!("{:.1} %", 100.0 * axis.valid_share),
+            ]);
+        }
+        println!("{rows}");
+        println!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
+        println!("digest of the innovations  {:016x}", summary.innovations_digest);
+        println!("digest of all corrections  {:016x}", summary.corrections_digest);
+        if let Some(path) = &self.output {
+            println!("corrected log written to {}", path.display());
+        }
+        if let Some(path) = &self.device_log {
+            println!("log for the firmware written to {}", path.display());
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Which error").
+
+use serde::{Deserialize, Serialize};
+
+use super::trace::{HORIZONS_S, Trace};
+use crate::signal;
+use crate::signal::allan::allan_deviation;
+use crate::signal::blocks::slow_error;
+use crate::signal::noise_floor::NoiseFloor;
+
+/// Averaging times of the Allan deviation, s.
+const TAUS_S: [f64; 3] = [1.0, 10.0, 100.0];
+
+/// Block length of the slow error, s.
+const SLOW_BLOCK_S: f64 = 1.0;
+
+/// Standard gravity as the paper rounds it, m/s², and the hour over which it extrapolates, s.
+const PAPER_GRAVITY: f64 = 9.81;
+const PAPER_TIME_S: f64 = 3600.0;
+
+/// What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
+/// absent where the data are too short for it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelErrors {
+    /// The model.
+    pub model: String,
+    /// Mean square of measured − predicted from measured history, on the raw samples.
+    pub one_step_mse: f64,
+    /// The same from own history after exactly 1 s, 10 s and 60 s.
+    pub coast: Vec<CoastError>,
+    /// The same from own history over all judged rows, never starting anew.
+    pub coast_whole_mse: f64,
+    /// Variance of 1-s block means of what is left, one-step, while still.
+    pub slow_error_one_step: Option<f64>,
+    /// Variance of 1-s block means of what is left, coasting for at most 60 s, while still.
+    pub slow_error_coast: Option<f64>,
+    /// Variance of the samples of what is left, one-step, while still.
+    pub wide_error_one_step: f64,
+    /// Variance of the samples of what is left, coasting for at most 60 s, while still.
+    pub wide_error_coast: f64,
+    /// The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro.
+    pub position_error_m: Option<f64>,
+    /// Allan deviation of what is left when coasting for at most 60 s.
+    pub allan: Vec<AllanValue>,
+    /// The one-step MSE is below the noise floor: not to be trusted.
+    pub below_noise_floor: bool,
+    /// Rows whose prediction came with a caution (out of range, stuck, saturated, not finite, …).
+    pub cautions: usize,
+}
+
+/// Coast error at one horizon.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CoastError {
+    /// Horizon, s.
+    pub horizon_s: f64,
+    /// Mean square error after exactly that time.
+    pub mse: f64,
+    /// Standard error of the mean, coasts taken as independent of one another.
+    pub standard_error: f64,
+    /// Coasts that it is the mean of.
+    pub origins: usize,
+}
+
+/// Allan deviation at one averaging time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AllanValue {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// Deviation, in the axis' unit.
+    pub deviation: f64,
+}
+
+impl ModelErrors {
+    /// The errors of axis `axis` in `trace`; `noise_floor` as estimated from the same data.
+    pub fn of(
+        trace: &Trace,
+        axis: usize,
+        model: &str,
+        column: &str,
+        noise_floor: Option<&NoiseFloor>,
+    ) -> Self {
+        let left = &trace.axes[axis];
+        let one_step = trace.stretches_of(&left.one_step);
+        let coast = trace.stretches_of(&left.coast);
+        let one_step_mse = mean_square(&one_step);
+        let horizons = HORIZONS_S.into_iter().zip(&left.horizons).filter(|(_, squares)| !squares.is_empty());
+        Self {
+            model: model.to_owned(),
+            one_step_mse,
+            coast: horizons.map(|(horizon_s, squares)| CoastError::of(horizon_s, squares)).collect(),
+            coast_whole_mse: mean_square(&trace.stretches_of(&left.coast_whole)),
+            slow_error_one_step: slow_error(&one_step, trace.period_s, SLOW_BLOCK_S),
+            slow_error_coast: slow_error(&coast, trace.period_s, SLOW_BLOCK_S),
+            wide_error_one_step: signal::variance(&one_step),
+            wide_error_coast: signal::variance(&coast),
+            position_error_m: position_error_m(column, one_step_mse),
+            allan: allan_deviation(&coast, trace.period_s, &TAUS_S)
+                .into_iter()
+                .map(|point| AllanValue { tau_s: point.tau_s, deviation: point.deviation })
+                .collect(),
+            below_noise_floor: noise_floor.is_some_and(|floor| floor.is_beaten_by(one_step_mse)),
+            cautions: left.cautions,
+        }
+    }
+}
+
+impl CoastError {
+    fn of(horizon_s: f64, squares: &[f64]) -> Self {
+        let standard_error = (signal::variance(&[squares]) / squares.len() as f64).sqrt();
+        Self { horizon_s, mse: signal::mean(&[squares]), standard_error, origins: squares.len() }
+    }
+}
+
+fn mean_square(stretches: &[&[f64]]) -> f64 {
+    let n = signal::sample_count(stretches);
+    if n == 0 {
+        return f64::NAN;
+    }
+    stretches.iter().copied().flatten().map(|value| value * value).sum::<f64>() / n as f64
+}
+
+/// The paper's position error after an hour: ½·√MSE·t² for an accelerometer (m/s²), g·√MSE·t³/6 for a gyro (rad/s).
+/// A formula of the MSE, not a navigation run.
+pub fn position_error_m(column: &str, mse: f64) -> Option<f64> {
+    let root = mse.sqrt();
+    match column {
+        "ax_mps2" | "ay_mps2" | "az_mps2" => Some(0.5 * root * PAPER_TIME_S.powi(2)),
+        "gx_rads" | "gy_rads" | "gz_rads" => Some(PAPER_GRAVITY * root * PAPER_TIME_S.powi(3) / 6.0),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_position_errors_are_the_papers() {
+        // Tables 1 and 2: MSE in (m/s²)² and (deg/h)², position error in m, printed digits
+        for (mse, metres) in [(5e-9, 458.0), (3e-11, 35.0), (1e-11, 20.0), (2e-12, 9.0), (3e-14, 1.0), (2e-16, 0.09)] {
+            let computed = position_error_m("ay_mps2", mse).unwrap();
+            assert!((computed / metres - 1.0).abs() < 0.13, "{mse}: {computed} for {metres}");
+        }
+        let degree_per_hour = std::f64::consts::PI / 180.0 / 3600.0;
+        for (mse, metres) in
+            [(7e-6, 978.0), (5e-6, 826.0), (1e-6, 369.0), (2e-6, 523.0), (2e-7, 165.0), (4e-10, 7.0), (3e-11, 2.0)]
+        {
+            let computed = position_error_m("gy_rads", mse * degree_per_hour.powi(2)).unwrap();
+            assert!((computed / metres - 1.0).abs() < 0.06, "{mse}: {computed} for {metres}");
+        }
+    }
+}

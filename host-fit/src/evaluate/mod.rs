@@ -1,0 +1,12 @@
+//! How well a model does on data: one-step, coast, slow and wide errors, position error, Allan deviation, beside
+//! plain rivals and the noise floor. A model is judged by running fos-core on it.
+
+mod errors;
+mod rivals;
+mod stretches;
+mod trace;
+
+pub use errors::{AllanValue, CoastError, ModelErrors, position_error_m};
+pub use rivals::{Rival, rival};
+pub use stretches::{Stretch, worst_stretches};
+pub use trace::{AxisTrace, HORIZONS_S, Trace, trace};

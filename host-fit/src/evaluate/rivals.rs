@@ -1,0 +1,56 @@
+//! The plain rivals every model is shown beside. They run on fos-core as any model does.
+
+use fos_core::y;
+
+use crate::model::{FittedTerm, UnitModel};
+
+/// A plain way of predicting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rival {
+    /// The constant mean of the training data.
+    Mean,
+    /// First-order Gauss-Markov: φ·y(n−1) with φ the lag-1 autocorrelation of the training data.
+    GaussMarkov,
+    /// The last value, held.
+    LastValue,
+}
+
+/// A coast that a rival never ends: what it predicts is part of its definition.
+const FOR_EVER_S: f64 = 1e9;
+
+impl Rival {
+    /// All of them.
+    pub const ALL: [Rival; 3] = [Rival::Mean, Rival::GaussMarkov, Rival::LastValue];
+
+    /// As in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "constant mean",
+            Self::GaussMarkov => "Gauss-Markov",
+            Self::LastValue => "last value held",
+        }
+    }
+}
+
+/// The rival of `model`: same axes, offsets and scales. `lag_1` is the lag-1 autocorrelation of each axis' training
+/// data.
+pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
+    let mut plain = model.clone();
+    plain.inputs.clear();
+    plain.quantities.clear();
+    for (axis, lag_1) in plain.axes.iter_mut().zip(lag_1) {
+        axis.physical.clear();
+        axis.parameters.constant = 0.0;
+        axis.parameters.coast_limit_s = FOR_EVER_S;
+        let coefficient = match kind {
+            Rival::Mean => None,
+            Rival::GaussMarkov => Some(*lag_1),
+            Rival::LastValue => Some(1.0),
+        };
+        axis.stochastic = coefficient
+            .map(|coefficient| FittedTerm { coefficient, standard_error: None, factors: vec![y(1)] })
+            .into_iter()
+            .collect();
+    }
+    plain
+}

@@ -1,0 +1,176 @@
+//! Feeds the rows of a recording to a predictor, as the device would see them.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use fos_core::{Correction, Real, Sample};
+
+use crate::model::{HostPredictor, UnitModel};
+use crate::recording::{Boundary, Recording, RecordingError};
+
+/// A recording seen through the columns that a model needs. Rows are those of the recording.
+pub struct Feed<'a> {
+    measured: Vec<&'a [f64]>,
+    reference: Vec<Reference<'a>>,
+    has_reference: bool,
+    quantities: Vec<Vec<f64>>,
+    still: &'a [bool],
+    /// What precedes the rows that do not follow the row before them.
+    breaks: HashMap<usize, Break>,
+}
+
+enum Reference<'a> {
+    Constant(f64),
+    Column(&'a [f64]),
+}
+
+#[derive(Clone, Copy)]
+enum Break {
+    /// So many ticks are missing.
+    Missing(u32),
+    /// Another measurement altogether.
+    Restart,
+}
+
+impl<'a> Feed<'a> {
+    /// `still` tells for every row whether the true value is known.
+    ///
+    /// # Errors
+    ///
+    /// A column that the model needs is not in the recording.
+    pub fn new(recording: &'a Recording, model: &UnitModel, still: &'a [bool]) -> Result<Self, RecordingError> {
+        let mut measured = Vec::new();
+        let mut reference = Vec::new();
+        for axis in &model.axes {
+            measured.push(recording.channel(&axis.column)?.values.as_slice());
+            reference.push(match recording.channel(&format!("ref_{}", axis.column)) {
+                Ok(channel) => Reference::Column(&channel.values),
+                Err(_) => Reference::Constant(axis.parameters.reference),
+            });
+        }
+        let held = |column: &str| -> Result<Vec<f64>, RecordingError> {
+            Ok(recording.channel(column)?.held(0..recording.n_rows()).collect())
+        };
+        let quantities =
+            model.quantities.iter().map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
+        let breaks = recording
+            .segments
+            .iter()
+            .filter_map(|segment| {
+                let missing = u32::try_from(segment.missing_before).unwrap_or(u32::MAX);
+                let what = match segment.boundary {
+                    Boundary::Start => return None,
+                    Boundary::Gap => Break::Missing(missing),
+                    Boundary::SegmentColumn | Boundary::ClockBack => Break::Restart,
+                };
+                Some((segment.rows.start, what))
+            })
+            .collect();
+        let has_reference = reference.iter().any(|reference| matches!(reference, Reference::Column(_)));
+        Ok(Self { measured, reference, has_reference, quantities, still, breaks })
+    }
+
+    /// Whether the true value is known in this row.
+    pub fn is_still(&self, row: usize) -> bool {
+        self.still[row]
+    }
+
+    /// Ticks missing just before `row`; 0 if it follows the row before it.
+    pub fn missing_before(&self, row: usize) -> u32 {
+        match self.breaks.get(&row) {
+            Some(Break::Missing(ticks)) => *ticks,
+            _ => 0,
+        }
+    }
+
+    /// Whether `row` starts another measurement, with no known time between.
+    pub fn restarts_at(&self, row: usize) -> bool {
+        matches!(self.breaks.get(&row), Some(Break::Restart))
+    }
+
+    /// The row as a device gets it: measured values, reference values, quantities.
+    pub fn sample<R: Real>(&self, row: usize) -> RowSample<R> {
+        let scalar = |value: f64| R::from_f64(value);
+        let mut sample = RowSample { n_axes: self.measured.len(), ..RowSample::EMPTY };
+        for (value, column) in sample.measured.iter_mut().zip(&self.measured) {
+            *value = scalar(column[row]);
+        }
+        for (value, reference) in sample.reference.iter_mut().zip(&self.reference) {
+            *value = scalar(match reference {
+                Reference::Constant(value) => *value,
+                Reference::Column(values) => values[row],
+            });
+        }
+        for (value, column) in sample.quantities.iter_mut().zip(&self.quantities) {
+            *value = scalar(column[row]);
+        }
+        sample
+    }
+
+    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted.
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+        match self.breaks.get(&row) {
+            Some(Break::Missing(ticks)) => {
+                let _ = predictor.skip(*ticks);
+            }
+            Some(Break::Restart) => predictor.restart(),
+            None => {}
+        }
+        let row_sample = self.sample(row);
+        let sample = row_sample.sample();
+        if !self.still[row] {
+            predictor.coast(&sample)
+        } else if self.has_reference {
+            predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
+        } else {
+            predictor.track(&sample)
+        }
+    }
+
+    /// One row from the model's own history, though it may be still: how a coast is judged.
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn coast<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+        predictor.coast(&self.sample(row).sample())
+    }
+
+    /// Measured error of an axis, offset included, in its unit: measured − reference.
+    pub fn error(&self, axis: usize, row: usize) -> f64 {
+        let reference = match &self.reference[axis] {
+            Reference::Constant(value) => *value,
+            Reference::Column(values) => values[row],
+        };
+        self.measured[axis][row] - reference
+    }
+
+    /// The stretches of `rows` that are still throughout and have no break inside.
+    pub fn still_stretches(&self, rows: Range<usize>) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for row in rows.filter(|row| self.still[*row]) {
+            match stretches.last_mut() {
+                Some(last) if last.end == row && !self.breaks.contains_key(&row) => last.end += 1,
+                _ => stretches.push(row..row + 1),
+            }
+        }
+        stretches
+    }
+}
+
+/// The values of one row, at most as many as a predictor of the host takes.
+#[derive(Debug, Clone, Copy)]
+pub struct RowSample<R> {
+    n_axes: usize,
+    measured: [R; 6],
+    reference: [R; 6],
+    quantities: [R; 16],
+}
+
+impl<R: Real> RowSample<R> {
+    const EMPTY: Self =
+        Self { n_axes: 0, measured: [R::ZERO; 6], reference: [R::ZERO; 6], quantities: [R::ZERO; 16] };
+
+    /// As fos-core takes it.
+    pub fn sample(&self) -> Sample<'_, R> {
+        Sample { measured: &self.measured[..self.n_axes], quantities: &self.quantities }
+    }
+}

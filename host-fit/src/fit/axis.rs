@@ -1,0 +1,458 @@
+//! Fits one axis: offset and scale, the physical part, then the stochastic part by Fast Orthogonal Search.
+
+use std::ops::Range;
+
+use fos_core::{
+    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source, u, y,
+};
+use serde::{Deserialize, Serialize};
+
+use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
+use super::refit::{self, Refit};
+use super::regressors::Regressors;
+use super::stop::{StopRule, Stopped};
+use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
+use crate::evaluate;
+use crate::feed::Feed;
+use crate::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
+use crate::moments::Rows;
+use crate::recording::{Recording, RecordingError, Reference};
+use crate::rest::Rest;
+use crate::signal::{self, autocorrelation::autocorrelation};
+
+/// Wide enough for any scaled value, while the ranges are not known yet.
+const ANY: Fitted<f64> = Fitted { low: -1e12, high: 1e12 };
+
+/// Fewest rows per candidate: below that a coefficient is mostly noise.
+const ROWS_PER_CANDIDATE: usize = 5;
+
+/// A missing sample or two is coasted; after this long the lags no longer say much, s.
+const GAP_LIMIT_S: f64 = 0.1;
+
+/// A value repeated this many times as often as it ever was while fitting counts as stuck.
+const STUCK_RATIO: usize = 4;
+const STUCK_AT_LEAST: usize = 20;
+
+/// The validated coast where not even the shortest horizon does better than the mean, s.
+const SHORTEST_COAST_S: f64 = 1.0;
+
+/// Orders of the autoregression that whitens the physical part's errors, and the rounds that it takes.
+const WHITENING_ORDER: u16 = 10;
+const WHITENING_ROUNDS: usize = 3;
+
+/// How one axis was fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisReport {
+    /// The column.
+    pub column: String,
+    /// The reference column that was subtracted; none if the log is taken as static.
+    pub reference_column: Option<String>,
+    /// Candidates searched.
+    pub candidates: usize,
+    /// Rows that counted.
+    pub rows: usize,
+    /// Every term in the order of its selection.
+    pub steps: Vec<SelectionStep>,
+    /// Why the search stopped, in words.
+    pub stopped: String,
+    /// Condition number of the final terms, columns scaled.
+    pub condition_number: f64,
+    /// Mean square of the residual on the training data, scaled units.
+    pub mse: f64,
+    /// Mean square of the remainder on the training data, scaled units.
+    pub mean_square: f64,
+    /// Lag-1 autocorrelation of the remainder on the training data.
+    pub lag_1: f64,
+}
+
+/// One step of the search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SelectionStep {
+    /// The monomial, in words.
+    pub monomial: String,
+    /// Its factors.
+    pub factors: Vec<Factor>,
+    /// Q: drop of the mean square error, scaled units.
+    pub mse_reduction: f64,
+    /// ERR: the same over the mean square of the remainder.
+    pub error_reduction_ratio: f64,
+    /// Mean square error after the step, scaled units.
+    pub mse: f64,
+}
+
+/// Why an axis cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum AxisError {
+    /// A column is not there.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Too little to fit to.
+    #[error("{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train, a smaller --max-lag or --degree")]
+    TooShort {
+        /// The column.
+        column: String,
+        /// Rows at rest in the training part.
+        rows: usize,
+        /// Rows needed.
+        needed: usize,
+        /// Candidates.
+        candidates: usize,
+    },
+    /// All values are the same.
+    #[error("{column}: every value in the training part is {value}: a stuck or unconnected axis\nhelp: leave the axis out")]
+    Constant {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// The candidates do not make a pool.
+    #[error("{column}: {source}")]
+    Candidates {
+        /// The column.
+        column: String,
+        /// Why.
+        source: CandidatesError,
+    },
+    /// The search or the final solution.
+    #[error("{column}: {source}")]
+    Search {
+        /// The column.
+        column: String,
+        /// Why.
+        source: super::FitError,
+    },
+    /// fos-core refuses the model.
+    #[error("{column}: {source}")]
+    Model {
+        /// The column.
+        column: String,
+        /// Why.
+        source: ModelError,
+    },
+}
+
+/// A fitted axis: a unit of that axis alone, and how it was found.
+#[derive(Debug, Clone)]
+pub struct AxisFit {
+    /// The model.
+    pub model: UnitModel,
+    /// How it was found.
+    pub report: AxisReport,
+}
+
+/// The first rows of the recording that hold the training part.
+pub fn training_rows(recording: &Recording, rest: &Rest, train: Train) -> Range<usize> {
+    let still_rows = rest.still.iter().filter(|still| **still).count();
+    let wanted = match train {
+        Train::Share(share) => (share * still_rows as f64).round() as usize,
+        Train::Seconds(seconds) => (seconds / recording.rate.period_s).round() as usize,
+    };
+    let mut seen = 0;
+    let end = rest.still.iter().position(|still| {
+        seen += usize::from(*still);
+        seen > wanted
+    });
+    0..end.unwrap_or(recording.n_rows())
+}
+
+/// Fits `axis` (`gx`, or a column) of `recording`.
+///
+/// # Errors
+///
+/// A column is missing, the training part is too short or constant, or the candidates cannot be told apart.
+pub fn fit_axis(recording: &Recording, rest: &Rest, axis: &str, options: &FitOptions) -> Result<AxisFit, AxisError> {
+    let series = recording.error_series(axis)?;
+    let column = series.channel.clone();
+    let model_error = |source| AxisError::Model { column: column.clone(), source };
+    let training = training_rows(recording, rest, options.train);
+    let known: Vec<f64> = training
+        .clone()
+        .filter(|row| rest.still[*row])
+        .map(|row| series.values[row])
+        .filter(|value| value.is_finite())
+        .collect();
+    if known.len() < 2 {
+        return Err(AxisError::TooShort { column, rows: known.len(), needed: 2, candidates: 0 });
+    }
+    let mut model = start(recording, rest, &column, &series.reference, &known, options)?;
+    let feed = Feed::new(recording, &model, &rest.still)?;
+
+    let of_column = |source| AxisError::Search { column: column.clone(), source };
+    if !options.physical.is_empty() {
+        let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+        let inputs = 0..options.physical.len() as u8;
+        model.axes[0].physical = physical_part(&regressors, inputs).map_err(of_column)?;
+    }
+    let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+    let pool = candidates(&model, options)
+        .map_err(|source| AxisError::Candidates { column: column.clone(), source })?;
+    let rows: usize = regressors.stretches.iter().map(Range::len).sum();
+    let needed = ROWS_PER_CANDIDATE * (pool.len() + 1);
+    if rows < needed {
+        return Err(AxisError::TooShort { column, rows, needed, candidates: pool.len() });
+    }
+    let rule = StopRule { max_terms: options.max_terms, mse_ratio: None, noise: options.stop.rule() };
+    let fit = super::fit(&regressors.columns(), &regressors.stretches, &pool, &rule).map_err(of_column)?;
+    model.axes[0].parameters.constant = fit.refit.constant;
+    model.axes[0].stochastic = terms(&fit.terms, &fit.refit);
+    let reference_column = match &series.reference {
+        Reference::Constant => None,
+        Reference::Channel(name) => Some(name.clone()),
+    };
+    let report = report(&model, &pool, &fit, &regressors, reference_column);
+    set_ranges(&mut model, &regressors);
+    set_statistics(&mut model, &feed, training).map_err(model_error)?;
+    Ok(AxisFit { model, report })
+}
+
+/// The model before anything is fitted: offset, scale, inputs.
+fn start(
+    recording: &Recording,
+    rest: &Rest,
+    column: &str,
+    reference: &Reference,
+    known: &[f64],
+    options: &FitOptions,
+) -> Result<UnitModel, AxisError> {
+    let mean = signal::mean(&[known]);
+    let deviation = signal::variance(&[known]).sqrt();
+    if deviation == 0.0 {
+        return Err(AxisError::Constant { column: column.to_owned(), value: known[0] });
+    }
+    let axis = axis_of(column);
+    let is_accelerometer = matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
+    // at rest an accelerometer shows gravity: what is constant then is the true value as far as anyone knows
+    let (reference_value, offset) = match (reference, options.offset) {
+        (_, Some(offset)) => (0.0, offset),
+        (Reference::Constant, None) if is_accelerometer => (mean, 0.0),
+        _ => (0.0, mean),
+    };
+    let parameters = AxisParameters {
+        axis,
+        reference: reference_value,
+        offset,
+        scale: options.scale.unwrap_or(deviation),
+        constant: 0.0,
+        range: ANY,
+        full_scale: options.full_scale,
+        stuck_after: stuck_after(recording, column),
+        gap_limit: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
+        coast_limit_s: SHORTEST_COAST_S,
+        innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
+    };
+    let mut model = UnitModel {
+        period_s: recording.rate.period_s,
+        fitted_on: options.fitted_on,
+        stillness: rest.limits,
+        quantities: Vec::new(),
+        inputs: Vec::new(),
+        axes: vec![FittedAxis { column: column.to_owned(), parameters, physical: vec![], stochastic: vec![] }],
+    };
+    for spec in options.physical.iter().chain(&options.inputs) {
+        let input = logged_input(&mut model, recording, rest, spec)?;
+        model.inputs.push(input);
+    }
+    let longest_s = known.len() as f64 * recording.rate.period_s / 5.0;
+    for &tau_s in options.memory_s.iter().filter(|tau_s| **tau_s <= longest_s) {
+        model.inputs.push(NamedInput {
+            name: format!("r:lowpass({tau_s})"),
+            input: Input {
+                source: Source::Remainder(0),
+                transform: fos_core::Transform::LowPass { tau_s },
+                centre: 0.0,
+                scale: 1.0,
+                source_range: ANY,
+                range: ANY,
+            },
+        });
+    }
+    Ok(model)
+}
+
+fn logged_input(
+    model: &mut UnitModel,
+    recording: &Recording,
+    rest: &Rest,
+    spec: &InputSpec,
+) -> Result<NamedInput, AxisError> {
+    let (source, centre, scale) = match &spec.column {
+        None => (Source::Clock, 0.0, 1.0),
+        Some(column) => {
+            let channel = recording.channel(column)?;
+            let finite: Vec<f64> =
+                channel.values.iter().zip(&rest.still).filter(|(v, still)| v.is_finite() && **still).map(|(v, _)| *v).collect();
+            let deviation = signal::variance(&[&finite]).sqrt();
+            if finite.is_empty() || deviation == 0.0 {
+                let value = finite.first().copied().unwrap_or(f64::NAN);
+                return Err(AxisError::Constant { column: column.clone(), value });
+            }
+            let quantity = LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
+            let index = model.quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
+                model.quantities.push(quantity);
+                model.quantities.len() - 1
+            });
+            // |x| means what it says only about zero
+            let centred = spec.transform != fos_core::Transform::Absolute;
+            let centre = if centred { signal::mean(&[&finite]) } else { 0.0 };
+            (Source::Quantity(index as u8), centre, deviation)
+        }
+    };
+    let input = Input { source, transform: spec.transform, centre, scale, source_range: ANY, range: ANY };
+    Ok(NamedInput { name: spec.to_string(), input })
+}
+
+/// The longest run of one value in the log, times a margin.
+fn stuck_after(recording: &Recording, column: &str) -> u16 {
+    let values = recording.channel(column).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
+    let longest = values.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
+    u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
+}
+
+/// The pool: output lags up to the cross-product degree, inputs and long memory as they are.
+fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, CandidatesError> {
+    let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
+    for index in options.physical.len()..model.inputs.len() {
+        pool = pool.input(index as u8, 0..=0, 1);
+    }
+    pool.build()
+}
+
+fn terms(monomials: &[Monomial], refit: &Refit) -> Vec<FittedTerm> {
+    let coefficients = refit.coefficients.iter().zip(&refit.coefficient_errors);
+    let terms = monomials.iter().zip(coefficients);
+    terms
+        .map(|(factors, (coefficient, error))| FittedTerm {
+            coefficient: *coefficient,
+            standard_error: Some(*error),
+            factors: factors.clone(),
+        })
+        .collect()
+}
+
+/// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
+/// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
+/// of it after ten lags.
+fn physical_part(regressors: &Regressors, inputs: Range<u8>) -> Result<Vec<FittedTerm>, super::FitError> {
+    let monomials: Vec<Monomial> = inputs.map(|input| vec![u(input, 0)]).collect();
+    let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
+    let mut whitened: Vec<Vec<f64>> = regressors.columns().iter().map(|column| column.to_vec()).collect();
+    let mut round = 0;
+    loop {
+        let columns: Vec<&[f64]> = whitened.iter().map(Vec::as_slice).collect();
+        let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
+        let solution = refit::refit(&columns, &rows, &monomials)?;
+        if round == WHITENING_ROUNDS {
+            return Ok(terms(&monomials, &solution));
+        }
+        round += 1;
+        let residual: Vec<f64> = (0..regressors.remainder.len())
+            .map(|row| {
+                let explained = solution.coefficients.iter().zip(&regressors.inputs);
+                regressors.remainder[row] - explained.map(|(c, input)| c * input[row]).sum::<f64>()
+            })
+            .collect();
+        let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;
+        let colour = refit::refit(&[&residual], &rows, &lags)?.coefficients;
+        whitened = regressors.columns().iter().map(|column| whiten(column, &colour)).collect();
+    }
+}
+
+/// x(n) − Σ a_k·x(n−k); NaN where that would reach back before the column.
+fn whiten(column: &[f64], colour: &[f64]) -> Vec<f64> {
+    (0..column.len())
+        .map(|row| {
+            let past = colour.iter().enumerate().map(|(k, a)| match row.checked_sub(k + 1) {
+                Some(before) => a * column[before],
+                None => f64::NAN,
+            });
+            column[row] - past.sum::<f64>()
+        })
+        .collect()
+}
+
+fn report(
+    model: &UnitModel,
+    pool: &Candidates,
+    fit: &super::Fit,
+    regressors: &Regressors,
+    reference_column: Option<String>,
+) -> AxisReport {
+    let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
+    let known = regressors.known_remainder();
+    let mean_square = known.iter().copied().flatten().map(|r| r * r).sum::<f64>() / signal::sample_count(&known) as f64;
+    let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
+    let mut mse = fit.selection.initial_mse;
+    let steps = fit.terms.iter().zip(&fit.refit.mse_reductions).map(|(factors, reduction)| {
+        mse -= reduction;
+        SelectionStep {
+            monomial: name(factors),
+            factors: factors.clone(),
+            mse_reduction: *reduction,
+            error_reduction_ratio: reduction / mean_square,
+            mse,
+        }
+    });
+    let stopped = match fit.selection.stopped {
+        Stopped::Noise { candidate, mse_reduction, needed } => format!(
+            "stopped: the best candidate left, {}, reduces the MSE by {mse_reduction:.2e}; noise alone does so up to {needed:.2e}",
+            name(&pool.monomials()[candidate])
+        ),
+        Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
+        other => format!("stopped: {other:?}"),
+    };
+    AxisReport {
+        column: model.axes[0].column.clone(),
+        reference_column,
+        candidates: pool.len(),
+        rows: fit.refit.rows,
+        steps: steps.collect(),
+        stopped,
+        condition_number: fit.refit.condition,
+        mse: fit.refit.mse,
+        mean_square,
+        lag_1: autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
+    }
+}
+
+/// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.
+fn set_statistics(model: &mut UnitModel, feed: &Feed<'_>, training: Range<usize>) -> Result<(), ModelError> {
+    // long enough that nothing fades while it is found out
+    model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
+    let trace = evaluate::trace::<f64>(model, feed, training, |_| {})?;
+    let innovations = trace.stretches_of(&trace.axes[0].one_step);
+    let parameters = &mut model.axes[0].parameters;
+    let scale = parameters.scale;
+    let variance = signal::variance(&innovations) / (scale * scale);
+    parameters.innovation = InnovationStatistics {
+        mean: signal::mean(&innovations) / scale,
+        // an exact model has none left; the monitor divides by it
+        variance: variance.max(f64::from(f32::MIN_POSITIVE)),
+        lag_1_correlation: autocorrelation(&innovations, 1).map_or(0.0, |result| result.values[1].clamp(-1.0, 1.0)),
+    };
+    let mean_square = signal::variance(&trace.stretches_of(&trace.axes[0].measured));
+    let beats_the_mean = evaluate::HORIZONS_S.iter().zip(&trace.axes[0].horizons).filter(|(_, squares)| {
+        !squares.is_empty() && signal::mean(&[squares]) <= mean_square
+    });
+    parameters.coast_limit_s = beats_the_mean.map(|(horizon, _)| *horizon).fold(SHORTEST_COAST_S, f64::max);
+    Ok(())
+}
+
+/// Sets the fitted ranges of the inputs and of the remainder.
+fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
+    let range = |column: &[f64]| {
+        let extremes = regressors
+            .known(column)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        Fitted::new(extremes.0, extremes.1)
+    };
+    let remainder = range(&regressors.remainder);
+    model.axes[0].parameters.range = remainder;
+    for (named, column) in model.inputs.iter_mut().zip(&regressors.inputs) {
+        named.input.range = range(column);
+        named.input.source_range = match named.input.source {
+            Source::Remainder(_) => remainder,
+            _ => ANY,
+        };
+    }
+}

@@ -1,0 +1,156 @@
+//! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::evaluate::ModelErrors;
+use crate::file::{self, FileError};
+use crate::fit::{AxisReport, FitOptions};
+use crate::model::UnitModel;
+use crate::recording::Source;
+use crate::rest::KnownBy;
+
+/// The schema that this program writes, and the only one it reads.
+pub const SCHEMA: &str = "fos-study/1";
+
+/// A study. Self-contained: with the data it names it can be repeated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The program that wrote it.
+    pub tool: Tool,
+    /// The recording that was fitted.
+    pub data: Data,
+    /// How it was fitted.
+    pub settings: FitOptions,
+    /// The model as it is now.
+    pub model: UnitModel,
+    /// How each axis of it was found.
+    pub axes: Vec<AxisReport>,
+    /// The plain rivals and every state of the model, in order, with its errors on data that were not fitted.
+    pub steps: Vec<StudyStep>,
+}
+
+/// The program that wrote a study.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+}
+
+/// The recording behind a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Data {
+    /// File, size and digest.
+    pub source: Source,
+    /// Column map specifications that it was read with.
+    pub columns: Vec<String>,
+    /// Rows read.
+    pub rows: usize,
+    /// Rows that the model was fitted to, from the first row on.
+    pub trained_rows: usize,
+    /// True sample rate, Hz.
+    pub true_rate_hz: f64,
+    /// Stretches without gaps.
+    pub segments: usize,
+    /// How it is known where the unit is still.
+    pub still_known_by: KnownBy,
+    /// Share of the rows in which it is.
+    pub still_share: f64,
+}
+
+/// A state of the model, and its errors on the judged rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudyStep {
+    /// What was done: the name of a rival, or of the step.
+    pub name: String,
+    /// Errors of each axis.
+    pub errors: Vec<ModelErrors>,
+}
+
+/// A study that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It is not a study, or is damaged.
+    #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: studies are written by `host-fit fit`")]
+    NotAStudy {
+        /// The file.
+        path: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+        /// What the reader said.
+        reason: String,
+    },
+    /// Another version.
+    #[error("{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it")]
+    Schema {
+        /// The file.
+        path: String,
+        /// Its schema.
+        found: String,
+    },
+}
+
+impl Tool {
+    /// This program.
+    pub fn this() -> Self {
+        Self { name: "host-fit".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
+    }
+}
+
+impl Study {
+    /// Reads a study.
+    ///
+    /// # Errors
+    ///
+    /// No such file, not a study, or one of another schema.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let bytes = file::read(path)?;
+        let not_a_study = |error: serde_json::Error| StudyError::NotAStudy {
+            path: path.display().to_string(),
+            line: error.line(),
+            column: error.column(),
+            reason: error.to_string(),
+        };
+        // the schema first: a study of another one need not have the fields of this one
+        #[derive(Deserialize)]
+        struct Schema {
+            schema: String,
+        }
+        let Schema { schema } = serde_json::from_slice(&bytes).map_err(not_a_study)?;
+        if schema != SCHEMA {
+            return Err(StudyError::Schema { path: path.display().to_string(), found: schema });
+        }
+        serde_json::from_slice(&bytes).map_err(not_a_study)
+    }
+
+    /// Writes the study, whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be written; the old one is then untouched.
+    pub fn write(&self, path: &Path) -> Result<(), StudyError> {
+        let mut text = serde_json::to_vec_pretty(self).expect("a study has only string keys");
+        text.push(b'\n');
+        Ok(file::write_atomically(path, &text)?)
+    }
+
+    /// In a few lines: where the model comes from.
+    pub fn provenance(&self) -> String {
+        let Source { path, sha256, .. } = &self.data.source;
+        let file = Path::new(path).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        format!(
+            "{} {}\ndata {file}, sha256 {sha256}\nfitted to {} of {} rows at {:.3} Hz",
+            self.tool.name, self.tool.version, self.data.trained_rows, self.data.rows, self.data.true_rate_hz
+        )
+    }
+}
