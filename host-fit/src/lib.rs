@@ -19,3 +19,5 @@ pub mod rest;
 pub mod signal;
 pub mod simulate;
 pub mod study;
+pub mod cli;
+pub mod replay;

@@ -1,9 +1,9 @@
 //! The command line: each subcommand parses, runs, prints.
 
 mod arguments;
-mod bench;
+
 mod compare;
-mod demo;
+
 mod error_table;
 mod export;
 mod fit;
@@ -29,27 +29,27 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Demo(demo::Demo),
+
     Simulate(simulate::Simulate),
     Fit(fit::Fit),
     Compare(compare::Compare),
     Export(export::Export),
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
-    Bench(bench::Bench),
+
 }
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
     let done: Result<(), Failure> = match Cli::parse().command {
-        Command::Demo(command) => command.run(),
+
         Command::Simulate(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
-        Command::Bench(command) => command.run(),
+
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

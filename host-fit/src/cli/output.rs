@@ -19,7 +19,7 @@ pub(super) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
 /// A table without borders: the first column to the left, the others to the right.
 pub(super) fn table<S: ToString>(header: &[S]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header.iter().map(ToString::to_string));
+    table.load_style(presets::NOTHING).set_header(header.iter().map(ToString::to_string));
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

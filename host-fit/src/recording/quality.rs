@@ -127,3 +127,31 @@ impl Quality {
         }
     }
 }
+
+impl fmt::Display for Quality {
+    /// One line per kind of trouble; nothing at all for a log without any.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut lines = Vec::new();
+        if self.rows_unusable > 0 {
+            lines.push(format!("{} of {} rows could not be read and were skipped", self.rows_unusable, self.rows_in_file));
+            lines.extend(self.first_unusable.iter().map(|row| format!("  {row}")));
+        }
+        let counts = [
+            (self.rows_repeated, "rows repeat the one before and were dropped"),
+            (self.stamps_repeated, "rows repeat the time stamp before them and were kept"),
+            (self.clock_back, "times the stamps go back: a segment ends there"),
+        ];
+        lines.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+        if self.gaps > 0 {
+            lines.push(format!("{} gaps: {} samples are missing", self.gaps, self.samples_missing));
+        }
+        for cells in &self.missing_cells {
+            let MissingCells { column, empty, not_finite } = cells;
+            lines.push(format!("{column}: {empty} cells empty, {not_finite} not finite"));
+        }
+        if !self.text_columns.is_empty() {
+            lines.push(format!("columns of text, left out: {}", self.text_columns.join(", ")));
+        }
+        f.write_str(&lines.join("\n"))
+    }
+}

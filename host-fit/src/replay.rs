@@ -1,0 +1,239 @@
+//! An image over a recording, on fos-core in f32, as the device would run it.
+
+use fos_core::{Axis, Image, ImageError, Quantity, Validity};
+use serde::Serialize;
+
+use crate::feed::Feed;
+use crate::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
+use crate::recording::{Recording, RecordingError};
+use crate::rest::{KnownBy, Rest};
+
+/// Why an image cannot be run over a recording.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The image.
+    #[error("the image cannot be run: {0}")]
+    Image(#[from] ImageError),
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// An axis or quantity of the image has no name of its own.
+    #[error("{what} {index} of the image has no column of its own\nhelp: name the columns of the axes with --axes")]
+    NoColumn {
+        /// `axis` or `quantity`.
+        what: &'static str,
+        /// Which.
+        index: usize,
+    },
+}
+
+/// What a replay gives.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    /// Counts and digests.
+    pub summary: Summary,
+    /// Corrected value of each axis, one per row, in its unit.
+    pub corrected: Vec<Vec<f64>>,
+    /// Validity of each axis, one per row, as bits.
+    pub validity: Vec<Vec<f64>>,
+    /// The recording as the firmware in the loop reads it.
+    pub device_log: Vec<u8>,
+}
+
+/// Counts and digests of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Rows.
+    pub rows: usize,
+    /// Rows that were tracked; the others were coasted.
+    pub tracked: usize,
+    /// How it is known which.
+    pub still_known_by: KnownBy,
+    /// The axes.
+    pub axes: Vec<AxisSummary>,
+    /// CRC-64 of all innovations, tick by tick and axis by axis.
+    pub innovations_digest: u64,
+    /// CRC-64 of all innovations, corrected values and validities.
+    pub corrections_digest: u64,
+}
+
+/// One axis of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisSummary {
+    /// The column.
+    pub column: String,
+    /// Rows with an innovation.
+    pub innovations: usize,
+    /// Root mean square of the innovations in f32, in the axis' unit.
+    pub innovation_rms_f32: f64,
+    /// The same in f64.
+    pub innovation_rms_f64: f64,
+    /// Largest difference between the two, in the axis' unit.
+    pub largest_difference: f64,
+    /// Share of the tracked rows whose correction is valid.
+    pub valid_share: f64,
+}
+
+impl Replay {
+    /// The corrected log: time, corrected axes, validity bits, and whether the unit was still.
+    pub fn columns<'s>(&'s self, recording: &'s Recording) -> Vec<(&'s str, &'s [f64])> {
+        let axes = self.summary.axes.iter().map(|axis| axis.column.as_str());
+        let mut columns = vec![("t_s", recording.time_s.as_slice())];
+        columns.extend(axes.zip(self.corrected.iter().map(Vec::as_slice)));
+        columns
+    }
+}
+
+/// The column of an axis.
+fn column_of(axis: Axis) -> Option<&'static str> {
+    match axis {
+        Axis::Ax => Some("ax_mps2"),
+        Axis::Ay => Some("ay_mps2"),
+        Axis::Az => Some("az_mps2"),
+        Axis::Gx => Some("gx_rads"),
+        Axis::Gy => Some("gy_rads"),
+        Axis::Gz => Some("gz_rads"),
+        Axis::Other => None,
+    }
+}
+
+/// The model of an image, with the names of its columns.
+///
+/// # Errors
+///
+/// An axis or a quantity without a name. `axes` names the axes instead, where it is not empty.
+pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayError> {
+    let terms = |terms: fos_core::image::Terms<'_>| -> Vec<FittedTerm> {
+        terms
+            .map(|term| FittedTerm {
+                coefficient: f64::from(term.coefficient),
+                standard_error: None,
+                factors: term.factors().to_vec(),
+            })
+            .collect()
+    };
+    let named = image.axes().enumerate().map(|(index, axis)| {
+        let column = match axes.get(index) {
+            Some(column) => column.clone(),
+            None => column_of(axis.parameters.axis).ok_or(ReplayError::NoColumn { what: "axis", index })?.to_owned(),
+        };
+        Ok(FittedAxis {
+            column,
+            parameters: axis.parameters.convert(),
+            physical: terms(axis.physical),
+            stochastic: terms(axis.stochastic),
+        })
+    });
+    let axes = named.collect::<Result<Vec<_>, ReplayError>>()?;
+    let names: Vec<&str> = image.info().quantities.lines().collect();
+    let quantities = image.quantities().enumerate().map(|(index, quantity): (usize, Quantity)| {
+        let name = names.get(index).and_then(|line| line.split(' ').next()).filter(|name| !name.is_empty());
+        let column = name.ok_or(ReplayError::NoColumn { what: "quantity", index })?.to_owned();
+        Ok(LoggedQuantity { column, quantity })
+    });
+    Ok(UnitModel {
+        period_s: image.period_s(),
+        fitted_on: image.fitted_on(),
+        stillness: image.stillness().map(|limits| limits.convert()),
+        quantities: quantities.collect::<Result<Vec<_>, ReplayError>>()?,
+        inputs: image
+            .inputs()
+            .enumerate()
+            .map(|(index, input)| NamedInput { name: format!("u{index}"), input: input.convert() })
+            .collect(),
+        axes,
+    })
+}
+
+/// Runs `image` over `recording`: tracks where it is still, coasts where it moves.
+///
+/// # Errors
+///
+/// The image cannot be run, or a column that it needs is missing.
+pub fn replay(
+    image: &Image<'_>,
+    recording: &Recording,
+    rest: &Rest,
+    axes: &[String],
+) -> Result<Replay, ReplayError> {
+    let model = model_of(image, axes)?;
+    let feed = Feed::new(recording, &model, &rest.still)?;
+    let mut single: HostPredictor<f32> = image.predictor()?;
+    let mut double: HostPredictor<f64> = image.predictor()?;
+    let n_rows = recording.n_rows();
+    let mut tallies = vec![Tally::default(); model.axes.len()];
+    let mut corrected = vec![Vec::with_capacity(n_rows); model.axes.len()];
+    let mut validity = vec![Vec::with_capacity(n_rows); model.axes.len()];
+    let mut recorder = device::Recorder::new(&model);
+    let mut tracked = 0;
+    for row in 0..n_rows {
+        recorder.record(&feed, row);
+        let singles = feed.step(&mut single, row);
+        recorder.digest(singles);
+        let doubles = feed.step(&mut double, row);
+        tracked += usize::from(feed.is_still(row));
+        for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
+            corrected[axis].push(f64::from(single.corrected));
+            validity[axis].push(f64::from(single.validity.bits()));
+            tallies[axis].add(single.innovation, double.innovation);
+            let caution = Validity::OWN_HISTORY | Validity::WARMING_UP;
+            if feed.is_still(row) && single.validity | caution == caution {
+                tallies[axis].valid += 1;
+            }
+        }
+    }
+    let summaries = model.axes.iter().zip(&tallies).map(|(axis, tally)| tally.summary(&axis.column, tracked));
+    let summary = Summary {
+        rows: n_rows,
+        tracked,
+        still_known_by: rest.known_by,
+        axes: summaries.collect(),
+        innovations_digest: recorder.innovations_digest(),
+        corrections_digest: recorder.corrections_digest(),
+    };
+    Ok(Replay { summary, corrected, validity, device_log: recorder.into_bytes() })
+}
+
+#[derive(Debug, Clone, Default)]
+struct Tally {
+    innovations: usize,
+    single_squares: f64,
+    double_squares: f64,
+    largest_difference: f64,
+    valid: usize,
+}
+
+impl Tally {
+    fn add(&mut self, single: Option<f32>, double: Option<f64>) {
+        let (Some(single), Some(double)) = (single.map(f64::from), double) else { return };
+        self.innovations += 1;
+        self.single_squares += single * single;
+        self.double_squares += double * double;
+        self.largest_difference = self.largest_difference.max((single - double).abs());
+    }
+
+    fn summary(&self, column: &str, tracked: usize) -> AxisSummary {
+        let rms = |squares: f64| (squares / self.innovations.max(1) as f64).sqrt();
+        AxisSummary {
+            column: column.to_owned(),
+            innovations: self.innovations,
+            innovation_rms_f32: rms(self.single_squares),
+            innovation_rms_f64: rms(self.double_squares),
+            largest_difference: self.largest_difference,
+            valid_share: self.valid as f64 / tracked.max(1) as f64,
+        }
+    }
+}
+
+mod device {
+    use super::*;
+    pub(super) struct Recorder;
+    impl Recorder {
+        pub(super) fn new(_: &UnitModel) -> Self { Self }
+        pub(super) fn record(&mut self, _: &Feed<'_>, _: usize) {}
+        pub(super) fn digest(&mut self, _: &[fos_core::Correction<f32>]) {}
+        pub(super) fn innovations_digest(&self) -> u64 { 0 }
+        pub(super) fn corrections_digest(&self) -> u64 { 0 }
+        pub(super) fn into_bytes(self) -> Vec<u8> { Vec::new() }
+    }
+}
