@@ -54,7 +54,8 @@ pub(crate) struct RunningAxis<R> {
     per_scale: R,
     range: Range<R>,
     full_scale: R,
-    stuck_after: u16,
+    /// Wider than the count, so that a test switched off is never reached.
+    stuck_after: u32,
     gap_limit: u8,
     coast_limit: u32,
     fade: R,
@@ -96,7 +97,7 @@ impl<R: Real> RunningAxis<R> {
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
             full_scale,
-            stuck_after: if parameters.stuck_after == 0 { u16::MAX } else { parameters.stuck_after },
+            stuck_after: if parameters.stuck_after == 0 { u32::MAX } else { u32::from(parameters.stuck_after) },
             gap_limit: parameters.gap_limit,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
@@ -183,12 +184,13 @@ impl<R: Real> RunningAxis<R> {
         self.repeats = if repeated { self.repeats.saturating_add(1) } else { 0 };
         self.last_measured = measured;
         let magnitude = measured.abs();
-        if remainder.is_finite() && magnitude < self.full_scale && self.repeats < self.stuck_after {
+        let stuck = u32::from(self.repeats) >= self.stuck_after;
+        if remainder.is_finite() && magnitude < self.full_scale && !stuck {
             return Validity::VALID;
         }
         Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
             | Validity::when(magnitude >= self.full_scale, Validity::SATURATED)
-            | Validity::when(self.repeats >= self.stuck_after, Validity::STUCK)
+            | Validity::when(stuck, Validity::STUCK)
     }
 
     /// The true value is known and the sample is sound: the history gets the measurement.

@@ -296,6 +296,19 @@ fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
     }
 }
 
+#[test]
+fn a_stuck_test_that_is_switched_off_stays_off() {
+    // repetitions were counted in 16 bits and 0 was turned into 65535: after 5 minutes of equal values the axis
+    // was flagged as stuck and lost its history
+    let parameters = AxisParameters::<f32> { stuck_after: 0, ..plain() };
+    let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
+    let mut predictor = model.predictor().unwrap();
+    for n in 0..70_000 {
+        let validity = step(&mut predictor, Mode::Track, &[0.25], &[])[0].validity;
+        assert!(n == 0 || validity.is_valid(), "{n}: {validity:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(cases(60))]
 
