@@ -126,6 +126,8 @@ impl<R: Real> RunningAxis<R> {
         self.restart();
         (self.repeats, self.missing, self.coasted, self.gain) = (0, 0, 0, R::ONE);
         self.corrected = self.reference;
+        // equals nothing, so that the first sample is no repetition
+        self.last_measured = R::from_f64(f64::NAN);
     }
 
     /// Forgets the history: the axis warms up again.

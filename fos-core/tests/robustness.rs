@@ -309,8 +309,52 @@ fn a_stuck_test_that_is_switched_off_stays_off() {
     }
 }
 
+#[test]
+fn the_first_sample_is_no_repetition() {
+    // the value before the first one was 0, so a gyro that began with exactly 0 was stuck one sample early
+    let parameters = AxisParameters::<f32> { stuck_after: 3, ..plain() };
+    let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
+    for value in [0.0, -0.0, 0.25] {
+        let mut predictor = model.predictor().unwrap();
+        let stuck: Vec<bool> = (0..5)
+            .map(|_| step(&mut predictor, Mode::Track, &[value], &[])[0].validity.contains(Validity::STUCK))
+            .collect();
+        assert_eq!(stuck, [false, false, false, true, true], "{value}");
+    }
+}
+
 proptest! {
     #![proptest_config(cases(60))]
+
+    #[test]
+    fn a_reset_predictor_is_a_fresh_one(
+        model in models(Draw::Contracting), seed in any::<u64>(), ticks in 0_u32..600
+    ) {
+        let fresh = model.convert::<f32>().predictor().unwrap();
+        let mut used = fresh.clone();
+        let mut noise = Noise::new(seed);
+        let n_axes = model.axes.len();
+        let draw = |noise: &mut Noise| -> (Vec<f32>, Vec<f32>) {
+            // few values, so that repetitions across the reset would be counted
+            let mut coarse = |_| (2.0 * noise.normal()).round() as f32;
+            ((0..n_axes).map(&mut coarse).collect(), (0..3).map(&mut coarse).collect())
+        };
+        for _ in 0..50 {
+            let (measured, quantities) = draw(&mut noise);
+            step(&mut used, Mode::Track, &measured, &quantities);
+        }
+        let _ = used.skip(ticks);
+        let last = draw(&mut noise);
+        step(&mut used, Mode::Track, &last.0, &last.1);
+        used.reset();
+        let mut fresh = fresh;
+        for n in 0..60 {
+            let (measured, quantities) = if n == 0 { last.clone() } else { draw(&mut noise) };
+            let mode = if noise.uniform() < 0.7 { Mode::Track } else { Mode::Coast };
+            let found = step(&mut used, mode, &measured, &quantities);
+            prop_assert_eq!(found, step(&mut fresh, mode, &measured, &quantities), "{}", n);
+        }
+    }
 
     #[test]
     fn whatever_comes_in_what_goes_out_is_finite_and_bounded(
