@@ -60,7 +60,8 @@ pub(crate) struct RunningAxis<R> {
     coast_limit: u32,
     fade: R,
 
-    /// r(n − 1), limited; none before the first sample and after a restart.
+    /// r(n − 1), limited; none where it is not known: before the first sample, after a restart until the next
+    /// measured one.
     pub(crate) remainder: Option<R>,
     last_measured: R,
     repeats: u16,
@@ -242,6 +243,8 @@ impl<R: Real> RunningAxis<R> {
         if self.ready {
             validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
             self.remainder = Some(stochastic);
+        } else {
+            self.remainder = None;
         }
         let predicted = self.offset + self.scale * (physical + stochastic);
         if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {

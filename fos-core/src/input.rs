@@ -96,7 +96,7 @@ impl<R: Real> RunningInput<R> {
             _ => {
                 let logged_quantity = matches!(self.source, Source::Quantity(_));
                 validity |= Validity::when(logged_quantity, Validity::INPUT_NOT_FINITE);
-                self.held.unwrap_or(R::ZERO)
+                self.stand_in()
             }
         };
         let (u, inside) = self.range.limit(self.transform.update(x));
@@ -104,13 +104,17 @@ impl<R: Real> RunningInput<R> {
         (u, validity)
     }
 
-    /// `ticks` missing samples in bounded time. A logged quantity is taken to have stayed; a remainder to have
-    /// gone to its mean, so that the long memory of it fades as it would have.
+    /// `ticks` missing samples in bounded time.
     pub(crate) fn skip(&mut self, ticks: u32) {
-        let x = match self.source {
+        self.transform.skip(self.stand_in(), ticks);
+    }
+
+    /// x where there is none: a logged quantity is taken to have stayed; a remainder to have gone to its mean, so
+    /// that the long memory of it fades as it would have.
+    fn stand_in(&self) -> R {
+        match self.source {
             Source::Remainder(_) => R::ZERO,
             _ => self.held.unwrap_or(R::ZERO),
-        };
-        self.transform.skip(x, ticks);
+        }
     }
 }

@@ -323,6 +323,51 @@ fn the_first_sample_is_no_repetition() {
     }
 }
 
+#[test]
+fn the_long_memory_of_a_lost_axis_fades_instead_of_holding_one_sample() {
+    // a low-pass of the remainder went on with the last r before the gap, one sample of mostly white noise, and
+    // had converged to it when the axis came back
+    let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
+    let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
+    let lose: [fn(&mut Roomy<f64>); 3] = [
+        |predictor| (0..2000).for_each(|_| drop(step(predictor, Mode::Track, &[f64::NAN; 2], &[0.0]))),
+        |predictor| (0..2000).for_each(|_| drop(step(predictor, Mode::Track, &[40.0; 2], &[0.0]))),
+        |predictor| {
+            let _ = predictor.skip(2000);
+        },
+    ];
+    for lose in lose {
+        let mut predictor = model.predictor().unwrap();
+        // quiet but for the last sample, which is 4 off (0.4 in the axis' unit)
+        for n in 0..50 {
+            let r = if n == 49 { 4.0 } else { 0.0 };
+            step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.1 * r; 2], &[0.0]);
+        }
+        lose(&mut predictor);
+        for _ in 0..=DEPTH {
+            step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0]);
+        }
+        let predicted = step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0])[0].predicted;
+        // e⁻¹⁰ of 4·0.3·0.1 is 5e-6
+        assert!((predicted - OFFSET).abs() < 1e-5, "{predicted}");
+    }
+}
+
+#[test]
+fn the_long_memory_of_an_axis_that_never_warmed_up_holds_no_single_sample() {
+    let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
+    let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
+    let mut predictor = model.predictor().unwrap();
+    // one still sample, then the unit moves
+    step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.4; 2], &[0.0]);
+    (0..2000).for_each(|_| drop(step(&mut predictor, Mode::Coast, &[9.0; 2], &[0.0])));
+    for _ in 0..=DEPTH {
+        step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0]);
+    }
+    let predicted = step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0])[0].predicted;
+    assert!((predicted - OFFSET).abs() < 1e-5, "{predicted}");
+}
+
 proptest! {
     #![proptest_config(cases(60))]
 
