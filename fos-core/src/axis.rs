@@ -132,7 +132,7 @@ impl<R: Real> RunningAxis<R> {
     }
 
     /// Forgets the history: the axis warms up again.
-    fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.measured_run = 0;
         self.ready = self.depth == 0;
         self.remainder = None;

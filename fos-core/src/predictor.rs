@@ -250,12 +250,18 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// time goes on for the inputs either way. Takes at most 256 steps.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
-        let coasted = ticks.min(u32::from(u8::MAX) + 1);
-        for _ in 0..coasted {
-            self.step(&[], |_| Reading::Missing);
+        const STEPS: u32 = u8::MAX as u32 + 1;
+        let stepped = ticks.min(STEPS);
+        if ticks > stepped {
+            // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
+            // old as they should be.
+            self.axes.iter_mut().for_each(RunningAxis::restart);
+            for input in &mut self.inputs {
+                input.skip(ticks - stepped);
+            }
         }
-        for input in &mut self.inputs {
-            input.skip(ticks - coasted);
+        for _ in 0..stepped {
+            self.step(&[], |_| Reading::Missing);
         }
         &self.corrections
     }

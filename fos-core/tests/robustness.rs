@@ -368,6 +368,41 @@ fn the_long_memory_of_an_axis_that_never_warmed_up_holds_no_single_sample() {
     assert!((predicted - OFFSET).abs() < 1e-5, "{predicted}");
 }
 
+#[test]
+fn a_long_skip_is_time_passing() {
+    let clock = |transform| {
+        let mut clock: Input<f64> = input(Source::Clock, transform, 2.0);
+        clock.scale = 1000.0;
+        clock
+    };
+    let inputs = vec![
+        clock(Transform::Decay { tau_s: 100.0 }),
+        clock(Transform::Time),
+        clock(Transform::Sine { frequency_hz: 3.7 }),
+        clock(Transform::Cosine { frequency_hz: 3.7 }),
+    ];
+    let mut model: OwnedModel<f64> = model(inputs, vec![]);
+    // the lagged inputs as well: they were as old as the gap, and the first samples after it wrong without a flag
+    model.axes[0].physical.extend([Term::new(0.4, &[u(2, 3)]), Term::new(0.2, &[u(0, 5), u(3, 7)])]);
+    for ticks in [1, 100, 255, 256, 257, 1000, 100_000] {
+        let mut skipped = model.predictor().unwrap();
+        let mut stepped = skipped.clone();
+        let _ = skipped.skip(ticks);
+        for _ in 0..ticks {
+            step(&mut stepped, Mode::Track, &[], &[]);
+        }
+        let mut noise = Noise::new(1);
+        for n in 0..20 {
+            let measured = noisy(&mut noise);
+            let found = step(&mut skipped, Mode::Track, &measured, &[0.0])[0];
+            let expected = step(&mut stepped, Mode::Track, &measured, &[0.0])[0];
+            // 10⁵ roundings of 1.1e-16
+            assert!((found.predicted - expected.predicted).abs() < 2e-11, "{ticks}, then {n}");
+            assert_eq!(found.validity, expected.validity, "{ticks}, then {n}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(cases(60))]
 
