@@ -32,7 +32,7 @@ pub struct Input<R> {
     pub centre: R,
     /// The logged quantity is divided by it, in its unit; positive.
     pub scale: R,
-    /// x while fitting. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
+    /// x while fitting; below 10¹⁵. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
     pub source_range: Range<R>,
     /// u while fitting. Values beyond it are limited, so that no term is evaluated where it was not fitted.
     pub range: Range<R>,

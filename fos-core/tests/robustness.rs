@@ -403,6 +403,49 @@ fn a_long_skip_is_time_passing() {
     }
 }
 
+#[test]
+fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
+    // a windowed variance squares what it gets: inf − inf made it NaN, and so the input, until the next reset
+    let wide = |transform, reach: f32| {
+        let mut wide: Input<f32> = input(Source::Quantity(0), transform, 2.0);
+        wide.source_range = Range::new(-reach, reach);
+        let parameters = plain::<f32>();
+        OwnedModel {
+            period_s: PERIOD_S,
+            stillness: None,
+            quantities: vec![Quantity::Other],
+            inputs: vec![wide],
+            axes: vec![OwnedAxis { parameters, physical: vec![Term::new(1.0, &[u(0, 0)])], stochastic: vec![] }],
+        }
+    };
+    let tau_s = 0.02;
+    for transform in [
+        Transform::Identity,
+        Transform::LowPass { tau_s },
+        Transform::Rate { tau_s },
+        Transform::Variance { tau_s },
+        Transform::Backlash { half_width: 0.1 },
+        Transform::Absolute,
+    ] {
+        for reach in [1e3, 1e12, 1e18, 1e22, f32::MAX] {
+            let Ok(mut predictor) = wide(transform, reach).predictor() else { continue };
+            let mut fresh = predictor.clone();
+            step(&mut predictor, Mode::Coast, &[0.0], &[0.5]);
+            step(&mut predictor, Mode::Coast, &[0.0], &[f32::MAX]);
+            step(&mut predictor, Mode::Coast, &[0.0], &[-f32::MAX]);
+            // 5000 samples are 1250 time constants
+            let mut last = (f32::NAN, f32::NAN);
+            for _ in 0..5000 {
+                let run = |predictor: &mut Roomy<f32>| step(predictor, Mode::Coast, &[0.0], &[0.5])[0].predicted;
+                last = (run(&mut predictor), run(&mut fresh));
+            }
+            // backlash remembers from which side it came
+            let same = (last.0 - last.1).abs() <= if matches!(transform, Transform::Backlash { .. }) { 0.2 } else { 1e-6 };
+            assert!(same, "{transform:?} within {reach:e}: {last:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(cases(60))]
 
