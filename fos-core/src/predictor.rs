@@ -237,7 +237,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     ///
     /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
     /// range, and once coasting has lasted longer than it was validated for, the stochastic part fades to its
-    /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
+    /// mean, 0, at least as fast as with that same time as its time constant (what is fed back fades again at every
+    /// lag). The physical part goes on with its inputs.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.step(sample.quantities, |axis| match sample.measured.get(axis) {
