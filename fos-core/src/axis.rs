@@ -98,7 +98,11 @@ impl<R: Real> RunningAxis<R> {
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
             full_scale,
-            stuck_after: if parameters.stuck_after == 0 { u32::MAX } else { u32::from(parameters.stuck_after) },
+            stuck_after: if parameters.stuck_after == 0 {
+                u32::MAX
+            } else {
+                u32::from(parameters.stuck_after)
+            },
             gap_limit: parameters.gap_limit,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,

@@ -132,14 +132,31 @@ impl<R: Real> LowPass<R> {
 pub(crate) enum Running<R> {
     Identity,
     LowPass(LowPass<R>),
-    Rate { low_pass: LowPass<R>, per_tau: R },
-    Variance { mean: LowPass<R>, variance: LowPass<R> },
-    Backlash { half_width: R, play: R },
+    Rate {
+        low_pass: LowPass<R>,
+        per_tau: R,
+    },
+    Variance {
+        mean: LowPass<R>,
+        variance: LowPass<R>,
+    },
+    Backlash {
+        half_width: R,
+        play: R,
+    },
     Absolute,
     /// Falls from 1 to 0 as a low-pass does, and as precisely.
     Decay(LowPass<R>),
-    Time { period: R, origin: R, ticks: u32 },
-    Oscillator { rotation: Complex<R>, phasor: Complex<R>, wants_sine: bool },
+    Time {
+        period: R,
+        origin: R,
+        ticks: u32,
+    },
+    Oscillator {
+        rotation: Complex<R>,
+        phasor: Complex<R>,
+        wants_sine: bool,
+    },
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -98,8 +98,7 @@ fn beyond_the_coast_limit_the_stochastic_part_fades_to_nothing() {
     ];
     for (constant, set) in sets {
         let coast_limit_s = 2.0;
-        let parameters =
-            AxisParameters { offset: 0.01, scale: 0.1, constant, coast_limit_s, ..plain() };
+        let parameters = AxisParameters { offset: 0.01, scale: 0.1, constant, coast_limit_s, ..plain() };
         let model = OwnedModel::autoregressive(parameters, set.to_vec()).convert::<f32>();
         let mut predictor = model.predictor().unwrap();
         warm_up(&mut predictor, &model.axes[0].parameters);

@@ -3,8 +3,8 @@
 mod models;
 
 use fos_core::{
-    Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Predictor, Quantity, Range, Real, Sample,
-    Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
+    Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Predictor, Quantity, Range,
+    Real, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
 };
 use models::{Noise, OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
 
@@ -196,8 +196,13 @@ fn a_source_must_be_there_and_fit_its_transform() {
 
 #[test]
 fn limits_of_stillness_must_be_positive() {
-    let limits =
-        StillnessLimits { window: 100, accel_variance: 1e-4, gyro_variance: 1e-6, gyro_at_rest: [0.0; 3], gyro_deviation: 0.01 };
+    let limits = StillnessLimits {
+        window: 100,
+        accel_variance: 1e-4,
+        gyro_variance: 1e-6,
+        gyro_at_rest: [0.0; 3],
+        gyro_deviation: 0.01,
+    };
     assert!(StillnessDetector::new(limits).is_ok());
     let bad = [
         StillnessLimits { window: 1, ..limits },

@@ -52,7 +52,9 @@ fn track(predictor: &mut Roomy<f64>, value: f64) -> f64 {
 
 /// The next predictions from own history; the measured value is absent and cannot leak in.
 fn coast(predictor: &mut Roomy<f64>, samples: usize) -> Vec<f64> {
-    (0..samples).map(|_| predictor.coast(&Sample { measured: &[0.0], quantities: &[] })[0].predicted).collect()
+    (0..samples)
+        .map(|_| predictor.coast(&Sample { measured: &[0.0], quantities: &[] })[0].predicted)
+        .collect()
 }
 
 fn assert_near(found: f64, expected: &serde_json::Value) {
@@ -126,7 +128,8 @@ fn a_free_run_is_that_of_the_reference() {
 
 fn events() -> impl Strategy<Value = Vec<Event>> {
     let values = prop::collection::vec(-1.5..1.5, 6);
-    let reading = prop_oneof![20 => -1.5..1.5, 1 => Just(f64::NAN), 1 => Just(50.0), 1 => Just(f64::INFINITY)];
+    let reading =
+        prop_oneof![20 => -1.5..1.5, 1 => Just(f64::NAN), 1 => Just(50.0), 1 => Just(f64::INFINITY)];
     let measured = prop::collection::vec(reading, 0..=6);
     let quantity = prop_oneof![20 => -2.5..2.5, 1 => Just(f64::NAN)];
     let quantities = prop::collection::vec(quantity, 0..=3);

@@ -52,7 +52,12 @@ enum Mode {
     Coast,
 }
 
-fn step<R: Real>(predictor: &mut Roomy<R>, mode: Mode, measured: &[R], quantities: &[R]) -> Vec<Correction<R>> {
+fn step<R: Real>(
+    predictor: &mut Roomy<R>,
+    mode: Mode,
+    measured: &[R],
+    quantities: &[R],
+) -> Vec<Correction<R>> {
     let sample = Sample { measured, quantities };
     match mode {
         Mode::Track => predictor.track(&sample).to_vec(),
@@ -415,7 +420,11 @@ fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
             stillness: None,
             quantities: vec![Quantity::Other],
             inputs: vec![wide],
-            axes: vec![OwnedAxis { parameters, physical: vec![Term::new(1.0, &[u(0, 0)])], stochastic: vec![] }],
+            axes: vec![OwnedAxis {
+                parameters,
+                physical: vec![Term::new(1.0, &[u(0, 0)])],
+                stochastic: vec![],
+            }],
         }
     };
     let tau_s = 0.02;
@@ -436,11 +445,13 @@ fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
             // 5000 samples are 1250 time constants
             let mut last = (f32::NAN, f32::NAN);
             for _ in 0..5000 {
-                let run = |predictor: &mut Roomy<f32>| step(predictor, Mode::Coast, &[0.0], &[0.5])[0].predicted;
+                let run =
+                    |predictor: &mut Roomy<f32>| step(predictor, Mode::Coast, &[0.0], &[0.5])[0].predicted;
                 last = (run(&mut predictor), run(&mut fresh));
             }
             // backlash remembers from which side it came
-            let same = (last.0 - last.1).abs() <= if matches!(transform, Transform::Backlash { .. }) { 0.2 } else { 1e-6 };
+            let same = (last.0 - last.1).abs()
+                <= if matches!(transform, Transform::Backlash { .. }) { 0.2 } else { 1e-6 };
             assert!(same, "{transform:?} within {reach:e}: {last:?}");
         }
     }

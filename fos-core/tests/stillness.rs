@@ -77,7 +77,8 @@ fn a_hand_is_never_still() {
             let t = f64::from(n) * PERIOD_S;
             let tremor = (core::f64::consts::TAU * 9.0 * t).sin();
             let sway = (core::f64::consts::TAU * 0.5 * t).sin();
-            let (accel, gyro) = phone.sample([0.05 * tremor, 0.1 * sway, 0.0], [DPS * tremor, 2.0 * DPS * sway, 0.0]);
+            let (accel, gyro) =
+                phone.sample([0.05 * tremor, 0.1 * sway, 0.0], [DPS * tremor, 2.0 * DPS * sway, 0.0]);
             assert!(!detector.update(accel, gyro), "seed {seed}, sample {n}");
         }
     }
@@ -85,7 +86,9 @@ fn a_hand_is_never_still() {
 
 #[test]
 fn a_tap_ends_stillness_in_its_first_sample() {
-    for (accel, rate) in [([0.0, 0.0, 0.5], [0.0; 3]), ([0.5, 0.0, 0.0], [0.0; 3]), ([0.0; 3], [0.0, 2.0 * DPS, 0.0])] {
+    for (accel, rate) in
+        [([0.0, 0.0, 0.5], [0.0; 3]), ([0.5, 0.0, 0.0], [0.0; 3]), ([0.0; 3], [0.0, 2.0 * DPS, 0.0])]
+    {
         let mut phone = Phone::new(2);
         let mut detector = phone.settled();
         let (accel, gyro) = phone.sample(accel, rate);
@@ -190,7 +193,11 @@ fn a_value_that_is_no_number_means_moving_and_is_forgotten() {
             let mut phone = Phone::new(8);
             let mut detector = phone.settled();
             let (mut accel, mut gyro) = phone.sample([0.0; 3], [0.0; 3]);
-            if place < 3 { accel[place] = bad } else { gyro[place - 3] = bad }
+            if place < 3 {
+                accel[place] = bad
+            } else {
+                gyro[place - 3] = bad
+            }
             assert!(!detector.update(accel, gyro));
             for n in 1..=2 * WINDOW {
                 assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");

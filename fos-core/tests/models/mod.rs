@@ -2,8 +2,8 @@
 #![allow(dead_code, missing_docs, unreachable_pub)] // every test uses its own part of it
 
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Channel, Factor, FittedOn, InnovationStatistics, Input, Model, ModelError,
-    Predictor, Quantity, Range, Real, Source, StillnessLimits, Term, Transform,
+    Axis, AxisModel, AxisParameters, Channel, Factor, FittedOn, InnovationStatistics, Input, Model,
+    ModelError, Predictor, Quantity, Range, Real, Source, StillnessLimits, Term, Transform,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -143,8 +143,8 @@ fn transforms(draw: Draw) -> BoxedStrategy<Transform<f64>> {
 }
 
 fn inputs(draw: Draw, n_axes: u8) -> impl Strategy<Value = Vec<Input<f64>>> {
-    let one = (transforms(draw), any::<bool>(), 0_u8..3, 0..n_axes, -0.5..0.5, 0.5..2.0, 0.4..3.0_f64).prop_map(
-        |(transform, remainder, quantity, axis, centre, scale, reach)| {
+    let one = (transforms(draw), any::<bool>(), 0_u8..3, 0..n_axes, -0.5..0.5, 0.5..2.0, 0.4..3.0_f64)
+        .prop_map(|(transform, remainder, quantity, axis, centre, scale, reach)| {
             let source = match (transform.is_clock(), remainder) {
                 (true, _) => Source::Clock,
                 (false, true) => Source::Remainder(axis),
@@ -152,8 +152,7 @@ fn inputs(draw: Draw, n_axes: u8) -> impl Strategy<Value = Vec<Input<f64>>> {
             };
             let (source_range, range) = (Range::new(-2.0, 2.0), Range::new(-reach, reach));
             Input { source, transform, centre, scale, source_range, range }
-        },
-    );
+        });
     prop::collection::vec(one, 0..=8)
 }
 

@@ -154,13 +154,16 @@ impl Twin {
             (0..model.axes.len()).map(reading).collect()
         };
         match event {
-            Event::Track { measured, quantities } => self.step(&still(measured, &[], &self.model), quantities),
+            Event::Track { measured, quantities } => {
+                self.step(&still(measured, &[], &self.model), quantities)
+            }
             Event::TrackAgainst { measured, quantities, reference } => {
                 self.step(&still(measured, reference, &self.model), quantities)
             }
             Event::Coast { measured, quantities } => {
                 let measured = Event::lifted(measured, &self.model);
-                let reading = |index: usize| measured.get(index).map_or(Reading::Missing, |&m| Reading::Moving(m));
+                let reading =
+                    |index: usize| measured.get(index).map_or(Reading::Missing, |&m| Reading::Moving(m));
                 let readings: Vec<Reading> = (0..self.axes.len()).map(reading).collect();
                 self.step(&readings, quantities)
             }
@@ -251,7 +254,8 @@ impl TwinAxis {
 
     fn sum(&self, terms: &[Term<f64>], start: f64, inputs: &[TwinInput]) -> f64 {
         let n = self.r.len();
-        let back = |series: &[f64], lag: u16| n.checked_sub(usize::from(lag)).map_or(0.0, |index| series[index]);
+        let back =
+            |series: &[f64], lag: u16| n.checked_sub(usize::from(lag)).map_or(0.0, |index| series[index]);
         let mut sum = start;
         for degree in 1..=3 {
             for term in terms.iter().filter(|term| term.factors().len() == degree) {
@@ -272,9 +276,7 @@ impl TwinAxis {
         let (low, high) = widened(parameters.range.low, parameters.range.high, 0.5);
 
         let since_restart = self.kept.rsplit(|kept| *kept == Kept::Restart).next().unwrap_or(&[]);
-        let ready = since_restart
-            .split(|kept| *kept != Kept::Measured)
-            .any(|run| run.len() >= depth);
+        let ready = since_restart.split(|kept| *kept != Kept::Measured).any(|run| run.len() >= depth);
         let measured_run = since_restart.iter().rev().take_while(|kept| **kept == Kept::Measured).count();
         let own_history = ready && measured_run < depth;
 
