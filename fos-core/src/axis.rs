@@ -50,7 +50,8 @@ pub(crate) struct RunningAxis<R> {
     per_scale: R,
     range: Range<R>,
     full_scale: R,
-    stuck_after: u16,
+    /// Wider than the count, so that a test switched off is never reached.
+    stuck_after: u32,
     gap_limit: u8,
     coast_limit: u32,
     fade: R,
@@ -96,7 +97,10 @@ impl<R: Real> RunningAxis<R> {
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
             full_scale,
-            stuck_after: if parameters.stuck_after == 0 { u16::MAX } else { parameters.stuck_after },
+            stuck_after: match parameters.stuck_after {
+                0 => u32::MAX,
+                repeats => u32::from(repeats),
+            },
             gap_limit: parameters.gap_limit,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
@@ -127,6 +131,8 @@ impl<R: Real> RunningAxis<R> {
         self.restart();
         (self.repeats, self.missing, self.coasted, self.gain) = (0, 0, 0, R::ONE);
         self.corrected = self.reference;
+        // equals nothing, so that the first sample is no repetition
+        self.last_measured = R::from_f64(f64::NAN);
     }
 
     /// Forgets the history: the axis warms up again.
@@ -137,7 +143,8 @@ impl<R: Real> RunningAxis<R> {
         (self.coasted, self.gain) = (0, R::ONE);
     }
 
-    /// r(n − 1), limited; none before the first sample and after a restart.
+    /// r(n − 1), limited; none where it is not known: before the first sample, and after a restart until the next
+    /// measured one.
     pub(crate) fn remainder(&self) -> Option<R> {
         self.known.then_some(self.remainder)
     }
@@ -250,7 +257,7 @@ impl<R: Real> RunningAxis<R> {
     fn is_fresh(&mut self, measured: R) -> bool {
         if measured == self.last_measured {
             self.repeats = self.repeats.saturating_add(1);
-            return self.repeats < self.stuck_after;
+            return u32::from(self.repeats) < self.stuck_after;
         }
         (self.last_measured, self.repeats) = (measured, 0);
         true
@@ -260,7 +267,7 @@ impl<R: Real> RunningAxis<R> {
     fn fault(&self, measured: R, remainder: R) -> Validity {
         Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
             | Validity::when(measured.abs() >= self.full_scale, Validity::SATURATED)
-            | Validity::when(self.repeats >= self.stuck_after, Validity::STUCK)
+            | Validity::when(u32::from(self.repeats) >= self.stuck_after, Validity::STUCK)
     }
 
     /// One more measured sample on the way to a history of nothing else.
@@ -293,6 +300,8 @@ impl<R: Real> RunningAxis<R> {
         if self.ready {
             validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
             (self.remainder, self.known) = (stochastic, true);
+        } else {
+            (self.remainder, self.known) = (R::ZERO, false);
         }
         let predicted = self.offset + self.scale * (self.physical.value + stochastic);
         if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {

@@ -34,7 +34,7 @@ pub struct Input<R> {
     pub centre: R,
     /// The logged quantity is divided by it, in its unit; positive.
     pub scale: R,
-    /// x while fitting. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
+    /// x while fitting; below 10¹⁵. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
     pub source_range: Range<R>,
     /// u while fitting. Values beyond it are limited, so that no term is evaluated where it was not fitted.
     pub range: Range<R>,
@@ -102,7 +102,7 @@ impl<R: Real> RunningInput<R> {
             _ => {
                 let logged_quantity = matches!(self.source, Source::Quantity(_));
                 validity |= Validity::when(logged_quantity, Validity::INPUT_NOT_FINITE);
-                self.held.unwrap_or(R::ZERO)
+                self.stand_in()
             }
         };
         let mut u = self.transform.update(x);
@@ -114,13 +114,17 @@ impl<R: Real> RunningInput<R> {
         (u, validity)
     }
 
-    /// `ticks` missing samples in bounded time. A logged quantity is taken to have stayed; a remainder to have
-    /// gone to its mean, so that the long memory of it fades as it would have.
+    /// `ticks` missing samples in bounded time.
     pub(crate) fn skip(&mut self, ticks: u32) {
-        let x = match self.source {
+        self.transform.skip(self.stand_in(), ticks);
+    }
+
+    /// x where there is none: a logged quantity is taken to have stayed; a remainder to have gone to its mean, so
+    /// that the long memory of it fades as it would have.
+    fn stand_in(&self) -> R {
+        match self.source {
             Source::Remainder(_) => R::ZERO,
             _ => self.held.unwrap_or(R::ZERO),
-        };
-        self.transform.skip(x, ticks);
+        }
     }
 }

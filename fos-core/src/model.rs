@@ -241,13 +241,19 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
+/// The largest magnitude of a scaled quantity: its square, which a windowed variance takes, is far from overflow
+/// in f32. Beyond it an infinite sum would stay in the transform for ever.
+const MAX_INPUT: f64 = 1e15;
+
 impl<R: Real> Input<R> {
     /// Whether the input can be used in a model of `n_quantities` quantities and `n_axes` axes.
     pub(crate) fn check(&self, input: usize, n_quantities: usize, n_axes: usize) -> Result<(), ModelError> {
         let numbers = self.transform.is_valid()
             && self.centre.is_finite()
             && is_positive(self.scale)
+            && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
             && self.source_range.is_valid()
+            && self.source_range.magnitude() < MAX_INPUT
             && self.range.is_valid();
         if !numbers {
             return Err(ModelError::InputParameter { input });
@@ -268,6 +274,7 @@ impl<R: Real> AxisParameters<R> {
         let correlation = self.innovation.lag_1_correlation;
         let valid = finite.into_iter().all(Real::is_finite)
             && is_positive(self.scale)
+            && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
             && self.range.is_valid()
             && not_negative(self.full_scale)
             && not_negative(self.coast_limit_s)

@@ -12,12 +12,14 @@ const MEAN_SLACK: f64 = 0.25;
 const MEAN_THRESHOLD: f64 = 40.0;
 
 /// Excess of the squared innovation, in variances, that the power test lets pass, and its threshold: a doubled
-/// variance is found in 60/(1 − 0.5) = 120 samples.
+/// variance is found in 60/(1 − 0.5) = 120 samples. White innovations exceed it once in about 10⁹ samples: e^(−0.29·h),
+/// 0.29 the root θ of E e^(θ(e² − 1.5)) = 1, and as simulated.
 const POWER_SLACK: f64 = 0.5;
 const POWER_THRESHOLD: f64 = 60.0;
 
-/// One squared innovation counts for at most so many variances: an outlier is not a change of variance.
-const POWER_LIMIT: f64 = 16.0;
+/// One innovation counts for at most so many standard deviations: an outlier is neither a shift of the mean nor a
+/// change of variance.
+const OUTLIER: f64 = 4.0;
 
 /// Time constant of the running statistics, s.
 const TAU_S: f64 = 30.0;
@@ -82,11 +84,12 @@ impl<R: Real> Monitor<R> {
         }
     }
 
-    /// Takes one correction; only a valid one with an innovation counts. Whether the model has stopped fitting.
+    /// Takes one correction. Only a finite innovation from measured history counts. Whether the model has stopped
+    /// fitting.
     #[inline]
     pub fn update(&mut self, correction: &Correction<R>) -> Drift {
         let Some(innovation) = correction.innovation else { return self.drift };
-        if correction.validity.intersects(Validity::OWN_HISTORY) {
+        if correction.validity.intersects(Validity::OWN_HISTORY) || !innovation.is_finite() {
             return self.drift;
         }
         let normalised = innovation * self.per_deviation - self.fitted_mean;
@@ -101,11 +104,12 @@ impl<R: Real> Monitor<R> {
         self.previous = deviation;
 
         let slack = R::from_f64(MEAN_SLACK);
+        let outlier = R::from_f64(OUTLIER);
+        let e = e.limit(-outlier, outlier);
         self.above = (self.above + e - slack).limit(R::ZERO, self.mean_threshold);
         self.below = (self.below - e - slack).limit(R::ZERO, self.mean_threshold);
-        let square = (e * e).limit(R::ZERO, R::from_f64(POWER_LIMIT));
         let threshold = R::from_f64(POWER_THRESHOLD);
-        self.power = (self.power + square - R::from_f64(1.0 + POWER_SLACK)).limit(R::ZERO, threshold);
+        self.power = (self.power + e * e - R::from_f64(1.0 + POWER_SLACK)).limit(R::ZERO, threshold);
         self.drift.mean |= self.above >= self.mean_threshold || self.below >= self.mean_threshold;
         self.drift.variance |= self.power >= threshold;
         self.drift

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::axis::{AxisProgram, Correction, RunningAxis};
-use crate::history::History;
+use crate::history::{History, Window};
 use crate::input::RunningInput;
 use crate::model::{AxisParameters, is_positive};
 use crate::program::{Layout, Program};
@@ -233,7 +233,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     ///
     /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
     /// range, and once coasting has lasted longer than it was validated for, the stochastic part fades to its
-    /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
+    /// mean, 0, at least as fast as with that same time as its time constant (what is fed back fades again at every
+    /// lag). The physical part goes on with its inputs.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
@@ -243,12 +244,18 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// time goes on for the inputs either way. Takes at most 256 steps.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
-        let coasted = ticks.min(u32::from(u8::MAX) + 1);
-        for _ in 0..coasted {
-            let _ = self.coast(&Sample { measured: &[], quantities: &[] });
+        const STEPS: u32 = u8::MAX as u32 + 1;
+        let stepped = ticks.min(STEPS);
+        if ticks > stepped {
+            // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
+            // old as they should be.
+            self.axes.iter_mut().for_each(RunningAxis::restart);
+            for input in &mut self.inputs {
+                input.skip(ticks - stepped);
+            }
         }
-        for input in &mut self.inputs {
-            input.skip(ticks - coasted);
+        for _ in 0..stepped {
+            let _ = self.coast(&Sample { measured: &[], quantities: &[] });
         }
         &self.corrections
     }
@@ -260,16 +267,13 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.axes.iter_mut().for_each(RunningAxis::reset);
     }
 
-    /// The next sample does not follow the last one: histories restart, inputs and clocks go on.
-    pub fn restart(&mut self) {
-        self.axes.iter_mut().for_each(RunningAxis::restart);
-    }
-
     /// u(n) of an input, scaled, as of the last sample; `None` if there is no such input.
     pub fn input(&self, index: usize) -> Option<R> {
-        let n_inputs = self.inputs.len();
-        let back = (n_inputs + self.axes.len()).checked_sub(index)?;
-        if index < n_inputs { Some(self.history.back(u16::try_from(back).ok()?)) } else { None }
+        if index >= self.inputs.len() {
+            return None;
+        }
+        let back = (self.inputs.len() + self.axes.len()).checked_sub(index)?;
+        Window::<R, HISTORY>::place(back).map(|place| self.history.window().at(place))
     }
 
     /// How many axes the model has.

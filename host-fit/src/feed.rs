@@ -15,8 +15,8 @@ pub struct Feed<'a> {
     has_reference: bool,
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
-    /// What precedes the rows that do not follow the row before them.
-    breaks: HashMap<usize, Break>,
+    /// Ticks missing before the rows that do not follow the row before them.
+    breaks: HashMap<usize, u32>,
 }
 
 enum Reference<'a> {
@@ -24,13 +24,8 @@ enum Reference<'a> {
     Column(&'a [f64]),
 }
 
-#[derive(Clone, Copy)]
-enum Break {
-    /// So many ticks are missing.
-    Missing(u32),
-    /// Another measurement altogether.
-    Restart,
-}
+/// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
+const UNKNOWN_TICKS: u64 = 256;
 
 impl<'a> Feed<'a> {
     /// `still` tells for every row whether the true value is known.
@@ -57,13 +52,12 @@ impl<'a> Feed<'a> {
             .segments
             .iter()
             .filter_map(|segment| {
-                let missing = u32::try_from(segment.missing_before).unwrap_or(u32::MAX);
-                let what = match segment.boundary {
+                let missing = match segment.boundary {
                     Boundary::Start => return None,
-                    Boundary::Gap => Break::Missing(missing),
-                    Boundary::SegmentColumn | Boundary::ClockBack => Break::Restart,
+                    Boundary::Gap => segment.missing_before,
+                    Boundary::SegmentColumn | Boundary::ClockBack => segment.missing_before.max(UNKNOWN_TICKS),
                 };
-                Some((segment.rows.start, what))
+                Some((segment.rows.start, u32::try_from(missing).unwrap_or(u32::MAX)))
             })
             .collect();
         let has_reference = reference.iter().any(|reference| matches!(reference, Reference::Column(_)));
@@ -77,15 +71,7 @@ impl<'a> Feed<'a> {
 
     /// Ticks missing just before `row`; 0 if it follows the row before it.
     pub fn missing_before(&self, row: usize) -> u32 {
-        match self.breaks.get(&row) {
-            Some(Break::Missing(ticks)) => *ticks,
-            _ => 0,
-        }
-    }
-
-    /// Whether `row` starts another measurement, with no known time between.
-    pub fn restarts_at(&self, row: usize) -> bool {
-        matches!(self.breaks.get(&row), Some(Break::Restart))
+        self.breaks.get(&row).copied().unwrap_or(0)
     }
 
     /// The row as a device gets it: measured values, reference values, quantities.
@@ -110,12 +96,9 @@ impl<'a> Feed<'a> {
     /// One row: what is missing before it is skipped, then it is tracked where still, else coasted.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
-        match self.breaks.get(&row) {
-            Some(Break::Missing(ticks)) => {
-                let _ = predictor.skip(*ticks);
-            }
-            Some(Break::Restart) => predictor.restart(),
-            None => {}
+        let missing = self.missing_before(row);
+        if missing > 0 {
+            let _ = predictor.skip(missing);
         }
         let row_sample = self.sample(row);
         let sample = row_sample.sample();

@@ -94,7 +94,10 @@ pub fn trace<R: Real>(
                 axes[axis].coast[at] = feed.error(axis, row) - correction.predicted.to_f64();
             }
         }
-        skip_breaks(feed, &mut whole, row);
+        let missing = feed.missing_before(row);
+        if missing > 0 {
+            let _ = whole.skip(missing);
+        }
         for (axis, correction) in feed.coast(&mut whole, row).iter().enumerate() {
             if feed.is_still(row) {
                 axes[axis].coast_whole[at] = feed.error(axis, row) - correction.predicted.to_f64();
@@ -115,15 +118,6 @@ pub fn trace<R: Real>(
         }
     }
     Ok(Trace { rows, period_s: model.period_s, stretches, axes })
-}
-
-fn skip_breaks<R: Real>(feed: &Feed<'_>, predictor: &mut HostPredictor<R>, row: usize) {
-    let missing = feed.missing_before(row);
-    if missing > 0 {
-        let _ = predictor.skip(missing);
-    } else if feed.restarts_at(row) {
-        predictor.restart();
-    }
 }
 
 impl AxisTrace {

@@ -1,0 +1,178 @@
+//! Does the monitor stay silent on what it should, and find what it should as soon as it says?
+
+mod models;
+
+use fos_core::{AxisParameters, Correction, InnovationStatistics, Monitor, Real, Validity};
+use models::{Noise, PERIOD_S, plain};
+
+const SCALE: f64 = 0.02;
+const MEAN: f64 = 0.1;
+const VARIANCE: f64 = 0.4;
+
+fn monitor<R: Real>(lag_1_correlation: f64) -> Monitor<R> {
+    let innovation = InnovationStatistics { mean: MEAN, variance: VARIANCE, lag_1_correlation };
+    let parameters: AxisParameters<f64> = AxisParameters { scale: SCALE, innovation, ..plain() };
+    Monitor::new(&parameters.convert(), PERIOD_S)
+}
+
+/// A correction whose innovation lies so many standard deviations of the fit from its mean.
+fn correction<R: Real>(deviations: f64) -> Correction<R> {
+    let innovation = SCALE * (MEAN + VARIANCE.sqrt() * deviations);
+    Correction {
+        predicted: R::ZERO,
+        innovation: Some(R::from_f64(innovation)),
+        corrected: R::ZERO,
+        validity: Validity::VALID,
+    }
+}
+
+#[test]
+fn white_innovations_raise_no_alarm() {
+    // one false alarm in some 2·10⁹ samples of the mean and 10⁹ of the power: 1.2·10⁷ samples show one with 2 %
+    for seed in 100..106 {
+        let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(seed));
+        for n in 0..2_000_000 {
+            let drift = monitor.update(&correction(noise.normal()));
+            assert!(!drift.mean && !drift.variance, "seed {seed}, sample {n}: {drift:?}");
+        }
+    }
+}
+
+#[test]
+fn innovations_as_correlated_as_while_fitting_raise_no_alarm() {
+    for seed in 0..2 {
+        let (mut monitor, mut noise) = (monitor::<f32>(0.5), Noise::new(seed));
+        let mut e = 0.0;
+        for n in 0..1_000_000 {
+            e = 0.5 * e + 0.75_f64.sqrt() * noise.normal();
+            let drift = monitor.update(&correction(e));
+            assert!(!drift.mean, "seed {seed}, sample {n}: {drift:?}");
+        }
+    }
+}
+
+/// Samples until `found` after 20,000 good ones, over 50 seeds, in order.
+fn delays(mut changed: impl FnMut(f64) -> f64, found: impl Fn(fos_core::Drift) -> bool) -> Vec<u32> {
+    let mut delays: Vec<u32> = (0..50)
+        .map(|seed| {
+            let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(seed));
+            for _ in 0..20_000 {
+                let _ = monitor.update(&correction(noise.normal()));
+            }
+            (1..10_000)
+                .find(|_| found(monitor.update(&correction(changed(noise.normal())))))
+                .unwrap_or(10_000)
+        })
+        .collect();
+    delays.sort();
+    delays
+}
+
+#[test]
+fn a_shift_of_half_a_standard_deviation_is_found_in_about_160_samples() {
+    for sign in [1.0, -1.0] {
+        let delays = delays(|e| e + sign * 0.5, |drift| drift.mean);
+        // h/(shift − k) = 40/0.25; the sum's spread after it is √160/0.25 = 51 samples: 5 of it to either side
+        assert!((120..200).contains(&delays[25]), "{delays:?}");
+        assert!(delays[0] > 40 && delays[49] < 420, "{delays:?}");
+    }
+}
+
+#[test]
+fn a_doubled_variance_is_found_in_about_120_samples() {
+    let delays = delays(|e| 2.0_f64.sqrt() * e, |drift| drift.variance);
+    // h/(2 − 1.5) = 60/0.5, a little more for the limit of 16 on a square; spread √(120·8)/0.5 = 62 samples
+    assert!((85..165).contains(&delays[25]), "{delays:?}");
+    assert!(delays[49] < 450, "{delays:?}");
+}
+
+#[test]
+fn a_single_outlier_is_no_drift() {
+    // squares were limited, the mean's sum was not: one innovation of 41 standard deviations was a shifted mean
+    for outlier in [41.0, -41.0, 1e3, 1e9, f64::from(f32::MAX)] {
+        let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(1));
+        for n in 0..20_000 {
+            let e = if n == 10_000 { outlier } else { noise.normal() };
+            let drift = monitor.update(&correction(e));
+            assert!(!drift.mean && !drift.variance, "{outlier}, sample {n}: {drift:?}");
+        }
+    }
+}
+
+fn the_running_statistics_are_those_of_the_data<R: Real>() {
+    let (rho, shift, growth) = (0.6_f64, 0.2, 1.3);
+    let (mut monitor, mut noise) = (monitor::<R>(0.0), Noise::new(4));
+    let (mut e, mut sums) = (0.0, [0.0; 3]);
+    let samples = 400_000;
+    for n in 0..samples {
+        e = rho * e + (1.0 - rho * rho).sqrt() * noise.normal();
+        let _ = monitor.update(&correction(shift + growth * e));
+        if n >= samples / 2 {
+            let now = monitor.statistics();
+            let values = [now.mean, now.variance, now.lag_1_correlation];
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value.to_f64());
+        }
+    }
+    let [mean, variance, correlation] = sums.map(|sum| 2.0 * sum / f64::from(samples));
+    // 2·10⁵ samples; the mean of an AR(1) has (1+ρ)/(1−ρ) = 4 times the variance, of its square 2(1+ρ²)/(1−ρ²) = 4.25:
+    // standard errors 0.0045·1.3·√0.4 = 0.0037, 0.0046·1.69·0.4 = 0.0031, 0.0018. Four of each; the exponential
+    // window takes gain/2·(1+ρ)/(1−ρ) = 0.03 % of the variance
+    let truth = [MEAN + VARIANCE.sqrt() * shift, VARIANCE * growth * growth, rho];
+    assert!((mean - truth[0]).abs() < 0.015, "{mean} {truth:?}");
+    assert!((variance - truth[1]).abs() < 0.013, "{variance} {truth:?}");
+    assert!((correlation - truth[2]).abs() < 0.0075, "{correlation} {truth:?}");
+    assert!((monitor.mean_in_unit() - SCALE * monitor.statistics().mean.to_f64()).abs() < 1e-9);
+    assert_eq!(monitor.samples(), 400_000);
+}
+
+#[test]
+fn the_running_statistics_are_those_of_the_data_in_f32() {
+    the_running_statistics_are_those_of_the_data::<f32>();
+}
+
+#[test]
+fn the_running_statistics_are_those_of_the_data_in_f64() {
+    the_running_statistics_are_those_of_the_data::<f64>();
+}
+
+#[test]
+fn an_innovation_that_is_no_number_is_not_counted() {
+    let (mut clean, mut poisoned, mut noise) = (monitor::<f32>(0.0), monitor::<f32>(0.0), Noise::new(1));
+    for n in 0..1000 {
+        if n % 10 == 0 {
+            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let drift = poisoned.update(&Correction { innovation: Some(bad), ..correction(0.0) });
+                assert_eq!(drift, poisoned.drift());
+            }
+        }
+        let e = correction(noise.normal());
+        let _ = (clean.update(&e), poisoned.update(&e));
+    }
+    assert_eq!(poisoned.statistics(), clean.statistics());
+    assert_eq!((poisoned.samples(), poisoned.drift()), (clean.samples(), clean.drift()));
+}
+
+#[test]
+fn an_innovation_from_own_history_or_none_is_not_counted() {
+    let mut monitor = monitor::<f32>(0.0);
+    for _ in 0..1000 {
+        let _ = monitor.update(&Correction { validity: Validity::OWN_HISTORY, ..correction(5.0) });
+        let _ = monitor.update(&Correction { innovation: None, ..correction(5.0) });
+    }
+    assert_eq!((monitor.samples(), monitor.drift()), (0, fos_core::Drift::default()));
+}
+
+#[test]
+fn an_alarm_stays_until_it_is_forgotten() {
+    let mut monitor = monitor::<f32>(0.0);
+    for _ in 0..500 {
+        let _ = monitor.update(&correction(1.0));
+    }
+    for _ in 0..5000 {
+        assert!(monitor.update(&correction(0.0)).mean);
+    }
+    monitor.restart();
+    for _ in 0..5000 {
+        assert!(!monitor.update(&correction(0.0)).mean);
+    }
+}

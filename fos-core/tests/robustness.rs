@@ -1,0 +1,524 @@
+//! Bad samples, gaps and restarts: what comes out stays finite, says so, and is forgotten.
+
+mod models;
+
+use fos_core::{
+    AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Source, Term, Transform, Validity, u, y,
+};
+use models::{Draw, Noise, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
+use proptest::prelude::*;
+
+const DEPTH: usize = 3;
+const FULL_SCALE: f64 = 30.0;
+const OFFSET: f64 = 0.5;
+
+/// Two axes like an accelerometer's, physical part over the temperature and its low-pass, three lags.
+fn model<R: Real>(inputs: Vec<Input<f64>>, extra: Vec<Term<f64>>) -> OwnedModel<R> {
+    let parameters = AxisParameters {
+        reference: 9.81,
+        offset: OFFSET,
+        scale: 0.1,
+        range: Range::new(-5.0, 5.0),
+        full_scale: FULL_SCALE,
+        stuck_after: 8,
+        gap_limit: 5,
+        coast_limit_s: 60.0,
+        ..plain()
+    };
+    let physical: Vec<_> = (0..inputs.len() as u8)
+        .filter(|&index| !matches!(inputs[usize::from(index)].source, Source::Remainder(_)))
+        .map(|index| Term::new(0.3, &[u(index, 0)]))
+        .collect();
+    let mut stochastic =
+        vec![Term::new(0.5, &[y(1)]), Term::new(0.2, &[y(3)]), Term::new(-0.05, &[y(1), y(2)])];
+    stochastic.extend(extra);
+    OwnedModel {
+        period_s: PERIOD_S,
+        stillness: None,
+        quantities: vec![Quantity::Temperature],
+        inputs,
+        axes: vec![OwnedAxis { parameters, physical, stochastic }; 2],
+    }
+    .convert()
+}
+
+fn with_temperature<R: Real>() -> OwnedModel<R> {
+    model(vec![input(Source::Quantity(0), Transform::Identity, 2.0)], vec![])
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mode {
+    Track,
+    Coast,
+}
+
+fn step<R: Real>(
+    predictor: &mut Roomy<R>,
+    mode: Mode,
+    measured: &[R],
+    quantities: &[R],
+) -> Vec<Correction<R>> {
+    let sample = Sample { measured, quantities };
+    match mode {
+        Mode::Track => predictor.track(&sample).to_vec(),
+        Mode::Coast => predictor.coast(&sample).to_vec(),
+    }
+}
+
+fn noisy<R: Real>(noise: &mut Noise) -> [R; 2] {
+    [0, 1].map(|_| R::from_f64(9.81 + OFFSET + 0.1 * noise.normal()))
+}
+
+fn numbers<R: Real>(correction: &Correction<R>) -> [f64; 3] {
+    let innovation = correction.innovation.map_or(0.0, Real::to_f64);
+    [correction.predicted.to_f64(), correction.corrected.to_f64(), innovation]
+}
+
+/// |predicted| of [`with_temperature`]: offset + scale·(p + r̂), |p| ≤ 0.3·2.2, |r̂| ≤ 10.
+const BOUND: f64 = OFFSET + 0.1 * (0.66 + 10.0) + 1e-5;
+
+fn bad_measurements_are_flagged_and_forgotten<R: Real>() {
+    let high = R::MAX.to_f64();
+    // value, flag, whether one such sample already counts as a fault
+    let faults = [
+        ("NaN", f64::NAN, Validity::NOT_FINITE),
+        ("inf", f64::INFINITY, Validity::NOT_FINITE),
+        ("-inf", f64::NEG_INFINITY, Validity::NOT_FINITE),
+        ("huge", high, Validity::SATURATED),
+        ("-huge", -high, Validity::SATURATED),
+        ("at full scale", FULL_SCALE, Validity::SATURATED),
+        ("at negative full scale", -FULL_SCALE, Validity::SATURATED),
+        ("nearly full scale", 29.9, Validity::VALID),
+        ("subnormal", 1e-40, Validity::VALID),
+    ];
+    for (name, value, flag) in faults {
+        for mode in [Mode::Track, Mode::Coast] {
+            let clean = with_temperature::<R>().predictor().unwrap();
+            let (mut clean, mut faulty) = (clean.clone(), clean);
+            let mut noise = Noise::new(7);
+            let temperature = [R::from_f64(0.7)];
+            for n in 0..60 {
+                let measured = noisy::<R>(&mut noise);
+                let wrong = (20..24).contains(&n);
+                let mode = if (20..24).contains(&n) { mode } else { Mode::Track };
+                let bad = if wrong { [R::from_f64(value), measured[1]] } else { measured };
+                let expected = step(&mut clean, mode, &measured, &temperature);
+                let found = step(&mut faulty, mode, &bad, &temperature);
+                let place = format!("{name} {mode:?} {n}: {found:?}");
+                assert!(found.iter().flat_map(numbers).all(f64::is_finite), "{place}");
+                assert!(found.iter().all(|axis| axis.predicted.to_f64().abs() <= BOUND), "{place}");
+                // the other axis does not notice
+                assert_eq!(found[1], expected[1], "{place}");
+                if wrong {
+                    assert!(found[0].validity.contains(flag), "{place}");
+                    if flag == Validity::NOT_FINITE {
+                        assert!(found[0].corrected.to_f64().abs() < 20.0, "{place}");
+                    }
+                    if mode == Mode::Track && flag.is_valid() {
+                        assert!(found[0].validity.contains(Validity::OUTPUT_OUT_OF_RANGE), "{place}");
+                    }
+                    if !flag.is_valid() {
+                        assert_eq!(found[0].innovation, None, "{place}");
+                    }
+                }
+                if n >= 24 + DEPTH {
+                    assert_eq!(found, expected, "{place}");
+                    assert!(found[0].validity.is_valid(), "{place}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bad_measurement_is_flagged_and_forgotten_after_as_many_samples_as_the_longest_lag_in_f32() {
+    bad_measurements_are_flagged_and_forgotten::<f32>();
+}
+
+#[test]
+fn a_bad_measurement_is_flagged_and_forgotten_after_as_many_samples_as_the_longest_lag_in_f64() {
+    bad_measurements_are_flagged_and_forgotten::<f64>();
+}
+
+#[test]
+fn a_faulty_sample_does_not_enter_the_history() {
+    // whatever the fault, what follows is what a missing sample would have given
+    let run = |bad: Option<f64>| {
+        let mut predictor = with_temperature::<f64>().predictor().unwrap();
+        let mut noise = Noise::new(3);
+        (0..40)
+            .map(|n| {
+                let measured: [f64; 2] = noisy(&mut noise);
+                let measured = match bad {
+                    None if n == 20 => vec![],
+                    Some(bad) if n == 20 => vec![bad; 2],
+                    _ => measured.to_vec(),
+                };
+                step(&mut predictor, Mode::Track, &measured, &[0.0])[0].predicted
+            })
+            .collect::<Vec<f64>>()
+    };
+    let missing = run(None);
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, FULL_SCALE, f64::MAX] {
+        assert_eq!(run(Some(bad)), missing, "{bad}");
+    }
+}
+
+#[test]
+fn a_stuck_axis_is_flagged_and_forgotten() {
+    for mode in [Mode::Track, Mode::Coast] {
+        let clean = with_temperature::<f32>().predictor().unwrap();
+        let (mut clean, mut stuck) = (clean.clone(), clean);
+        let mut noise = Noise::new(11);
+        let mut held = [0.0; 2];
+        // 8 repetitions are let pass, then 4 more are coasted: fewer than the gap limit
+        for n in 0..80 {
+            let measured: [f32; 2] = noisy(&mut noise);
+            let mode = if (20..33).contains(&n) { mode } else { Mode::Track };
+            held = if (20..33).contains(&n) { if n == 20 { measured } else { held } } else { measured };
+            let expected = step(&mut clean, mode, &measured, &[0.0]);
+            let found = step(&mut stuck, mode, &held, &[0.0]);
+            assert_eq!(
+                found[0].validity.contains(Validity::STUCK),
+                (28..33).contains(&n),
+                "{mode:?} {n}: {found:?}"
+            );
+            if n >= 33 + DEPTH {
+                assert_eq!(found, expected, "{n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bad_quantity_is_held_and_what_depends_on_it_flagged() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38, 1e-40] {
+        let clean = with_temperature::<f32>().predictor().unwrap();
+        let (mut clean, mut faulty) = (clean.clone(), clean);
+        let mut noise = Noise::new(5);
+        for n in 0..60 {
+            let measured: [f32; 2] = noisy(&mut noise);
+            let wrong = (20..30).contains(&n);
+            let expected = step(&mut clean, Mode::Track, &measured, &[0.7]);
+            let found = step(&mut faulty, Mode::Track, &measured, &[if wrong { bad } else { 0.7 }]);
+            assert!(found.iter().flat_map(numbers).all(f64::is_finite), "{bad} {n}: {found:?}");
+            assert!(found[0].predicted.to_f64().abs() <= BOUND, "{bad} {n}: {found:?}");
+            let flag = match bad {
+                bad if !bad.is_finite() => Validity::INPUT_NOT_FINITE,
+                bad if bad.abs() > 2.2 => Validity::INPUT_OUT_OF_RANGE,
+                _ => Validity::VALID,
+            };
+            if wrong {
+                assert!(found[0].validity.contains(flag), "{bad} {n}: {found:?}");
+                if flag == Validity::INPUT_NOT_FINITE {
+                    // it had not changed: holding is right
+                    assert_eq!(found[0].predicted, expected[0].predicted, "{bad} {n}");
+                }
+            } else if n >= 30 + DEPTH {
+                assert_eq!(found, expected, "{bad} {n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_absent_quantity_counts_as_not_finite_and_an_absent_axis_as_missing() {
+    let mut predictor = with_temperature::<f32>().predictor().unwrap();
+    let found = step(&mut predictor, Mode::Track, &[9.8], &[]);
+    assert!(found[0].validity.contains(Validity::INPUT_NOT_FINITE), "{found:?}");
+    assert!(found[1].validity.contains(Validity::MISSING), "{found:?}");
+}
+
+#[test]
+fn one_wild_sample_of_a_quantity_leaves_a_low_pass_as_fast_as_its_time_constant() {
+    let tau_s = 0.5;
+    let inputs = vec![input(Source::Quantity(0), Transform::LowPass { tau_s }, 2.0)];
+    let clean = model::<f32>(inputs, vec![]).predictor().unwrap();
+    let (mut clean, mut faulty) = (clean.clone(), clean);
+    for n in 0..1000 {
+        let wrong = n == 100;
+        let expected = step(&mut clean, Mode::Coast, &[9.8; 2], &[0.7])[0].predicted;
+        let found = step(&mut faulty, Mode::Coast, &[9.8; 2], &[if wrong { 1e30 } else { 0.7 }])[0].predicted;
+        if n >= 100 {
+            // the sample was limited to 2.2: scale · coefficient · gain · (2.2 − 0.7), then it decays
+            let decay = (-f64::from(n - 100) * PERIOD_S / f64::from(tau_s as f32)).exp();
+            let bound = 0.1 * 0.3 * (PERIOD_S / tau_s) * 1.5 * decay;
+            let error = f64::from((found - expected).abs());
+            assert!(error <= bound + 1e-7, "{n}: {error} {bound}");
+        }
+    }
+}
+
+#[test]
+fn the_largest_values_give_finite_innovations() {
+    for scale in [1e-3, 0.3, 3.0, 7.0, 1e3] {
+        let parameters = AxisParameters::<f32> { scale, ..plain() };
+        let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
+        let mut predictor = model.predictor().unwrap();
+        for measured in [0.1, f32::MAX, -f32::MAX, f32::MAX.next_down(), -f32::MAX.next_down(), 1e38, 0.2] {
+            let found = step(&mut predictor, Mode::Track, &[measured], &[]);
+            assert!(found.iter().flat_map(numbers).all(f64::is_finite), "{scale} {measured:e}: {found:?}");
+        }
+        for reference in [f32::MAX, -f32::MAX, f32::NAN, f32::INFINITY] {
+            let sample = Sample { measured: &[-1e38], quantities: &[] };
+            let found = predictor.track_against(&sample, &[reference]);
+            assert!(found.iter().flat_map(numbers).all(f64::is_finite), "{scale} {reference:e}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
+    for ticks in 1..12_u32 {
+        let clean = with_temperature::<f64>().predictor().unwrap();
+        let (mut skipped, mut stepped) = (clean.clone(), clean);
+        let mut noise = Noise::new(2);
+        for _ in 0..20 {
+            let measured = noisy(&mut noise);
+            step(&mut skipped, Mode::Track, &measured, &[0.0]);
+            step(&mut stepped, Mode::Track, &measured, &[0.0]);
+        }
+        let at_once = skipped.skip(ticks).to_vec();
+        let mut one_by_one = vec![];
+        for _ in 0..ticks {
+            one_by_one = step(&mut stepped, Mode::Track, &[], &[]);
+        }
+        assert_eq!(at_once, one_by_one, "{ticks}");
+        let lost = ticks > 5;
+        let validity = at_once[0].validity;
+        assert!(validity.contains(Validity::MISSING), "{ticks}: {validity:?}");
+        assert_eq!(validity.contains(Validity::OWN_HISTORY), !lost, "{ticks}: {validity:?}");
+        for n in 0..6 {
+            let found = step(&mut skipped, Mode::Track, &noisy(&mut noise), &[0.0]);
+            let expected = match (n < DEPTH, lost) {
+                (true, true) => Validity::WARMING_UP,
+                (true, false) => Validity::OWN_HISTORY,
+                (false, _) => Validity::VALID,
+            };
+            assert_eq!(found[0].validity, expected, "{ticks}, then {n}");
+            assert_eq!(found[0].innovation.is_none(), n < DEPTH && lost);
+        }
+    }
+}
+
+#[test]
+fn a_stuck_test_that_is_switched_off_stays_off() {
+    // repetitions were counted in 16 bits and 0 was turned into 65535: after 5 minutes of equal values the axis
+    // was flagged as stuck and lost its history
+    let parameters = AxisParameters::<f32> { stuck_after: 0, ..plain() };
+    let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
+    let mut predictor = model.predictor().unwrap();
+    for n in 0..70_000 {
+        let validity = step(&mut predictor, Mode::Track, &[0.25], &[])[0].validity;
+        assert!(n == 0 || validity.is_valid(), "{n}: {validity:?}");
+    }
+}
+
+#[test]
+fn the_first_sample_is_no_repetition() {
+    // the value before the first one was 0, so a gyro that began with exactly 0 was stuck one sample early
+    let parameters = AxisParameters::<f32> { stuck_after: 3, ..plain() };
+    let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
+    for value in [0.0, -0.0, 0.25] {
+        let mut predictor = model.predictor().unwrap();
+        let stuck: Vec<bool> = (0..5)
+            .map(|_| step(&mut predictor, Mode::Track, &[value], &[])[0].validity.contains(Validity::STUCK))
+            .collect();
+        assert_eq!(stuck, [false, false, false, true, true], "{value}");
+    }
+}
+
+#[test]
+fn the_long_memory_of_a_lost_axis_fades_instead_of_holding_one_sample() {
+    // a low-pass of the remainder went on with the last r before the gap, one sample of mostly white noise, and
+    // had converged to it when the axis came back
+    let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
+    let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
+    let lose: [fn(&mut Roomy<f64>); 3] = [
+        |predictor| (0..2000).for_each(|_| drop(step(predictor, Mode::Track, &[f64::NAN; 2], &[0.0]))),
+        |predictor| (0..2000).for_each(|_| drop(step(predictor, Mode::Track, &[40.0; 2], &[0.0]))),
+        |predictor| {
+            let _ = predictor.skip(2000);
+        },
+    ];
+    for lose in lose {
+        let mut predictor = model.predictor().unwrap();
+        // quiet but for the last sample, which is 4 off (0.4 in the axis' unit)
+        for n in 0..50 {
+            let r = if n == 49 { 4.0 } else { 0.0 };
+            step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.1 * r; 2], &[0.0]);
+        }
+        lose(&mut predictor);
+        for _ in 0..=DEPTH {
+            step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0]);
+        }
+        let predicted = step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0])[0].predicted;
+        // e⁻¹⁰ of 4·0.3·0.1 is 5e-6
+        assert!((predicted - OFFSET).abs() < 1e-5, "{predicted}");
+    }
+}
+
+#[test]
+fn the_long_memory_of_an_axis_that_never_warmed_up_holds_no_single_sample() {
+    let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
+    let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
+    let mut predictor = model.predictor().unwrap();
+    // one still sample, then the unit moves
+    step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.4; 2], &[0.0]);
+    (0..2000).for_each(|_| drop(step(&mut predictor, Mode::Coast, &[9.0; 2], &[0.0])));
+    for _ in 0..=DEPTH {
+        step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0]);
+    }
+    let predicted = step(&mut predictor, Mode::Track, &[9.81 + OFFSET; 2], &[0.0])[0].predicted;
+    assert!((predicted - OFFSET).abs() < 1e-5, "{predicted}");
+}
+
+#[test]
+fn a_long_skip_is_time_passing() {
+    let clock = |transform| {
+        let mut clock: Input<f64> = input(Source::Clock, transform, 2.0);
+        clock.scale = 1000.0;
+        clock
+    };
+    let inputs = vec![
+        clock(Transform::Decay { tau_s: 100.0 }),
+        clock(Transform::Time),
+        clock(Transform::Sine { frequency_hz: 3.7 }),
+        clock(Transform::Cosine { frequency_hz: 3.7 }),
+    ];
+    let mut model: OwnedModel<f64> = model(inputs, vec![]);
+    // the lagged inputs as well: they were as old as the gap, and the first samples after it wrong without a flag
+    model.axes[0].physical.extend([Term::new(0.4, &[u(2, 3)]), Term::new(0.2, &[u(0, 5), u(3, 7)])]);
+    for ticks in [1, 100, 255, 256, 257, 1000, 100_000] {
+        let mut skipped = model.predictor().unwrap();
+        let mut stepped = skipped.clone();
+        let _ = skipped.skip(ticks);
+        for _ in 0..ticks {
+            step(&mut stepped, Mode::Track, &[], &[]);
+        }
+        let mut noise = Noise::new(1);
+        for n in 0..20 {
+            let measured = noisy(&mut noise);
+            let found = step(&mut skipped, Mode::Track, &measured, &[0.0])[0];
+            let expected = step(&mut stepped, Mode::Track, &measured, &[0.0])[0];
+            // 10⁵ roundings of 1.1e-16
+            assert!((found.predicted - expected.predicted).abs() < 2e-11, "{ticks}, then {n}");
+            assert_eq!(found.validity, expected.validity, "{ticks}, then {n}");
+        }
+    }
+}
+
+#[test]
+fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
+    // a windowed variance squares what it gets: inf − inf made it NaN, and so the input, until the next reset
+    let wide = |transform, reach: f32| {
+        let mut wide: Input<f32> = input(Source::Quantity(0), transform, 2.0);
+        wide.source_range = Range::new(-reach, reach);
+        let parameters = plain::<f32>();
+        OwnedModel {
+            period_s: PERIOD_S,
+            stillness: None,
+            quantities: vec![Quantity::Other],
+            inputs: vec![wide],
+            axes: vec![OwnedAxis {
+                parameters,
+                physical: vec![Term::new(1.0, &[u(0, 0)])],
+                stochastic: vec![],
+            }],
+        }
+    };
+    let tau_s = 0.02;
+    for transform in [
+        Transform::Identity,
+        Transform::LowPass { tau_s },
+        Transform::Rate { tau_s },
+        Transform::Variance { tau_s },
+        Transform::Backlash { half_width: 0.1 },
+        Transform::Absolute,
+    ] {
+        for reach in [1e3, 1e12, 1e18, 1e22, f32::MAX] {
+            let Ok(mut predictor) = wide(transform, reach).predictor() else { continue };
+            let mut fresh = predictor.clone();
+            step(&mut predictor, Mode::Coast, &[0.0], &[0.5]);
+            step(&mut predictor, Mode::Coast, &[0.0], &[f32::MAX]);
+            step(&mut predictor, Mode::Coast, &[0.0], &[-f32::MAX]);
+            // 5000 samples are 1250 time constants
+            let mut last = (f32::NAN, f32::NAN);
+            for _ in 0..5000 {
+                let run =
+                    |predictor: &mut Roomy<f32>| step(predictor, Mode::Coast, &[0.0], &[0.5])[0].predicted;
+                last = (run(&mut predictor), run(&mut fresh));
+            }
+            // backlash remembers from which side it came
+            let same = (last.0 - last.1).abs()
+                <= if matches!(transform, Transform::Backlash { .. }) { 0.2 } else { 1e-6 };
+            assert!(same, "{transform:?} within {reach:e}: {last:?}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    #[test]
+    fn a_reset_predictor_is_a_fresh_one(
+        model in models(Draw::Contracting), seed in any::<u64>(), ticks in 0_u32..600
+    ) {
+        let fresh = model.convert::<f32>().predictor().unwrap();
+        let mut used = fresh.clone();
+        let mut noise = Noise::new(seed);
+        let n_axes = model.axes.len();
+        let draw = |noise: &mut Noise| -> (Vec<f32>, Vec<f32>) {
+            // few values, so that repetitions across the reset would be counted
+            let mut coarse = |_| (2.0 * noise.normal()).round() as f32;
+            ((0..n_axes).map(&mut coarse).collect(), (0..3).map(&mut coarse).collect())
+        };
+        for _ in 0..50 {
+            let (measured, quantities) = draw(&mut noise);
+            step(&mut used, Mode::Track, &measured, &quantities);
+        }
+        let _ = used.skip(ticks);
+        let last = draw(&mut noise);
+        step(&mut used, Mode::Track, &last.0, &last.1);
+        used.reset();
+        let mut fresh = fresh;
+        for n in 0..60 {
+            let (measured, quantities) = if n == 0 { last.clone() } else { draw(&mut noise) };
+            let mode = if noise.uniform() < 0.7 { Mode::Track } else { Mode::Coast };
+            let found = step(&mut used, mode, &measured, &quantities);
+            prop_assert_eq!(found, step(&mut fresh, mode, &measured, &quantities), "{}", n);
+        }
+    }
+
+    #[test]
+    fn whatever_comes_in_what_goes_out_is_finite_and_bounded(
+        model in models(Draw::Exact), seed in any::<u64>()
+    ) {
+        let model = model.convert::<f32>();
+        let mut predictor = model.predictor().unwrap();
+        let mut noise = Noise::new(seed);
+        let n_axes = model.axes.len();
+        for n in 0..300 {
+            let mut any = || match noise.bits() % 4 {
+                0 => f32::from_bits(noise.bits() as u32),
+                1 => [f32::NAN, f32::MAX, -f32::MAX, f32::INFINITY, 0.0, -0.0, 1e-45][noise.bits() as usize % 7],
+                _ => noise.normal() as f32,
+            };
+            let measured: Vec<f32> = (0..n_axes).map(|_| any()).collect();
+            let reference: Vec<f32> = (0..n_axes).map(|_| any()).collect();
+            let quantities: Vec<f32> = (0..3).map(|_| any()).collect();
+            let sample = Sample { measured: &measured, quantities: &quantities };
+            let found = match n % 3 {
+                0 => predictor.track(&sample),
+                1 => predictor.coast(&sample),
+                _ => predictor.track_against(&sample, &reference),
+            };
+            for (found, axis) in found.iter().zip(&model.axes) {
+                prop_assert!(numbers(found).into_iter().all(f64::is_finite), "{}: {:?}", n, found);
+                // |r̂| ≤ 2·reach ≤ 2; |p|: 8 terms of coefficient 1 over up to three inputs of at most 3.3
+                let bound = 0.1 + 2.0 * (2.0 + 8.0 * 3.3_f64.powi(3));
+                prop_assert!(found.predicted.to_f64().abs() <= bound, "{}: {:?} {:?}", n, found, axis);
+            }
+        }
+    }
+}

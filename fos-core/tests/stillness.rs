@@ -1,0 +1,233 @@
+//! Is a phone on a table still, and a phone in a hand not?
+
+mod models;
+
+use fos_core::{StillnessDetector, StillnessLimits};
+use models::{Noise, PERIOD_S};
+
+/// Standard deviations of one sample of a phone's sensors at 200 Hz: 180 µg/√Hz and 0.007 dps/√Hz over 80 Hz.
+const ACCEL_NOISE: f64 = 0.016;
+const GYRO_NOISE: f64 = 0.0011;
+const DPS: f64 = core::f64::consts::PI / 180.0;
+const BIAS: [f64; 3] = [0.4 * DPS, -0.2 * DPS, 0.1 * DPS];
+const WINDOW: u32 = 100;
+
+/// Variances twice those of the noise, summed over the axes; rates up to 0.5 dps from the fitted offsets.
+fn detector() -> StillnessDetector<f32> {
+    let limits = StillnessLimits {
+        window: WINDOW as u16,
+        accel_variance: 2.0 * 3.0 * ACCEL_NOISE * ACCEL_NOISE,
+        gyro_variance: 2.0 * 3.0 * GYRO_NOISE * GYRO_NOISE,
+        gyro_at_rest: BIAS,
+        gyro_deviation: 0.5 * DPS,
+    };
+    StillnessDetector::new(limits.convert()).unwrap()
+}
+
+/// A phone: what it feels and how it turns, beside noise and bias.
+struct Phone {
+    noise: Noise,
+    gravity: [f64; 3],
+}
+
+impl Phone {
+    fn new(seed: u64) -> Self {
+        Self { noise: Noise::new(seed), gravity: [0.3, -0.5, 9.78] }
+    }
+
+    fn sample(&mut self, accel: [f64; 3], rate: [f64; 3]) -> ([f32; 3], [f32; 3]) {
+        let mut felt = [0.0; 3];
+        let mut turned = [0.0; 3];
+        for axis in 0..3 {
+            felt[axis] = (self.gravity[axis] + accel[axis] + ACCEL_NOISE * self.noise.normal()) as f32;
+            turned[axis] = (BIAS[axis] + rate[axis] + GYRO_NOISE * self.noise.normal()) as f32;
+        }
+        (felt, turned)
+    }
+
+    /// One sample of rest.
+    fn rest(&mut self, detector: &mut StillnessDetector<f32>) -> bool {
+        let (accel, gyro) = self.sample([0.0; 3], [0.0; 3]);
+        detector.update(accel, gyro)
+    }
+
+    /// A detector that has found it still.
+    fn settled(&mut self) -> StillnessDetector<f32> {
+        let mut detector = detector();
+        let still = (0..5 * WINDOW).map(|_| self.rest(&mut detector)).last();
+        assert_eq!(still, Some(true));
+        detector
+    }
+}
+
+#[test]
+fn a_phone_at_rest_is_still_after_two_windows_and_stays_so() {
+    let (mut detector, mut phone) = (detector(), Phone::new(1));
+    for n in 1..=1_000_000 {
+        assert_eq!(phone.rest(&mut detector), n >= 2 * WINDOW, "{n}");
+    }
+}
+
+#[test]
+fn a_hand_is_never_still() {
+    // physiological tremor at 9 Hz, 0.05 m/s² and 1 dps, and a sway of 0.5 Hz
+    for seed in 0..5 {
+        let (mut detector, mut phone) = (detector(), Phone::new(seed));
+        for n in 0..100_000 {
+            let t = f64::from(n) * PERIOD_S;
+            let tremor = (core::f64::consts::TAU * 9.0 * t).sin();
+            let sway = (core::f64::consts::TAU * 0.5 * t).sin();
+            let (accel, gyro) =
+                phone.sample([0.05 * tremor, 0.1 * sway, 0.0], [DPS * tremor, 2.0 * DPS * sway, 0.0]);
+            assert!(!detector.update(accel, gyro), "seed {seed}, sample {n}");
+        }
+    }
+}
+
+#[test]
+fn a_tap_ends_stillness_in_its_first_sample() {
+    for (accel, rate) in
+        [([0.0, 0.0, 0.5], [0.0; 3]), ([0.5, 0.0, 0.0], [0.0; 3]), ([0.0; 3], [0.0, 2.0 * DPS, 0.0])]
+    {
+        let mut phone = Phone::new(2);
+        let mut detector = phone.settled();
+        let (accel, gyro) = phone.sample(accel, rate);
+        assert!(!detector.update(accel, gyro));
+        // and it takes two windows to be still again
+        for n in 1..=2 * WINDOW {
+            assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");
+        }
+    }
+}
+
+#[test]
+fn a_hand_that_takes_it_ends_stillness_within_a_window() {
+    let mut phone = Phone::new(2);
+    let mut detector = phone.settled();
+    let first = (0..WINDOW).find(|&n| {
+        let t = f64::from(n) * PERIOD_S;
+        let (accel, gyro) = phone.sample([0.0, 0.0, 3.0 * t], [0.0, 1.0 * t, 0.0]);
+        !detector.update(accel, gyro)
+    });
+    // 7·√2 of the noise's length, reached at 1 rad/s² after some 20 ms
+    assert!(first.is_some_and(|n| n < 10), "{first:?}");
+}
+
+#[test]
+fn a_slow_steady_turn_about_the_vertical_is_never_still() {
+    // no variance, no change of gravity: only its distance from the rate at rest tells
+    for rate in [2.0 * DPS, -2.0 * DPS, 1.0 * DPS] {
+        let (mut detector, mut phone) = (detector(), Phone::new(3));
+        for n in 0..200_000 {
+            let (accel, gyro) = phone.sample([0.0; 3], [0.0, 0.0, rate]);
+            assert!(!detector.update(accel, gyro), "{n}");
+        }
+    }
+}
+
+#[test]
+fn a_turn_that_begins_ends_stillness_within_two_windows() {
+    for rate in [2.0 * DPS, 1.2 * DPS] {
+        let mut phone = Phone::new(4);
+        let mut detector = phone.settled();
+        let still: Vec<bool> = (0..100 * WINDOW)
+            .map(|_| {
+                let (accel, gyro) = phone.sample([0.0; 3], [0.0, 0.0, rate]);
+                detector.update(accel, gyro)
+            })
+            .collect();
+        assert!(still[2 * WINDOW as usize..].iter().all(|still| !still), "{rate}");
+    }
+}
+
+#[test]
+fn a_turn_about_a_horizontal_axis_is_never_still() {
+    // slower than the gyros' own deviation allows: gravity tells. 0.4 dps for 0.5 s turns it by 3.5 mrad, 0.034 m/s²,
+    // against a limit of √(6·0.016²) = 0.039 m/s² on the shift: 0.6 dps is 0.051 m/s²
+    for rate in [2.0 * DPS, 0.6 * DPS] {
+        let (mut detector, mut phone) = (detector(), Phone::new(5));
+        let mut still = 0;
+        for n in 0..100_000 {
+            let angle = rate * f64::from(n) * PERIOD_S;
+            phone.gravity = [0.0, 9.81 * angle.sin(), 9.81 * angle.cos()];
+            let (accel, gyro) = phone.sample([0.0; 3], [rate, 0.0, 0.0]);
+            still += u32::from(detector.update(accel, gyro));
+        }
+        assert_eq!(still, 0, "{rate}");
+    }
+}
+
+#[test]
+fn a_tilt_is_motion_and_its_new_pose_is_still_again() {
+    let mut phone = Phone::new(6);
+    let mut detector = phone.settled();
+    // 1° within half a second
+    let mut moved = false;
+    for n in 0..WINDOW {
+        let angle = DPS * f64::from(n) / f64::from(WINDOW);
+        phone.gravity = [0.0, 9.81 * angle.sin(), 9.81 * angle.cos()];
+        let (accel, gyro) = phone.sample([0.0; 3], [2.0 * DPS, 0.0, 0.0]);
+        moved |= !detector.update(accel, gyro);
+    }
+    assert!(moved);
+    let still: Vec<bool> = (0..4 * WINDOW).map(|_| phone.rest(&mut detector)).collect();
+    assert!(still[3 * WINDOW as usize..].iter().all(|still| *still));
+}
+
+#[test]
+fn a_bias_that_drifts_with_temperature_stays_still() {
+    // 0.02 dps/K over 20 K in an hour: 0.4 dps, within gyro_deviation of 0.5 dps
+    let mut phone = Phone::new(7);
+    let mut detector = phone.settled();
+    for n in 0..720_000 {
+        let drift = 0.4 * DPS * f64::from(n) / 720_000.0;
+        let (accel, gyro) = phone.sample([0.0; 3], [0.0, drift, 0.0]);
+        assert!(detector.update(accel, gyro), "{n}");
+    }
+}
+
+#[test]
+fn a_value_that_is_no_number_means_moving_and_is_forgotten() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for place in 0..6 {
+            let mut phone = Phone::new(8);
+            let mut detector = phone.settled();
+            let (mut accel, mut gyro) = phone.sample([0.0; 3], [0.0; 3]);
+            if place < 3 {
+                accel[place] = bad
+            } else {
+                gyro[place - 3] = bad
+            }
+            assert!(!detector.update(accel, gyro));
+            for n in 1..=2 * WINDOW {
+                assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_huge_value_means_moving_and_is_forgotten() {
+    // its square overflows
+    for huge in [1e20, -3e38, f32::MAX] {
+        let mut phone = Phone::new(9);
+        for mut detector in [phone.settled(), detector()] {
+            let (mut accel, gyro) = phone.sample([0.0; 3], [0.0; 3]);
+            accel[1] = huge;
+            assert!(!detector.update(accel, gyro));
+            // the window it spoils, and two more
+            let still: Vec<bool> = (0..3 * WINDOW).map(|_| phone.rest(&mut detector)).collect();
+            assert_eq!(still.last(), Some(&true), "{huge}");
+        }
+    }
+}
+
+#[test]
+fn missing_samples_mean_moving() {
+    let mut phone = Phone::new(10);
+    let mut detector = phone.settled();
+    assert!(!detector.disturbed());
+    for n in 1..=2 * WINDOW {
+        assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");
+    }
+}
