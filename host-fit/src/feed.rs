@@ -64,6 +64,11 @@ impl<'a> Feed<'a> {
         Ok(Self { measured, reference, has_reference, quantities, still, breaks })
     }
 
+    /// Whether the recording has the true value of an axis as a column of its own.
+    pub fn has_reference(&self) -> bool {
+        self.has_reference
+    }
+
     /// Whether the true value is known in this row.
     pub fn is_still(&self, row: usize) -> bool {
         self.still[row]
@@ -77,7 +82,11 @@ impl<'a> Feed<'a> {
     /// The row as a device gets it: measured values, reference values, quantities.
     pub fn sample<R: Real>(&self, row: usize) -> RowSample<R> {
         let scalar = |value: f64| R::from_f64(value);
-        let mut sample = RowSample { n_axes: self.measured.len(), ..RowSample::EMPTY };
+        let mut sample = RowSample {
+            n_axes: self.measured.len(),
+            n_quantities: self.quantities.len(),
+            ..RowSample::EMPTY
+        };
         for (value, column) in sample.measured.iter_mut().zip(&self.measured) {
             *value = scalar(column[row]);
         }
@@ -145,15 +154,22 @@ pub struct RowSample<R> {
     n_axes: usize,
     measured: [R; 6],
     reference: [R; 6],
+    n_quantities: usize,
     quantities: [R; 16],
 }
 
 impl<R: Real> RowSample<R> {
     const EMPTY: Self =
-        Self { n_axes: 0, measured: [R::ZERO; 6], reference: [R::ZERO; 6], quantities: [R::ZERO; 16] };
+        Self {
+        n_axes: 0,
+        measured: [R::ZERO; 6],
+        reference: [R::ZERO; 6],
+        n_quantities: 0,
+        quantities: [R::ZERO; 16],
+    };
 
     /// As fos-core takes it.
     pub fn sample(&self) -> Sample<'_, R> {
-        Sample { measured: &self.measured[..self.n_axes], quantities: &self.quantities }
+        Sample { measured: &self.measured[..self.n_axes], quantities: &self.quantities[..self.n_quantities] }
     }
 }

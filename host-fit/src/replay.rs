@@ -1,6 +1,7 @@
 //! An image over a recording, on fos-core in f32, as the device would run it.
 
-use fos_core::{Axis, Image, ImageError, Quantity, Validity};
+use fos_core::{Axis, Image, ImageError, Quantity, Sample, Validity};
+use fos_embedded::replay::{Digest, Header, Motion, Record};
 use serde::Serialize;
 
 use crate::feed::Feed;
@@ -25,6 +26,9 @@ pub enum ReplayError {
         /// Which.
         index: usize,
     },
+    /// The log has reference columns.
+    #[error("the log has ref_ columns: the firmware in the loop knows only the model's own reference\nhelp: leave them out with --map '!ref_gx_rads' and so on")]
+    Reference,
 }
 
 /// What a replay gives.
@@ -36,8 +40,6 @@ pub struct Replay {
     pub corrected: Vec<Vec<f64>>,
     /// Validity of each axis, one per row, as bits.
     pub validity: Vec<Vec<f64>>,
-    /// The recording as the firmware in the loop reads it.
-    pub device_log: Vec<u8>,
 }
 
 /// Counts and digests of a replay.
@@ -164,12 +166,11 @@ pub fn replay(
     let mut tallies = vec![Tally::default(); model.axes.len()];
     let mut corrected = vec![Vec::with_capacity(n_rows); model.axes.len()];
     let mut validity = vec![Vec::with_capacity(n_rows); model.axes.len()];
-    let mut recorder = device::Recorder::new(&model);
+    let mut digest = Digest::default();
     let mut tracked = 0;
     for row in 0..n_rows {
-        recorder.record(&feed, row);
         let singles = feed.step(&mut single, row);
-        recorder.digest(singles);
+        digest.update(singles);
         let doubles = feed.step(&mut double, row);
         tracked += usize::from(feed.is_still(row));
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
@@ -188,10 +189,10 @@ pub fn replay(
         tracked,
         still_known_by: rest.known_by,
         axes: summaries.collect(),
-        innovations_digest: recorder.innovations_digest(),
-        corrections_digest: recorder.corrections_digest(),
+        innovations_digest: digest.innovations(),
+        corrections_digest: digest.corrections(),
     };
-    Ok(Replay { summary, corrected, validity, device_log: recorder.into_bytes() })
+    Ok(Replay { summary, corrected, validity })
 }
 
 #[derive(Debug, Clone, Default)]
@@ -225,15 +226,26 @@ impl Tally {
     }
 }
 
-mod device {
-    use super::*;
-    pub(super) struct Recorder;
-    impl Recorder {
-        pub(super) fn new(_: &UnitModel) -> Self { Self }
-        pub(super) fn record(&mut self, _: &Feed<'_>, _: usize) {}
-        pub(super) fn digest(&mut self, _: &[fos_core::Correction<f32>]) {}
-        pub(super) fn innovations_digest(&self) -> u64 { 0 }
-        pub(super) fn corrections_digest(&self) -> u64 { 0 }
-        pub(super) fn into_bytes(self) -> Vec<u8> { Vec::new() }
+/// The recording as the firmware in the loop reads it (`fos_embedded::replay`).
+///
+/// # Errors
+///
+/// A column is missing, or there is a reference column: the firmware knows only the model's own reference.
+pub fn device_log(model: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Vec<u8>, ReplayError> {
+    let feed = Feed::new(recording, model, &rest.still)?;
+    if feed.has_reference() {
+        return Err(ReplayError::Reference);
     }
+    // a predictor of the host has at most 6 axes and 16 inputs
+    let header = Header { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
+    let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
+    bytes.extend(header.encode());
+    for row in 0..recording.n_rows() {
+        let sample = feed.sample::<f32>(row);
+        let motion = if feed.is_still(row) { Motion::Still } else { Motion::Moving };
+        let Sample { measured, quantities } = sample.sample();
+        let record = Record { skipped: feed.missing_before(row), motion, measured, quantities };
+        bytes.extend(record.encode());
+    }
+    Ok(bytes)
 }

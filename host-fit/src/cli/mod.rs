@@ -1,6 +1,7 @@
 //! The command line: each subcommand parses, runs, prints.
 
 mod arguments;
+mod bench;
 
 mod compare;
 
@@ -36,6 +37,7 @@ enum Command {
     Export(export::Export),
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
+    Bench(bench::Bench),
 
 }
 
@@ -49,6 +51,7 @@ pub fn run() -> ExitCode {
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
+        Command::Bench(command) => command.run(),
 
     };
     match done {

@@ -9,7 +9,7 @@ use super::arguments::Reading;
 use super::output::{Failure, number, print_json, table};
 use crate::file;
 use crate::recording::write_columns;
-use crate::replay::{Replay as Replayed, replay};
+use crate::replay::{Replay as Replayed, device_log, model_of, replay};
 use crate::rest;
 
 /// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
@@ -44,7 +44,7 @@ impl Replay {
         let rest = rest::find(&recording);
         let replayed = replay(&image, &recording, &rest, &self.axes)?;
         if let Some(path) = &self.device_log {
-            file::write_atomically(path, &replayed.device_log)?;
+            file::write_atomically(path, &device_log(&model_of(&image, &self.axes)?, &recording, &rest)?)?;
         }
         if let Some(path) = &self.output {
             write_columns(path, &replayed.columns(&recording))?;
