@@ -296,7 +296,27 @@ fn gravity_takes_no_digits_from_an_accelerometer_in_f32() {
 
 #[test]
 fn a_converted_model_is_the_same_model() {
-    let model = sound();
+    let mut model = sound();
+    model.axes[0].parameters = AxisParameters {
+        axis: Axis::Ay,
+        reference: 1.0,
+        offset: 2.0,
+        scale: 3.0,
+        constant: 4.0,
+        range: Range::new(5.0, 6.0),
+        full_scale: 7.0,
+        stuck_after: 8,
+        gap_limit: 9,
+        coast_limit_s: 10.0,
+        innovation: InnovationStatistics { mean: 11.0, variance: 12.0, lag_1_correlation: 0.13 },
+    };
+    model.stillness = Some(StillnessLimits {
+        window: 14,
+        accel_variance: 15.0,
+        gyro_variance: 16.0,
+        gyro_at_rest: [17.0, 18.0, 19.0],
+        gyro_deviation: 20.0,
+    });
     let twice: OwnedModel<f64> = model.convert();
     assert_eq!(format!("{model:?}"), format!("{twice:?}"));
     let single: OwnedModel<f32> = model.convert();

@@ -315,7 +315,7 @@ impl TwinAxis {
             && fault.is_valid()
         {
             let r = (measured - reference - parameters.offset) * (1.0 / parameters.scale) - p;
-            let innovation = ready.then(|| parameters.scale * (r - r_hat));
+            let innovation = ready.then_some(parameters.scale * (r - r_hat));
             if own_history {
                 validity |= Validity::OWN_HISTORY;
             }
