@@ -10,6 +10,7 @@ use super::output::{Failure, number, print_json, progress};
 use crate::compare::{AxisComparison, Comparison, compare};
 use crate::evaluate::ModelErrors;
 
+use crate::plots;
 use crate::rest;
 use crate::study::Study;
 
@@ -62,12 +63,13 @@ impl Compare {
         let rest = rest::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
         let bar = progress(4, "judging");
-        let (comparison, _trace) = compare(&study.model, &study.lag_1(), &recording, &rest, rows, |model| {
+        let (comparison, trace) = compare(&study.model, &study.lag_1(), &recording, &rest, rows, |model| {
             bar.set_message(format!("judging: {model}"));
             bar.inc(1);
         })?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
+            plots::write_all(folder, &comparison, &trace, &recording)?;
         }
         if self.json {
             return print_json(&comparison);

@@ -4,6 +4,7 @@ mod arguments;
 mod bench;
 
 mod compare;
+mod demo;
 
 mod error_table;
 mod export;
@@ -30,7 +31,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-
+    Demo(demo::Demo),
     Simulate(simulate::Simulate),
     Fit(fit::Fit),
     Compare(compare::Compare),
@@ -44,6 +45,7 @@ enum Command {
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
     let done: Result<(), Failure> = match Cli::parse().command {
+        Command::Demo(command) => command.run(),
 
         Command::Simulate(command) => command.run(),
         Command::Fit(command) => command.run(),
