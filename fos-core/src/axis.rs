@@ -1,7 +1,9 @@
 //! One axis, one sample: from what is measured and predicted to what is corrected and remembered.
 
+use core::hint::cold_path;
+
 use crate::model::AxisParameters;
-use crate::program::Degrees;
+use crate::program::Part;
 use crate::{Range, Real, Validity};
 
 /// By how much of its width the fitted range of the remainder is widened before a value is limited: half the
@@ -11,17 +13,6 @@ const MARGIN: f64 = 0.5;
 
 /// Below this the fading stochastic part is taken as gone, before the gain reaches subnormal numbers.
 const FADED: f64 = 1e-6;
-
-/// What is known of an axis in one tick.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Reading<R> {
-    /// The true value is known: the model's reference, or the one given.
-    Still { measured: R, reference: Option<R> },
-    /// The true value is not known.
-    Moving { measured: R },
-    /// There is no sample.
-    Missing,
-}
 
 /// What a [`Predictor`](crate::Predictor) says of one axis and one sample.
 #[must_use = "carries whether the corrected value can be trusted"]
@@ -38,17 +29,22 @@ pub struct Correction<R> {
     pub validity: Validity,
 }
 
+impl<R: Real> Correction<R> {
+    /// Before the first sample.
+    pub(crate) const NONE: Self =
+        Self { predicted: R::ZERO, innovation: None, corrected: R::ZERO, validity: Validity::WARMING_UP };
+}
+
 /// The constants of an axis, as the hot path needs them, and its state.
 #[derive(Debug, Clone)]
 pub(crate) struct RunningAxis<R> {
-    pub(crate) physical: Degrees,
-    pub(crate) stochastic: Degrees,
-    pub(crate) constant: R,
+    pub(crate) physical: Part<R>,
+    pub(crate) stochastic: Part<R>,
     /// Bit i is set if a term uses input i.
     pub(crate) inputs_used: u32,
     /// Samples that the history must hold before the terms mean anything: the longest lag.
     depth: u16,
-    reference: R,
+    pub(crate) reference: R,
     offset: R,
     scale: R,
     per_scale: R,
@@ -59,8 +55,13 @@ pub(crate) struct RunningAxis<R> {
     coast_limit: u32,
     fade: R,
 
-    /// r(n − 1), limited; none before the first sample and after a restart.
-    pub(crate) remainder: Option<R>,
+    /// r(n − 1), limited; 0 while it is not known.
+    pub(crate) remainder: R,
+    /// There has been a remainder since the start or restart.
+    known: bool,
+    /// The history holds nothing but measurements, and no counter below has to be set back: so it is while a
+    /// sensor is still, sample after sample.
+    steady: bool,
     last_measured: R,
     repeats: u16,
     /// Measured samples since the last one that was not.
@@ -73,21 +74,20 @@ pub(crate) struct RunningAxis<R> {
 }
 
 /// What decides how a model's axis is run, beside its parameters.
-pub(crate) struct AxisProgram {
-    pub(crate) physical: Degrees,
-    pub(crate) stochastic: Degrees,
+pub(crate) struct AxisProgram<R> {
+    pub(crate) physical: Part<R>,
+    pub(crate) stochastic: Part<R>,
     pub(crate) inputs_used: u32,
     pub(crate) depth: u16,
 }
 
 impl<R: Real> RunningAxis<R> {
-    pub(crate) fn new(parameters: &AxisParameters<R>, program: AxisProgram, period_s: f64) -> Self {
+    pub(crate) fn new(parameters: &AxisParameters<R>, program: AxisProgram<R>, period_s: f64) -> Self {
         let coast_limit_s = parameters.coast_limit_s.to_f64();
         let full_scale = if parameters.full_scale > R::ZERO { parameters.full_scale } else { R::MAX };
         let mut axis = Self {
             physical: program.physical,
             stochastic: program.stochastic,
-            constant: parameters.constant,
             inputs_used: program.inputs_used,
             depth: program.depth,
             reference: parameters.reference,
@@ -101,7 +101,9 @@ impl<R: Real> RunningAxis<R> {
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
             fade: R::from_f64(libm::exp(-period_s / coast_limit_s)),
-            remainder: None,
+            remainder: R::ZERO,
+            known: false,
+            steady: false,
             last_measured: R::ZERO,
             repeats: 0,
             measured_run: 0,
@@ -131,126 +133,179 @@ impl<R: Real> RunningAxis<R> {
     fn restart(&mut self) {
         self.measured_run = 0;
         self.ready = self.depth == 0;
-        self.remainder = None;
+        (self.remainder, self.known, self.steady) = (R::ZERO, false, false);
         (self.coasted, self.gain) = (0, R::ONE);
     }
 
-    /// One sample. `physical` is p(n) and `stochastic` r̂(n) as the terms give them.
-    #[inline]
-    pub(crate) fn step(&mut self, reading: Reading<R>, physical: R, stochastic: R) -> Correction<R> {
-        let mut validity = Validity::VALID;
-        let mut stochastic = stochastic;
-        if self.ready {
-            let (limited, inside) = self.range.limit(stochastic);
-            validity |= Validity::when(!inside, Validity::OUTPUT_OUT_OF_RANGE);
-            stochastic = limited;
-        } else {
-            validity |= Validity::WARMING_UP;
-            stochastic = R::ZERO;
-        }
+    /// r(n − 1), limited; none before the first sample and after a restart.
+    pub(crate) fn remainder(&self) -> Option<R> {
+        self.known.then_some(self.remainder)
+    }
 
-        if let Reading::Still { measured, reference } = reading {
-            let reference = match reference {
-                Some(reference) => reference,
-                None => self.reference,
-            };
-            let remainder = (measured - reference - self.offset) * self.per_scale - physical;
-            let fault = self.fault(measured, remainder);
-            if fault.is_valid() {
-                return self.track(measured, physical, stochastic, remainder, validity);
+    /// One sample of which the true value is known.
+    ///
+    /// A sound sample takes the straight way through: the history gets the measurement.
+    #[inline(never)]
+    pub(crate) fn track(&mut self, measured: R, reference: R, correction: &mut Correction<R>) {
+        let remainder = self.remainder_of(measured, reference);
+        if !(self.is_fresh(measured) && measured.abs() < self.full_scale) {
+            return self.track_faulty(measured, remainder, correction);
+        }
+        let mut kept = remainder;
+        let mut out_of_range = Validity::VALID;
+        if !self.range.contains(remainder) {
+            cold_path();
+            if !remainder.is_finite() {
+                return self.track_faulty(measured, remainder, correction);
             }
-            validity |= fault;
-            self.note_missing();
-        } else if let Reading::Moving { measured } = reading {
-            let fault = self.fault(measured, measured);
-            validity |= fault;
-            if fault.intersects(Validity::NOT_FINITE) { self.note_missing() } else { self.missing = 0 }
-        } else {
-            validity |= Validity::MISSING;
-            self.note_missing();
+            kept = self.range.limit(remainder);
+            out_of_range = Validity::OUTPUT_OUT_OF_RANGE;
         }
-        let measured = match reading {
-            Reading::Still { measured, .. } | Reading::Moving { measured } => measured,
-            Reading::Missing => self.last_measured,
-        };
-        self.coast(measured, physical, stochastic, validity)
-    }
-
-    /// What is wrong with a measured value: it is not finite, saturated or stuck.
-    #[inline]
-    fn fault(&mut self, measured: R, remainder: R) -> Validity {
-        let repeated = measured == self.last_measured;
-        self.repeats = if repeated { self.repeats.saturating_add(1) } else { 0 };
-        self.last_measured = measured;
-        let magnitude = measured.abs();
-        if remainder.is_finite() && magnitude < self.full_scale && self.repeats < self.stuck_after {
-            return Validity::VALID;
-        }
-        Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
-            | Validity::when(magnitude >= self.full_scale, Validity::SATURATED)
-            | Validity::when(self.repeats >= self.stuck_after, Validity::STUCK)
-    }
-
-    /// The true value is known and the sample is sound: the history gets the measurement.
-    #[inline]
-    fn track(
-        &mut self,
-        measured: R,
-        physical: R,
-        stochastic: R,
-        remainder: R,
-        reasons: Validity,
-    ) -> Correction<R> {
-        let mut validity = reasons;
-        let innovation = if self.ready {
-            let history = Validity::when(self.measured_run < self.depth, Validity::OWN_HISTORY);
-            validity |= history;
-            Some(self.scale * (remainder - stochastic))
-        } else {
-            None
-        };
-        let (kept, inside) = self.range.limit(remainder);
-        validity |= Validity::when(!inside, Validity::OUTPUT_OUT_OF_RANGE);
-        if self.measured_run < self.depth {
-            self.measured_run += 1;
-            self.ready = self.ready || self.measured_run == self.depth;
-        }
-        self.remainder = Some(kept);
-        (self.missing, self.coasted, self.gain) = (0, 0, R::ONE);
-        let predicted = self.offset + self.scale * (physical + stochastic);
+        let (stochastic, validity) = self.limited();
+        self.remainder = kept;
+        let predicted = self.offset + self.scale * (self.physical.value + stochastic);
+        let innovation = Some(self.scale * (remainder - stochastic));
         self.corrected = measured - predicted;
-        Correction { predicted, innovation, corrected: self.corrected, validity }
+        *correction = Correction {
+            predicted,
+            innovation,
+            corrected: self.corrected,
+            validity: validity | out_of_range,
+        };
+        if !self.steady {
+            self.settle(correction);
+        }
     }
 
-    /// The true value is not known: the history gets the model's own output.
-    fn coast(&mut self, measured: R, physical: R, stochastic: R, reasons: Validity) -> Correction<R> {
-        let mut validity = reasons;
-        self.measured_run = 0;
-        self.coasted = self.coasted.saturating_add(1);
-        if self.coasted > self.coast_limit {
-            validity |= Validity::COASTING_TOO_LONG;
-            self.gain = self.gain * self.fade;
-            if self.gain < R::from_f64(FADED) {
-                self.gain = R::ZERO;
-            }
-        }
-        let stochastic = stochastic * self.gain;
-        if self.ready {
-            validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
-            self.remainder = Some(stochastic);
-        }
-        let predicted = self.offset + self.scale * (physical + stochastic);
-        if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {
-            self.corrected = measured - predicted;
-        }
-        Correction { predicted, innovation: None, corrected: self.corrected, validity }
+    /// The true value is known but the sample is not to be trusted: it does not enter the history.
+    #[cold]
+    fn track_faulty(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
+        let fault = self.fault(measured, remainder);
+        self.lose(measured, fault, correction);
     }
 
-    fn note_missing(&mut self) {
+    /// One sample of which the true value is not known.
+    #[inline(never)]
+    pub(crate) fn coast(&mut self, measured: R, correction: &mut Correction<R>) {
+        // what is below full scale is finite
+        if !(self.is_fresh(measured) && measured.abs() < self.full_scale) {
+            return self.coast_faulty(measured, correction);
+        }
+        self.missing = 0;
+        let (stochastic, validity) = self.limited();
+        self.extrapolate(stochastic, measured, validity, correction);
+    }
+
+    #[cold]
+    fn coast_faulty(&mut self, measured: R, correction: &mut Correction<R>) {
+        let fault = self.fault(measured, measured);
+        if fault.intersects(Validity::NOT_FINITE) {
+            return self.lose(measured, fault, correction);
+        }
+        self.missing = 0;
+        let (stochastic, validity) = self.limited();
+        self.extrapolate(stochastic, measured, validity | fault, correction);
+    }
+
+    /// There is no sample.
+    #[cold]
+    pub(crate) fn miss(&mut self, correction: &mut Correction<R>) {
+        self.lose(self.last_measured, Validity::MISSING, correction);
+    }
+
+    /// There is no sample that could be used, for the given reason.
+    fn lose(&mut self, measured: R, reason: Validity, correction: &mut Correction<R>) {
+        let (stochastic, validity) = self.limited();
         if self.missing < self.gap_limit {
             self.missing += 1;
         } else {
             self.restart();
+        }
+        self.extrapolate(stochastic, measured, validity | reason, correction);
+    }
+
+    /// y − p, scaled.
+    #[inline(always)]
+    fn remainder_of(&self, measured: R, reference: R) -> R {
+        (measured - reference - self.offset) * self.per_scale - self.physical.value
+    }
+
+    /// r̂ as it is used, and what speaks against it: 0 until the history is full, and never beyond the limits.
+    #[inline(always)]
+    fn limited(&self) -> (R, Validity) {
+        if !self.ready {
+            cold_path();
+            return (R::ZERO, Validity::WARMING_UP);
+        }
+        let stochastic = self.stochastic.value;
+        if !self.range.contains(stochastic) {
+            cold_path();
+            return (self.range.limit(stochastic), Validity::OUTPUT_OUT_OF_RANGE);
+        }
+        (stochastic, Validity::VALID)
+    }
+
+    /// Counts how often a measured value has repeated; whether that is still in order.
+    #[inline(always)]
+    fn is_fresh(&mut self, measured: R) -> bool {
+        if measured == self.last_measured {
+            self.repeats = self.repeats.saturating_add(1);
+            return self.repeats < self.stuck_after;
+        }
+        (self.last_measured, self.repeats) = (measured, 0);
+        true
+    }
+
+    /// What is wrong with a measured value: it is not finite, saturated or stuck.
+    fn fault(&self, measured: R, remainder: R) -> Validity {
+        Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
+            | Validity::when(measured.abs() >= self.full_scale, Validity::SATURATED)
+            | Validity::when(self.repeats >= self.stuck_after, Validity::STUCK)
+    }
+
+    /// One more measured sample on the way to a history of nothing else.
+    #[inline(never)]
+    fn settle(&mut self, correction: &mut Correction<R>) {
+        if !self.ready {
+            correction.innovation = None;
+        } else if self.measured_run < self.depth {
+            correction.validity |= Validity::OWN_HISTORY;
+        }
+        if self.measured_run < self.depth {
+            self.measured_run += 1;
+            self.ready = self.ready || self.measured_run == self.depth;
+        }
+        (self.missing, self.coasted, self.gain, self.known) = (0, 0, R::ONE, true);
+        self.steady = self.measured_run == self.depth;
+    }
+
+    /// The history gets the model's own output.
+    #[inline(always)]
+    fn extrapolate(&mut self, stochastic: R, measured: R, reasons: Validity, correction: &mut Correction<R>) {
+        let mut validity = reasons;
+        (self.measured_run, self.steady) = (0, false);
+        self.coasted = self.coasted.saturating_add(1);
+        if self.coasted > self.coast_limit {
+            validity |= Validity::COASTING_TOO_LONG;
+            self.fade();
+        }
+        let stochastic = stochastic * self.gain;
+        if self.ready {
+            validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
+            (self.remainder, self.known) = (stochastic, true);
+        }
+        let predicted = self.offset + self.scale * (self.physical.value + stochastic);
+        if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {
+            self.corrected = measured - predicted;
+        }
+        *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
+    }
+
+    /// Lets the stochastic part die away.
+    fn fade(&mut self) {
+        self.gain = self.gain * self.fade;
+        if self.gain < R::from_f64(FADED) {
+            self.gain = R::ZERO;
         }
     }
 }

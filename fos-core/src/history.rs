@@ -2,40 +2,70 @@
 
 use crate::Real;
 
-/// The last `N` values written; `N` is a power of two.
+/// The last `N` values written; `N` is a power of two up to 65536.
 ///
 /// One ring serves all axes and inputs. Every tick writes one sample into it, always in the same order: the
 /// inputs, then the remainder of each axis. A value `lag` ticks old therefore lies a fixed number of places
 /// back from the place that is written next, and a [`Factor`](crate::Factor) is nothing but that number. No value
 /// is ever moved.
+///
+/// Every value is written twice, `N` places apart. Wherever the ring begins, its values from the oldest to the
+/// latest are then one piece of memory, and a factor is found without wrapping around: an instruction less for
+/// every factor, for two more per value written.
 #[derive(Debug, Clone)]
 pub(crate) struct History<R, const N: usize> {
-    ring: [R; N],
+    twice: [[R; N]; 2],
     next: usize,
 }
 
+/// The values of a [`History`], oldest first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Window<'a, R, const N: usize>(&'a [R; N]);
+
 impl<R: Real, const N: usize> History<R, N> {
     const MASK: usize = {
-        assert!(N.is_power_of_two(), "a history's capacity is a power of two");
+        assert!(N.is_power_of_two() && N <= 1 << 16, "a history's capacity is a power of two up to 65536");
         N - 1
     };
 
     /// A history of zeros.
     pub(crate) const fn new() -> Self {
-        Self { ring: [R::ZERO; N], next: 0 }
+        Self { twice: [[R::ZERO; N]; 2], next: 0 }
     }
 
-    /// Writes the next value over the oldest.
+    /// Writes `values` one after the other, each over the oldest.
+    #[inline(always)]
+    pub(crate) fn write(&mut self, values: impl Iterator<Item = R>) {
+        let [first, second] = &mut self.twice;
+        let mut next = self.next;
+        for value in values {
+            // the mask bounds the index, so this cannot panic and needs no check
+            let place = next & Self::MASK;
+            (first[place], second[place]) = (value, value);
+            next = place + 1;
+        }
+        self.next = next;
+    }
+
+    /// What has been written, up to now.
     #[inline]
-    pub(crate) fn write(&mut self, value: R) {
+    pub(crate) fn window(&self) -> Window<'_, R, N> {
+        let from_oldest = self.twice.as_flattened().get(self.next & Self::MASK..);
+        // there are always N left: the fallback is never taken, and the compiler knows it
+        Window(from_oldest.and_then(<[R]>::first_chunk).unwrap_or(&self.twice[0]))
+    }
+}
+
+impl<R: Real, const N: usize> Window<'_, R, N> {
+    /// Where to find the value written `back` writes ago, 1 for the latest; none if it has been overwritten.
+    pub(crate) fn place(back: usize) -> Option<u16> {
+        if back == 0 { None } else { N.checked_sub(back).and_then(|place| u16::try_from(place).ok()) }
+    }
+
+    /// The value at `place`.
+    #[inline]
+    pub(crate) fn at(self, place: u16) -> R {
         // the mask bounds the index, so this cannot panic and needs no check
-        self.ring[self.next & Self::MASK] = value;
-        self.next = self.next.wrapping_add(1);
-    }
-
-    /// The value written `back` writes ago: 1 is the latest.
-    #[inline]
-    pub(crate) fn back(&self, back: u16) -> R {
-        self.ring[self.next.wrapping_sub(usize::from(back)) & Self::MASK]
+        self.0[usize::from(place) & History::<R, N>::MASK]
     }
 }

@@ -1,5 +1,7 @@
 //! An input: one logged quantity through one causal transform, scaled, and kept inside its fitted range.
 
+use core::hint::cold_path;
+
 use serde::{Deserialize, Serialize};
 
 use crate::transform::Running;
@@ -85,8 +87,12 @@ impl<R: Real> RunningInput<R> {
         let mut validity = Validity::VALID;
         let x = match logged {
             Some(value) if value.is_finite() => {
-                let (x, inside) = self.source_range.limit((value - self.centre) * self.per_scale);
-                validity |= Validity::when(!inside, Validity::INPUT_OUT_OF_RANGE);
+                let mut x = (value - self.centre) * self.per_scale;
+                if !self.source_range.contains(x) {
+                    cold_path();
+                    x = self.source_range.limit(x);
+                    validity |= Validity::INPUT_OUT_OF_RANGE;
+                }
                 if self.held.is_none() {
                     self.transform.start_at(x);
                 }
@@ -99,8 +105,12 @@ impl<R: Real> RunningInput<R> {
                 self.held.unwrap_or(R::ZERO)
             }
         };
-        let (u, inside) = self.range.limit(self.transform.update(x));
-        validity |= Validity::when(!inside, Validity::INPUT_OUT_OF_RANGE);
+        let mut u = self.transform.update(x);
+        if !self.range.contains(u) {
+            cold_path();
+            u = self.range.limit(u);
+            validity |= Validity::INPUT_OUT_OF_RANGE;
+        }
         (u, validity)
     }
 

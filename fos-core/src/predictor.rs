@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::axis::{AxisProgram, Correction, Reading, RunningAxis};
+use crate::axis::{AxisProgram, Correction, RunningAxis};
 use crate::history::History;
 use crate::input::RunningInput;
 use crate::model::{AxisParameters, is_positive};
@@ -20,7 +20,7 @@ pub struct Sample<'a, R> {
 
 /// Evaluates a model sample by sample and takes the predicted error out.
 ///
-/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two:
+/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two up to 65536:
 /// at least (longest lag) × (inputs + axes) + inputs.
 ///
 /// The step cannot fail and cannot panic. Its cost is bounded and does not depend on the data but for a gap, of
@@ -70,6 +70,8 @@ pub struct Predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usi
     program: Program<R, TERMS>,
     inputs: Vec<RunningInput<R>, INPUTS>,
     axes: Vec<RunningAxis<R>, AXES>,
+    /// Some axis has a physical part.
+    has_physical: bool,
     history: History<R, HISTORY>,
     corrections: Vec<Correction<R>, AXES>,
     building: Building,
@@ -131,6 +133,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             program: Program::new(),
             inputs: Vec::new(),
             axes: Vec::new(),
+            has_physical: false,
             history: History::new(),
             corrections: Vec::new(),
             building,
@@ -167,15 +170,10 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.check_bounded(parameters, physical.clone(), stochastic.clone())?;
 
         let layout = Layout { n_inputs: self.building.n_inputs, n_axes: self.building.n_axes };
-        let (mut physical_degrees, mut stochastic_degrees) = ([0; 3], [0; 3]);
-        for (count, degree) in physical_degrees.iter_mut().zip(1..) {
-            *count = self.program.append(physical.clone(), degree, axis, layout, HISTORY)?;
-        }
-        for (count, degree) in stochastic_degrees.iter_mut().zip(1..) {
-            *count = self.program.append(stochastic.clone(), degree, axis, layout, HISTORY)?;
-        }
-        let program =
-            AxisProgram { physical: physical_degrees, stochastic: stochastic_degrees, inputs_used, depth };
+        let physical = self.program.append::<HISTORY>(R::ZERO, physical, axis, layout)?;
+        let stochastic = self.program.append::<HISTORY>(parameters.constant, stochastic, axis, layout)?;
+        self.has_physical |= !physical.is_empty();
+        let program = AxisProgram { physical, stochastic, inputs_used, depth };
         let running = RunningAxis::new(parameters, program, self.building.period_s);
         let too_many = ModelError::TooManyAxes { found: self.building.n_axes, capacity: AXES };
         self.axes.push(running).map_err(|_| too_many)
@@ -217,19 +215,17 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// Returns one correction per axis.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
-        self.step(sample.quantities, |axis| match sample.measured.get(axis) {
-            Some(&measured) => Reading::Still { measured, reference: None },
-            None => Reading::Missing,
-        })
+        self.step(sample, |axis, measured, correction| axis.track(measured, axis.reference, correction))
     }
 
     /// As [`track`](Self::track), against the true value of every axis, in its unit. Where it is absent the model's
     /// reference stands in.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_against(&mut self, sample: &Sample<'_, R>, reference: &[R]) -> &[Correction<R>] {
-        self.step(sample.quantities, |axis| match sample.measured.get(axis) {
-            Some(&measured) => Reading::Still { measured, reference: reference.get(axis).copied() },
-            None => Reading::Missing,
+        let mut references = reference.iter();
+        self.step(sample, |axis, measured, correction| {
+            let reference = references.next().copied().unwrap_or(axis.reference);
+            axis.track(measured, reference, correction);
         })
     }
 
@@ -240,10 +236,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
-        self.step(sample.quantities, |axis| match sample.measured.get(axis) {
-            Some(&measured) => Reading::Moving { measured },
-            None => Reading::Missing,
-        })
+        self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
     }
 
     /// `ticks` samples are missing. Up to each axis' gap limit they are coasted, beyond it the history restarts;
@@ -252,7 +245,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
         let coasted = ticks.min(u32::from(u8::MAX) + 1);
         for _ in 0..coasted {
-            self.step(&[], |_| Reading::Missing);
+            let _ = self.coast(&Sample { measured: &[], quantities: &[] });
         }
         for input in &mut self.inputs {
             input.skip(ticks - coasted);
@@ -272,38 +265,100 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.axes.len()
     }
 
-    #[inline]
-    fn step(&mut self, quantities: &[R], reading: impl Fn(usize) -> Reading<R>) -> &[Correction<R>] {
-        let (mut out_of_range, mut not_finite) = (0_u32, 0_u32);
+    #[inline(always)]
+    fn step(
+        &mut self,
+        sample: &Sample<'_, R>,
+        mut take: impl FnMut(&mut RunningAxis<R>, R, &mut Correction<R>),
+    ) -> &[Correction<R>] {
+        if self.corrections.is_empty() {
+            self.make_room();
+        }
+        let unusable = self.update_inputs(sample.quantities);
+        if self.has_physical {
+            self.evaluate(true);
+        }
+        self.evaluate(false);
+        let mut measured = sample.measured.iter();
+        let mut corrections = self.corrections.iter_mut();
+        for axis in &mut self.axes {
+            let Some(correction) = corrections.next() else { break };
+            match measured.next() {
+                Some(&measured) => take(axis, measured, correction),
+                None => axis.miss(correction),
+            }
+        }
+        self.history.write(self.axes.iter().map(|axis| axis.remainder));
+        if unusable.any() {
+            self.blame(unusable);
+        }
+        &self.corrections
+    }
+
+    /// Evaluates the physical or the stochastic part of every axis.
+    #[inline(never)]
+    fn evaluate(&mut self, physical: bool) {
+        let window = self.history.window();
+        for axis in &mut self.axes {
+            let part = if physical { &mut axis.physical } else { &mut axis.stochastic };
+            self.program.evaluate(part, window);
+        }
+    }
+
+    /// At the first step: a correction for every axis. There is room, both vectors have capacity `AXES`.
+    #[cold]
+    fn make_room(&mut self) {
+        let _ = self.corrections.resize(self.axes.len(), Correction::NONE);
+    }
+
+    /// Tells the axes that use them of inputs that cannot be trusted.
+    #[cold]
+    fn blame(&mut self, unusable: Unusable) {
+        for (axis, correction) in self.axes.iter().zip(&mut self.corrections) {
+            correction.validity |= unusable.of(axis.inputs_used);
+        }
+    }
+
+    /// One sample into every input, and the inputs into the history.
+    #[inline(never)]
+    fn update_inputs(&mut self, quantities: &[R]) -> Unusable {
+        let mut unusable = Unusable { out_of_range: 0, not_finite: 0 };
         let mut bit = 1_u32;
         for input in &mut self.inputs {
             let logged = match input.source() {
                 Source::Clock => None,
                 Source::Quantity(index) => quantities.get(usize::from(index)).copied(),
-                Source::Remainder(axis) => self.axes.get(usize::from(axis)).and_then(|axis| axis.remainder),
+                Source::Remainder(axis) => self.axes.get(usize::from(axis)).and_then(RunningAxis::remainder),
             };
             let (value, validity) = input.update(logged);
             if !validity.is_valid() {
-                out_of_range |= if validity.contains(Validity::INPUT_OUT_OF_RANGE) { bit } else { 0 };
-                not_finite |= if validity.contains(Validity::INPUT_NOT_FINITE) { bit } else { 0 };
+                unusable.out_of_range |=
+                    if validity.contains(Validity::INPUT_OUT_OF_RANGE) { bit } else { 0 };
+                unusable.not_finite |= if validity.contains(Validity::INPUT_NOT_FINITE) { bit } else { 0 };
             }
             bit <<= 1;
-            self.history.write(value);
+            self.history.write(core::iter::once(value));
         }
+        unusable
+    }
+}
 
-        self.corrections.clear();
-        let mut terms = self.program.terms();
-        for (index, axis) in self.axes.iter_mut().enumerate() {
-            let physical = terms.sum(R::ZERO, axis.physical, &self.history);
-            let stochastic = terms.sum(axis.constant, axis.stochastic, &self.history);
-            let mut correction = axis.step(reading(index), physical, stochastic);
-            self.history.write(axis.remainder.unwrap_or(R::ZERO));
-            correction.validity |=
-                Validity::when(axis.inputs_used & out_of_range != 0, Validity::INPUT_OUT_OF_RANGE)
-                    | Validity::when(axis.inputs_used & not_finite != 0, Validity::INPUT_NOT_FINITE);
-            // there is room: both vectors have capacity AXES
-            let _ = self.corrections.push(correction);
-        }
-        &self.corrections
+/// The inputs that speak against trusting a sample, one bit each.
+#[derive(Debug, Clone, Copy)]
+struct Unusable {
+    out_of_range: u32,
+    not_finite: u32,
+}
+
+impl Unusable {
+    #[inline]
+    fn any(self) -> bool {
+        self.out_of_range | self.not_finite != 0
+    }
+
+    /// What they say of an axis that uses the inputs `used`.
+    fn of(self, used: u32) -> Validity {
+        Validity::when(used & self.out_of_range != 0, Validity::INPUT_OUT_OF_RANGE)
+            | Validity::when(used & self.not_finite != 0, Validity::INPUT_NOT_FINITE)
     }
 }

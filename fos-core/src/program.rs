@@ -5,18 +5,28 @@
 
 use heapless::Vec;
 
-use crate::history::History;
-use crate::{Channel, Factor, ModelError, Real, Term};
+use crate::history::Window;
+use crate::{Channel, Factor, MAX_DEGREE, ModelError, Real, Term};
 
-/// A term whose factors are how far to reach back in the history.
+/// A part of an axis' model, p or r̂: which of the terms it has, and its value at this tick.
+#[derive(Debug, Clone)]
+pub(crate) struct Part<R> {
+    /// The sum begins with it: 0 or a0.
+    start: R,
+    /// Its terms begin here: first those of degree 1, then 2, then 3.
+    first: u16,
+    n_linear: u16,
+    n_quadratic: u16,
+    n_cubic: u16,
+    pub(crate) value: R,
+}
+
+/// A term whose factors are places in the history.
 #[derive(Debug, Clone, Copy)]
 struct CompiledTerm<R> {
     coefficient: R,
-    back: [u16; 3],
+    places: [u16; MAX_DEGREE],
 }
-
-/// How many terms of degree 1, 2 and 3 a part has.
-pub(crate) type Degrees = [u16; 3];
 
 /// The terms of all axes: of each axis the physical part, then the stochastic part.
 #[derive(Debug, Clone)]
@@ -32,13 +42,13 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Places from the remainder of `axis`, about to be written, back to `factor`.
+    /// Places from the remainder of the first axis, about to be written, back to `factor` of `axis`.
     fn back(&self, axis: usize, factor: Factor) -> usize {
-        let to_channel = match factor.channel {
-            Channel::Output => 0,
-            Channel::Input(input) => (self.n_inputs + axis).saturating_sub(usize::from(input)),
-        };
-        to_channel + usize::from(factor.lag) * (self.n_inputs + self.n_axes)
+        let lag = usize::from(factor.lag) * (self.n_inputs + self.n_axes);
+        match factor.channel {
+            Channel::Output => lag.saturating_sub(axis),
+            Channel::Input(input) => lag + self.n_inputs.saturating_sub(usize::from(input)),
+        }
     }
 }
 
@@ -47,70 +57,69 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
         Self { terms: Vec::new() }
     }
 
-    /// Appends those of `terms` that have `degree`; returns how many.
-    pub(crate) fn append(
+    /// Appends the terms of a part, for a history of `N` values.
+    pub(crate) fn append<const N: usize>(
         &mut self,
-        terms: impl Iterator<Item = Term<R>>,
-        degree: usize,
+        start: R,
+        terms: impl Iterator<Item = Term<R>> + Clone,
         axis: usize,
         layout: Layout,
-        capacity: usize,
-    ) -> Result<u16, ModelError> {
-        let mut appended = 0;
-        for term in terms.filter(|term| term.factors().len() == degree) {
-            let mut back = [0; 3];
-            for (back, factor) in back.iter_mut().zip(term.factors()) {
-                let needed = layout.back(axis, *factor);
-                *back = match u16::try_from(needed) {
-                    Ok(back) if needed <= capacity => back,
-                    _ => return Err(ModelError::LagTooDeep { axis, needed, capacity }),
-                };
+    ) -> Result<Part<R>, ModelError> {
+        let too_many = ModelError::TooManyTerms { capacity: TERMS };
+        let first = u16::try_from(self.terms.len()).map_err(|_| too_many)?;
+        let mut counts = [0; MAX_DEGREE];
+        for (count, degree) in counts.iter_mut().zip(1..) {
+            for term in terms.clone().filter(|term| term.factors().len() == degree) {
+                let mut places = [0; MAX_DEGREE];
+                for (place, factor) in places.iter_mut().zip(term.factors()) {
+                    let needed = layout.back(axis, *factor);
+                    let found = Window::<R, N>::place(needed);
+                    *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;
+                }
+                let compiled = CompiledTerm { coefficient: term.coefficient, places };
+                self.terms.push(compiled).map_err(|_| too_many)?;
+                *count += 1;
             }
-            let compiled = CompiledTerm { coefficient: term.coefficient, back };
-            self.terms.push(compiled).map_err(|_| ModelError::TooManyTerms { capacity: TERMS })?;
-            appended += 1;
         }
-        Ok(appended)
+        let [n_linear, n_quadratic, n_cubic] = counts;
+        Ok(Part { start, first, n_linear, n_quadratic, n_cubic, value: start })
     }
 
-    /// All terms, to be taken part by part in their order.
-    #[inline]
-    pub(crate) fn terms(&self) -> Remaining<'_, R> {
-        Remaining(&self.terms)
+    /// Evaluates a part.
+    #[inline(always)]
+    pub(crate) fn evaluate<const N: usize>(&self, part: &mut Part<R>, window: Window<'_, R, N>) {
+        // a part begins within the terms, or at their end
+        part.evaluate(self.terms.get(usize::from(part.first)..).unwrap_or(&[]), window);
     }
 }
 
-/// The terms that have not been evaluated in this tick.
-pub(crate) struct Remaining<'a, R>(&'a [CompiledTerm<R>]);
-
-impl<'a, R: Real> Remaining<'a, R> {
-    #[inline]
-    fn take(&mut self, count: u16) -> &'a [CompiledTerm<R>] {
-        // the counts add up to the length; were they wrong, nothing would be evaluated rather than a panic
-        let (taken, rest) = self.0.split_at_checked(usize::from(count)).unwrap_or((&[], &[]));
-        self.0 = rest;
-        taken
+impl<R: Real> Part<R> {
+    /// It has no terms: its value never changes.
+    pub(crate) fn is_empty(&self) -> bool {
+        (self.n_linear, self.n_quadratic, self.n_cubic) == (0, 0, 0)
     }
 
-    /// `start` plus the next part's terms.
-    #[inline]
-    pub(crate) fn sum<const N: usize>(&mut self, start: R, degrees: Degrees, history: &History<R, N>) -> R {
-        let [linear, quadratic, cubic] = degrees;
-        let mut sum = start;
-        for term in self.take(linear) {
-            sum = sum + term.coefficient * history.back(term.back[0]);
+    /// Evaluates the part, whose terms are the first of `terms`; were they too few, it would keep its value.
+    ///
+    /// A function of its own, so that the three loops have the registers to themselves.
+    #[inline(never)]
+    fn evaluate<const N: usize>(&mut self, terms: &[CompiledTerm<R>], window: Window<'_, R, N>) {
+        let mut sum = self.start;
+        let Some((linear, terms)) = terms.split_at_checked(usize::from(self.n_linear)) else { return };
+        for term in linear {
+            let [a, _, _] = term.places;
+            sum = sum + term.coefficient * window.at(a);
         }
-        if quadratic != 0 {
-            for term in self.take(quadratic) {
-                sum = sum + term.coefficient * history.back(term.back[0]) * history.back(term.back[1]);
-            }
+        let Some((quadratic, terms)) = terms.split_at_checked(usize::from(self.n_quadratic)) else { return };
+        for term in quadratic {
+            let [a, b, _] = term.places;
+            sum = sum + term.coefficient * window.at(a) * window.at(b);
         }
-        if cubic != 0 {
-            for term in self.take(cubic) {
-                let [a, b, c] = term.back;
-                sum = sum + term.coefficient * history.back(a) * history.back(b) * history.back(c);
-            }
+        let Some((cubic, _)) = terms.split_at_checked(usize::from(self.n_cubic)) else { return };
+        for term in cubic {
+            let [a, b, c] = term.places;
+            sum = sum + term.coefficient * window.at(a) * window.at(b) * window.at(c);
         }
-        sum
+        self.value = sum;
     }
 }

@@ -36,9 +36,15 @@ impl<R: Real> Range<R> {
         self.low.abs().to_f64().max(self.high.abs().to_f64())
     }
 
-    /// `value` limited to the range, and whether it lay inside; NaN does not.
+    /// Whether `value` lies in the range; NaN does not.
+    #[inline(always)]
+    pub(crate) fn contains(&self, value: R) -> bool {
+        value >= self.low && value <= self.high
+    }
+
+    /// `value` limited to the range; NaN gives its low end.
     #[inline]
-    pub(crate) fn limit(&self, value: R) -> (R, bool) {
-        (value.limit(self.low, self.high), value >= self.low && value <= self.high)
+    pub(crate) fn limit(&self, value: R) -> R {
+        value.limit(self.low, self.high)
     }
 }

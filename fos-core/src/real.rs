@@ -42,10 +42,7 @@ pub trait Real:
     fn is_finite(self) -> bool;
 
     /// The absolute value.
-    #[inline]
-    fn abs(self) -> Self {
-        if self < Self::ZERO { -self } else { self }
-    }
+    fn abs(self) -> Self;
 
     /// `self` if it lies in `low ..= high`, else the bound it is beyond; NaN gives `low`.
     #[inline]
@@ -81,6 +78,10 @@ impl Real for f32 {
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
+    #[inline]
+    fn abs(self) -> f32 {
+        f32::abs(self)
+    }
 }
 
 impl Real for f64 {
@@ -103,5 +104,9 @@ impl Real for f64 {
     #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline]
+    fn abs(self) -> f64 {
+        f64::abs(self)
     }
 }

@@ -117,7 +117,7 @@ fn run() {
     let correction = predictor.track(&Sample { measured: &[0.012], quantities: &[] })[0];
     let all = instructions.of(|| {
         for _ in 0..STEPS {
-            black_box(monitor.update(black_box(&correction)));
+            let _ = black_box(monitor.update(black_box(&correction)));
         }
     });
     println!("{{\"monitor\":{:.1}}}", all / f64::from(STEPS));

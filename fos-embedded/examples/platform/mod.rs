@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "no example uses all of it")]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-pub use board::*;
+pub(crate) use board::*;
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
-pub use host::*;
+pub(crate) use host::*;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod board {
@@ -12,7 +12,7 @@ mod board {
     use cortex_m::peripheral::{Peripherals, SYST};
     use semihosting::io::Read;
 
-    pub use semihosting::println;
+    pub(crate) use semihosting::println;
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
@@ -33,16 +33,16 @@ mod board {
     }
 
     /// Ends the program with an error.
-    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+    pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
         println!("{reason}");
         semihosting::process::exit(1)
     }
 
     /// A file of the host.
-    pub struct File(semihosting::fs::File);
+    pub(crate) struct File(semihosting::fs::File);
 
     impl File {
-        pub fn open(path: &core::ffi::CStr) -> Self {
+        pub(crate) fn open(path: &core::ffi::CStr) -> Self {
             match semihosting::fs::File::open(path) {
                 Ok(file) => Self(file),
                 Err(error) => fail(format_args!("{path:?}: {error}")),
@@ -50,7 +50,7 @@ mod board {
         }
 
         /// Fills as much of `buffer` as the file has left; how much.
-        pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+        pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
             let mut filled = 0;
             while filled < buffer.len() {
                 match self.0.read(&mut buffer[filled..]) {
@@ -65,10 +65,10 @@ mod board {
 
     /// Counts instructions: with `-icount shift=5` the emulator takes 32 ns an instruction, and SysTick of the
     /// mps2 boards runs at 25 MHz.
-    pub struct Instructions(SYST);
+    pub(crate) struct Instructions(SYST);
 
     impl Instructions {
-        pub fn start() -> Self {
+        pub(crate) fn start() -> Self {
             let mut timer = match Peripherals::take() {
                 Some(peripherals) => peripherals.SYST,
                 None => fail(format_args!("the timer is taken")),
@@ -81,7 +81,7 @@ mod board {
         }
 
         /// Instructions that `work` takes; it must take fewer than 20 million.
-        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
+        pub(crate) fn of(&mut self, work: impl FnOnce()) -> f64 {
             self.0.clear_current();
             let before = SYST::get_current();
             work();
@@ -95,19 +95,19 @@ mod board {
 mod host {
     use std::io::Read;
 
-    pub use std::println;
+    pub(crate) use std::println;
 
     /// Ends the program with an error.
-    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+    pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
         println!("{reason}");
         std::process::exit(1)
     }
 
     /// A file of the host.
-    pub struct File(std::fs::File);
+    pub(crate) struct File(std::fs::File);
 
     impl File {
-        pub fn open(path: &core::ffi::CStr) -> Self {
+        pub(crate) fn open(path: &core::ffi::CStr) -> Self {
             match std::fs::File::open(path.to_string_lossy().as_ref()) {
                 Ok(file) => Self(file),
                 Err(error) => fail(format_args!("{path:?}: {error}")),
@@ -115,7 +115,7 @@ mod host {
         }
 
         /// Fills as much of `buffer` as the file has left; how much.
-        pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+        pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
             let mut filled = 0;
             while filled < buffer.len() {
                 match self.0.read(&mut buffer[filled..]) {
@@ -129,15 +129,15 @@ mod host {
     }
 
     /// Instructions are counted on the emulated board only.
-    pub struct Instructions;
+    pub(crate) struct Instructions;
 
     impl Instructions {
-        pub fn start() -> Self {
+        pub(crate) fn start() -> Self {
             Self
         }
 
         /// Runs `work`; there is no count.
-        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
+        pub(crate) fn of(&mut self, work: impl FnOnce()) -> f64 {
             work();
             f64::NAN
         }
