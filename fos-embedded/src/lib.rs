@@ -1,2 +1,9 @@
 //! The device side.
+//!
+//! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
 #![no_std]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod replay;

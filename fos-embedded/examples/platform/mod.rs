@@ -38,6 +38,18 @@ mod board {
         semihosting::process::exit(1)
     }
 
+    /// Argument `index` of the program, copied into `buffer`; 0 is the program's name. An argument has no spaces.
+    pub(crate) fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
+        let arguments = match semihosting::experimental::env::args::<1024>() {
+            Ok(arguments) => arguments,
+            Err(error) => fail(format_args!("no arguments: {error}")),
+        };
+        let argument = (&arguments).nth(index)?.ok()?.as_bytes();
+        buffer.get_mut(..argument.len())?.copy_from_slice(argument);
+        *buffer.get_mut(argument.len())? = 0;
+        core::ffi::CStr::from_bytes_until_nul(buffer).ok()
+    }
+
     /// A file of the host.
     pub(crate) struct File(semihosting::fs::File);
 
@@ -101,6 +113,14 @@ mod host {
     pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
         println!("{reason}");
         std::process::exit(1)
+    }
+
+    /// Argument `index` of the program, copied into `buffer`; 0 is the program's name.
+    pub(crate) fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
+        let argument = std::env::args().nth(index)?;
+        buffer.get_mut(..argument.len())?.copy_from_slice(argument.as_bytes());
+        *buffer.get_mut(argument.len())? = 0;
+        core::ffi::CStr::from_bytes_until_nul(buffer).ok()
     }
 
     /// A file of the host.
