@@ -133,7 +133,9 @@ fn row<const AXES: usize, const TERMS: usize, const HISTORY: usize>(instructions
 
 fn run() {
     let mut instructions = Instructions::start();
-    println!("| axes | terms an axis | factors an axis | track | coast | track an axis | RAM, bytes | image, bytes |");
+    println!(
+        "| axes | terms an axis | factors an axis | track | coast | track an axis | RAM, bytes | image, bytes |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     row::<1, 0, 16>(&mut instructions);
     row::<1, 5, 16>(&mut instructions);
@@ -144,7 +146,7 @@ fn run() {
     row::<6, 60, 64>(&mut instructions);
     row::<6, 120, 64>(&mut instructions);
 
-    println!("");
+    println!();
     println!("| inputs (one axis, no terms) | track | coast |");
     println!("|---|---|---|");
     let axes = [AxisModel { parameters: PARAMETERS, physical: &[], stochastic: &[] }];
@@ -165,7 +167,7 @@ fn run() {
             let _ = black_box(monitor.update(black_box(&correction)));
         }
     });
-    println!("");
+    println!();
     println!("monitor, a correction: {:.0} instructions", all / f64::from(STEPS));
 }
 

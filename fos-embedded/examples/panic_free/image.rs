@@ -5,8 +5,8 @@ use core::hint::black_box;
 use fos_core::image::encode;
 use fos_core::{
     Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, Info, InnovationStatistics, Input, Model,
-    Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term,
-    Transform, Validity, u, y,
+    Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
+    Validity, u, y,
 };
 use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
 
@@ -113,7 +113,9 @@ fn input() -> Input<f32> {
 /// Calls `with` on a model of which nothing is known.
 fn with_model(with: impl FnOnce(&Model<'_, f32>)) {
     let factors = black_box([y(1), u(0, 0), y(2)]);
-    let Some(term) = Term::try_new(black_box(1.0), factors.get(..black_box(2)).unwrap_or(&[])) else { return };
+    let Some(term) = Term::try_new(black_box(1.0), factors.get(..black_box(2)).unwrap_or(&[])) else {
+        return;
+    };
     let physical = black_box([term; 3]);
     let stochastic = black_box([term.with_coefficient(0.5_f32); 3]);
     let axes = [AxisModel { parameters: parameters(), physical: &physical, stochastic: &stochastic }; 2];
