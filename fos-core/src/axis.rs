@@ -143,6 +143,11 @@ impl<R: Real> RunningAxis<R> {
         (self.coasted, self.gain) = (0, R::ONE);
     }
 
+    /// Ticks that the axis coasts over when samples are missing, or remembers: the more of the two.
+    pub(crate) fn reach(&self) -> u32 {
+        u32::from(self.depth.max(u16::from(self.gap_limit)))
+    }
+
     /// r(n − 1), limited; none where it is not known: before the first sample, and after a restart until the next
     /// measured one.
     pub(crate) fn remainder(&self) -> Option<R> {
@@ -296,21 +301,21 @@ impl<R: Real> RunningAxis<R> {
             validity |= Validity::COASTING_TOO_LONG;
             self.fade();
         }
-        let stochastic = stochastic * self.gain;
         if self.ready {
             validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
+            // not faded: fed back, it would fade again at every lag
             (self.remainder, self.known) = (stochastic, true);
         } else {
             (self.remainder, self.known) = (R::ZERO, false);
         }
-        let predicted = self.offset + self.scale * (self.physical.value + stochastic);
+        let predicted = self.offset + self.scale * (self.physical.value + stochastic * self.gain);
         if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {
             self.corrected = measured - predicted;
         }
         *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
     }
 
-    /// Lets the stochastic part die away.
+    /// Lets what is subtracted of the stochastic part die away.
     fn fade(&mut self) {
         self.gain = self.gain * self.fade;
         if self.gain < R::from_f64(FADED) {

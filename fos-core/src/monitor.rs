@@ -89,7 +89,8 @@ impl<R: Real> Monitor<R> {
     #[inline]
     pub fn update(&mut self, correction: &Correction<R>) -> Drift {
         let Some(innovation) = correction.innovation else { return self.drift };
-        if correction.validity.intersects(Validity::OWN_HISTORY) || !innovation.is_finite() {
+        let reasons = Validity::OWN_HISTORY | Validity::INPUT_OUT_OF_RANGE | Validity::INPUT_NOT_FINITE;
+        if correction.validity.intersects(reasons) || !innovation.is_finite() {
             return self.drift;
         }
         let normalised = innovation * self.per_deviation - self.fitted_mean;

@@ -23,8 +23,8 @@ pub struct Sample<'a, R> {
 /// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two up to 65536:
 /// at least (longest lag) × (inputs + axes) + inputs.
 ///
-/// The step cannot fail and cannot panic. Its cost is bounded and does not depend on the data but for a gap, of
-/// which at most 256 ticks are coasted.
+/// The step cannot fail and cannot panic. Its cost is bounded and does not depend on the data, but for gaps
+/// ([`skip`](Self::skip)).
 ///
 /// ```
 /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample};
@@ -219,33 +219,38 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     }
 
     /// As [`track`](Self::track), against the true value of every axis, in its unit. Where it is absent the model's
-    /// reference stands in.
+    /// reference stands in; where it is not finite the axis coasts.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_against(&mut self, sample: &Sample<'_, R>, reference: &[R]) -> &[Correction<R>] {
         let mut references = reference.iter();
         self.step(sample, |axis, measured, correction| {
             let reference = references.next().copied().unwrap_or(axis.reference);
-            axis.track(measured, reference, correction);
+            // a true value that is not a number is not known
+            if reference.is_finite() {
+                axis.track(measured, reference, correction);
+            } else {
+                axis.coast(measured, correction);
+            }
         })
     }
 
     /// The unit moves: the error is not known, the history holds the model's own output.
     ///
     /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
-    /// range, and once coasting has lasted longer than it was validated for, the stochastic part fades to its
-    /// mean, 0, at least as fast as with that same time as its time constant (what is fed back fades again at every
-    /// lag). The physical part goes on with its inputs.
+    /// range, and once coasting has lasted longer than it was validated for, what is subtracted of it fades to its
+    /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
     }
 
     /// `ticks` samples are missing. Up to each axis' gap limit they are coasted, beyond it the history restarts;
-    /// time goes on for the inputs either way. Takes at most 256 steps.
+    /// time goes on for the inputs either way. Takes one step more than the longest gap limit or lag has ticks,
+    /// however many are missing.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
-        const STEPS: u32 = u8::MAX as u32 + 1;
-        let stepped = ticks.min(STEPS);
+        // one more than any axis coasts or remembers
+        let stepped = ticks.min(self.axes.iter().map(RunningAxis::reach).fold(0, u32::max) + 1);
         if ticks > stepped {
             // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
             // old as they should be.

@@ -106,7 +106,7 @@ fn beyond_the_coast_limit_the_stochastic_part_fades_to_nothing() {
             let (predicted, validity) = coast(&mut predictor, &[0.0]);
             let beyond = f64::from(n - 400);
             assert_eq!(validity.contains(Validity::COASTING_TOO_LONG), n > 400, "{n}");
-            // at least as fast as e^(−t/coast limit)
+            // as e^(−t/coast limit)
             let limit = 0.2 * (-(beyond * PERIOD_S / coast_limit_s).max(0.0)).exp() * 1.001 + 1e-9;
             let faded = predicted - f64::from(0.01_f32);
             assert!(faded.abs() <= limit, "{n}: {faded} {limit}");

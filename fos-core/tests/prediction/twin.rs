@@ -349,7 +349,6 @@ impl TwinAxis {
                 self.gain = 0.0;
             }
         }
-        r_hat *= self.gain;
         let goes_on = if restarted { depth == 0 } else { ready };
         if goes_on && depth > 0 {
             validity |= Validity::OWN_HISTORY;
@@ -360,7 +359,7 @@ impl TwinAxis {
             (false, false) => Kept::Nothing,
             (false, true) => Kept::Restart,
         });
-        let predicted = parameters.offset + parameters.scale * (p + r_hat);
+        let predicted = parameters.offset + parameters.scale * (p + r_hat * self.gain);
         if let Reading::Still(measured, _) | Reading::Moving(measured) = *reading
             && measured.is_finite()
         {

@@ -1,0 +1,24 @@
+//! An image without a panic: it links only if no call that a device makes can reach one.
+//!
+//! The panic handler calls a function that is defined nowhere. Where the optimiser can show that no panic is reached, the
+//! handler is dropped with all that leads to it, and the image links; otherwise the linker names the missing function.
+//! `panic_reachable.rs` is the same with one index that may be out of bounds, and must not link.
+//!
+//! It takes the release profile of the device: link-time optimisation in one unit. On the host there is nothing to see.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[path = "panic_free/image.rs"]
+mod image;
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    image::exercise();
+    loop {}
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    println!("checked on the target: the image links only if no panic can be reached");
+}

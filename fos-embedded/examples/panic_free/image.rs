@@ -1,0 +1,184 @@
+//! Everything that a device calls of fos-core, on values that the compiler knows nothing of.
+
+use core::hint::black_box;
+
+use fos_core::image::encode;
+use fos_core::{
+    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, Info, InnovationStatistics, Input, Model,
+    Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
+    Validity, u, y,
+};
+use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
+
+type Device = Predictor<f32, 6, 8, 128, 256>;
+
+unsafe extern "C" {
+    /// Defined nowhere: an image in which a panic can be reached does not link.
+    safe fn a_panic_can_be_reached() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    a_panic_can_be_reached()
+}
+
+pub(crate) fn exercise() {
+    from_image(black_box(&[0; 64]));
+    from_model();
+    stillness();
+    log(black_box(&[0; 64]));
+    written();
+}
+
+fn from_image(bytes: &[u8]) {
+    let Ok(image) = Image::parse(bytes) else { return };
+    black_box((image.period_s(), image.fitted_on(), image.stillness(), image.info()));
+    for quantity in image.quantities() {
+        black_box(quantity);
+    }
+    for input in image.inputs() {
+        black_box(input);
+    }
+    for axis in image.axes() {
+        let mut monitor = Monitor::new(&axis.parameters, image.period_s());
+        if let Ok(mut predictor) = image.predictor::<f32, 6, 8, 128, 256>() {
+            run(&mut predictor, &mut monitor);
+        }
+        black_box((axis.physical.count(), axis.stochastic.count()));
+    }
+}
+
+fn run(predictor: &mut Device, monitor: &mut Monitor<f32>) {
+    let values: [f32; 8] = black_box([0.0; 8]);
+    let lengths: [usize; 3] = black_box([6, 8, 6]);
+    let some = |length: usize| values.get(..length).unwrap_or(&[]);
+    let sample = Sample { measured: some(lengths[0]), quantities: some(lengths[1]) };
+    look(predictor.track(&sample), monitor);
+    look(predictor.track_against(&sample, some(lengths[2])), monitor);
+    look(predictor.coast(&sample), monitor);
+    look(predictor.skip(black_box(3)), monitor);
+    predictor.reset();
+    black_box(predictor.n_axes());
+    black_box(monitor.samples());
+    black_box((monitor.statistics(), monitor.mean_in_unit()));
+    let _ = black_box(monitor.drift());
+    monitor.restart();
+}
+
+fn look(corrections: &[Correction<f32>], monitor: &mut Monitor<f32>) {
+    let mut digest = Digest::default();
+    digest.update(corrections);
+    black_box((digest.corrections(), digest.innovations()));
+    for correction in corrections {
+        let validity: Validity = correction.validity;
+        for name in validity.names() {
+            black_box(name);
+        }
+        black_box((correction.predicted, correction.innovation, correction.corrected, validity.bits()));
+        black_box((validity.is_valid(), validity.contains(Validity::STUCK)));
+        let _ = black_box(monitor.update(correction));
+        let _ = black_box(validity | Validity::MISSING);
+    }
+}
+
+const RANGE: Range<f32> = Range::new(-3.0, 3.0);
+
+fn parameters() -> AxisParameters<f32> {
+    AxisParameters {
+        axis: black_box(Axis::Gx),
+        reference: black_box(0.0),
+        offset: black_box(0.0),
+        scale: black_box(1.0),
+        constant: black_box(0.0),
+        range: black_box(RANGE),
+        full_scale: black_box(0.0),
+        stuck_after: black_box(0),
+        gap_limit: black_box(0),
+        coast_limit_s: black_box(1.0),
+        innovation: black_box(InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 }),
+    }
+}
+
+fn input() -> Input<f32> {
+    Input {
+        source: black_box(Source::Quantity(0)),
+        transform: black_box(Transform::Sine { frequency_hz: 16.0 }),
+        centre: black_box(0.0),
+        scale: black_box(1.0),
+        source_range: black_box(RANGE),
+        range: black_box(RANGE),
+    }
+}
+
+/// Calls `with` on a model of which nothing is known.
+fn with_model(with: impl FnOnce(&Model<'_, f32>)) {
+    let factors = black_box([y(1), u(0, 0), y(2)]);
+    let Some(term) = Term::try_new(black_box(1.0), factors.get(..black_box(2)).unwrap_or(&[])) else {
+        return;
+    };
+    let physical = black_box([term; 3]);
+    let stochastic = black_box([term.with_coefficient(0.5_f32); 3]);
+    let axes = [AxisModel { parameters: parameters(), physical: &physical, stochastic: &stochastic }; 2];
+    let inputs = [input(); 3];
+    let quantities = black_box([Quantity::Temperature; 3]);
+    with(&Model {
+        period_s: black_box(0.005),
+        fitted_on: black_box(FittedOn::Raw),
+        stillness: black_box(None),
+        quantities: quantities.get(..black_box(3)).unwrap_or(&[]),
+        inputs: inputs.get(..black_box(3)).unwrap_or(&[]),
+        axes: axes.get(..black_box(2)).unwrap_or(&[]),
+    });
+}
+
+fn from_model() {
+    with_model(|model| {
+        if let Ok(mut predictor) = Device::new(model) {
+            run(&mut predictor, &mut Monitor::new(&parameters(), model.period_s));
+        }
+    });
+}
+
+fn written() {
+    let mut buffer = black_box([0; 512]);
+    let buffer = buffer.get_mut(..black_box(512)).unwrap_or_default();
+    let info = black_box(Info { sensor: "sensor", ..Info::default() });
+    with_model(|model| {
+        if let Ok(image) = encode(model, &info, buffer) {
+            black_box(image);
+        }
+    });
+}
+
+fn stillness() {
+    let limits = black_box(StillnessLimits::<f32> {
+        window: 100,
+        accel_variance: 0.01,
+        gyro_variance: 0.001,
+        gyro_at_rest: [0.0; 3],
+        gyro_deviation: 0.01,
+    });
+    if let Ok(mut detector) = StillnessDetector::new(limits) {
+        black_box(detector.update(black_box([0.0; 3]), black_box([0.0; 3])));
+        black_box(detector.disturbed());
+    }
+}
+
+fn log(bytes: &[u8]) {
+    let Ok(header) = Header::decode(bytes) else { return };
+    let Ok(mut decoder) = Decoder::new(header) else { return };
+    let model = black_box(Header { n_axes: 6, n_quantities: 2 });
+    black_box((header.check(model).is_ok(), header.encode(), header.record_length()));
+    if let Ok(record) = decoder.record(bytes) {
+        for byte in record.encode() {
+            black_box(byte);
+        }
+        with_model(|model| {
+            if let Ok(mut predictor) = Device::new(model) {
+                let _ = black_box(replay::step(&mut predictor, &record));
+            }
+        });
+    }
+    let record = black_box(Record { skipped: 0, motion: Motion::Still, measured: &[], quantities: &[] });
+    black_box(record.encode().count());
+}

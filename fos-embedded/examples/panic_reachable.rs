@@ -1,0 +1,23 @@
+//! The counter-check of `panic_free.rs`: one index that may be out of bounds, so that this must not link on the target.
+//!
+//! It must fail for want of `a_panic_can_be_reached`, the function that the panic handler calls, and for nothing else.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[path = "panic_free/image.rs"]
+mod image;
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use core::hint::black_box;
+
+    image::exercise();
+    black_box(black_box([1, 2, 3])[black_box(1_usize)]);
+    loop {}
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    println!("checked on the target: this must not link, for one index may be out of bounds");
+}
