@@ -1,2 +1,3 @@
 //! x
+pub mod figures;
 pub mod signal;
