@@ -1,23 +1,25 @@
 //! Fits models of inertial sensor error with Fast Orthogonal Search, compares and exports them.
 //!
 //! Data flow one way: [`recording`] → [`candidates`] → [`moments`] → [`fit`] → [`evaluate`] → [`compare`] → [`study`]
-//! → [`export`], [`cli`]. What is fitted here runs on fos-core, also where it is judged.
+//! → [`export`], [`replay`], [`cli`]. What is fitted here runs on fos-core, also where it is judged.
 #![forbid(unsafe_code)]
 
 pub mod bench;
 pub mod candidates;
+pub mod cli;
 pub mod compare;
 pub mod evaluate;
 pub mod export;
 pub mod feed;
+pub mod figures;
 pub mod file;
 pub mod fit;
 pub mod model;
 pub mod moments;
+pub mod plots;
 pub mod recording;
+pub mod replay;
 pub mod rest;
 pub mod signal;
 pub mod simulate;
 pub mod study;
-pub mod cli;
-pub mod replay;

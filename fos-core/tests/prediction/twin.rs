@@ -168,8 +168,8 @@ impl Twin {
                 self.step(&readings, quantities)
             }
             Event::Skip(ticks) => {
-                if *ticks > 256 {
-                    // longer than any gap limit: all is lost from the start
+                if *ticks > self.reach() + 1 {
+                    // longer than any axis coasts or remembers: all is lost from the start
                     for axis in &mut self.axes {
                         axis.restart();
                     }
@@ -182,6 +182,19 @@ impl Twin {
                 (0..*times).map(|_| self.step(&readings, &[0.1, 0.2, 0.3])).last().unwrap_or_default()
             }
         }
+    }
+
+    /// Ticks that any axis coasts over when samples are missing, or remembers.
+    fn reach(&self) -> u32 {
+        let lag = |terms: &[Term<f64>]| {
+            terms.iter().flat_map(Term::factors).map(|factor| u32::from(factor.lag)).max().unwrap_or(0)
+        };
+        let axes = self.model.axes.iter();
+        axes.map(|axis| {
+            u32::from(axis.parameters.gap_limit).max(lag(&axis.physical)).max(lag(&axis.stochastic))
+        })
+        .max()
+        .unwrap_or(0)
     }
 
     fn step(&mut self, readings: &[Reading], quantities: &[f64]) -> Vec<Correction<f64>> {

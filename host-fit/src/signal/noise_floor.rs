@@ -70,6 +70,11 @@ impl std::fmt::Display for Caution {
 }
 
 impl NoiseFloor {
+    /// One-sided power spectral density of white noise of this variance, unit²/Hz: what the best predictor leaves.
+    pub fn density(&self, rate_hz: f64) -> f64 {
+        2.0 * self.variance / rate_hz
+    }
+
     /// Whether a mean square error is too good to be true: below the confidence interval.
     #[must_use]
     pub fn is_beaten_by(&self, mean_square_error: f64) -> bool {

@@ -81,18 +81,15 @@ pub fn segment_length_for(stretches: &[&[f64]]) -> usize {
 impl Spectrum {
     /// The same spectrum averaged in bands of equal width on a logarithmic axis, for display.
     ///
-    /// Power is averaged, not its logarithm, so that a line keeps its power. Frequency 0 is left out. Where
-    /// the bands are narrower than the resolution (low frequencies) every bin stays as it is.
+    /// Power is averaged, not its logarithm, so that a line keeps its power. The first and the last bin are left
+    /// out: 0 has no place on the axis, and the Nyquist frequency, folded onto itself, would show as a drop by
+    /// half. Where the bands are narrower than the resolution (low frequencies) every bin stays as it is.
     pub fn smoothed(&self, bands_per_decade: usize) -> Spectrum {
         let band = |frequency: f64| (frequency.log10() * bands_per_decade as f64).floor();
-        let positive: Vec<(f64, f64)> = self
-            .frequency_hz
-            .iter()
-            .copied()
-            .zip(self.density.iter().copied())
-            .filter(|(frequency, _)| *frequency > 0.0)
-            .collect();
-        let (frequency_hz, density) = positive
+        let bins = self.frequency_hz.iter().copied().zip(self.density.iter().copied());
+        let mut bins: Vec<(f64, f64)> = bins.skip(1).collect();
+        bins.pop();
+        let (frequency_hz, density) = bins
             .chunk_by(|left, right| band(left.0) == band(right.0))
             .map(|bins| {
                 let count = bins.len() as f64;

@@ -1,0 +1,244 @@
+//! The figures of a comparison: model against measurement, from numbers computed before.
+
+use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape};
+use crate::signal::allan::AllanPoint;
+use crate::signal::autocorrelation::Autocorrelation;
+use crate::signal::blocks::Envelope;
+use crate::signal::spectrum::Spectrum;
+
+/// What is compared, and in which words.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Subject<'a> {
+    /// What was measured, as in `gyro x`.
+    pub channel: &'a str,
+    /// Its unit, as in `rad/s`.
+    pub unit: &'a str,
+}
+
+/// Parts of a recording where the model does worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worst<'a> {
+    /// Text in the legend, as in `worst minutes`.
+    pub label: &'a str,
+    /// First and last second of each, the worst first; they are numbered in this order.
+    pub ranges_s: &'a [(f64, f64)],
+}
+
+/// Measured and predicted over time: every sample within its band above, moving means alone below, because noise
+/// at the full rate hides where a model fails.
+///
+/// One envelope per gap-free stretch; `mean_label` says over how long the mean was taken, as in `1 s mean`.
+pub fn measured_and_predicted(
+    subject: Subject,
+    measured: &[Envelope],
+    predicted: &[Envelope],
+    mean_label: &str,
+    worst: Worst,
+) -> Figure {
+    let traces = [("measured", Ink::Measured, measured), ("predicted", Ink::Predicted, predicted)];
+    over_time(subject, "measured and predicted", &traces, mean_label, worst)
+}
+
+/// What the model leaves over time, with the same shading.
+pub fn residual(subject: Subject, residual: &[Envelope], mean_label: &str, worst: Worst) -> Figure {
+    over_time(subject, "what the model leaves", &[("residual", Ink::Residual, residual)], mean_label, worst)
+}
+
+/// Autocorrelation of the residual at lags ≥ 1 with the bounds that hold 95 % of the values of white noise.
+pub fn residual_autocorrelation(
+    subject: Subject,
+    autocorrelation: &Autocorrelation,
+    sample_period_s: f64,
+) -> Figure {
+    let values = autocorrelation.values.iter().enumerate().skip(1);
+    let stems = values.map(|(lag, value)| (lag as f64 * sample_period_s, *value)).collect();
+    let bound = autocorrelation.white_noise_bound();
+    let level = |label: &str, y| Series { label: label.into(), ink: Ink::Bound, shape: Shape::Level(y) };
+    let outside = 100.0 * autocorrelation.fraction_outside();
+    let panel = Panel {
+        title: format!("{outside:.0} % of the lags lie outside; white noise: 5 %"),
+        x: Axis::linear("Lag (s)"),
+        y: Axis::linear("Autocorrelation (1)"),
+        series: vec![
+            level("±1.96/√N", bound),
+            level("", -bound),
+            Series { label: "residual".into(), ink: Ink::Residual, shape: Shape::Stems(stems) },
+        ],
+        shading: Shading::default(),
+    };
+    Figure { title: headline(subject, "does the residual remember?"), panels: vec![panel] }
+}
+
+/// Power spectral densities of what was measured, predicted and left. Smooth them first (`Spectrum::smoothed`).
+///
+/// `floor_density` (unit²/Hz, `NoiseFloor::density`) is drawn as a level: the spectrum of the residual of the best
+/// predictor. A residual may dip below it at some frequencies, but only to rise above it at others.
+pub fn spectra(
+    subject: Subject,
+    measured: &Spectrum,
+    predicted: &Spectrum,
+    residual: &Spectrum,
+    floor_density: Option<f64>,
+) -> Figure {
+    let curve = |label: &str, ink, spectrum: &Spectrum| {
+        let points = spectrum.frequency_hz.iter().copied().zip(spectrum.density.iter().copied());
+        // frequency 0 has no place on a logarithmic axis
+        let points = points.filter(|(frequency, _)| *frequency > 0.0).collect();
+        Series { label: label.into(), ink, shape: Shape::Line(points) }
+    };
+    let floor = floor_density.map(|density| Series {
+        label: "noise floor, spread evenly".into(),
+        ink: Ink::Floor,
+        shape: Shape::Level(density),
+    });
+    let curves = [
+        curve("measured", Ink::Measured, measured),
+        curve("predicted", Ink::Predicted, predicted),
+        curve("residual", Ink::Residual, residual),
+    ];
+    let panel = Panel {
+        x: Axis::log("Frequency (Hz)"),
+        y: Axis::log(format!("Power spectral density ({})", per_hertz(subject.unit))),
+        series: curves.into_iter().chain(floor).collect(),
+        ..Panel::default()
+    };
+    Figure { title: headline(subject, "which frequencies are left"), panels: vec![panel] }
+}
+
+/// Allan deviation of what was measured and of what is left, with 95 % intervals.
+pub fn allan(subject: Subject, measured: &[AllanPoint], residual: &[AllanPoint]) -> Figure {
+    let bars = |label: &str, ink, points: &[AllanPoint]| {
+        let bars = points.iter().map(|point| (point.tau_s, point.deviation, point.low, point.high)).collect();
+        Series { label: label.into(), ink, shape: Shape::Bars(bars) }
+    };
+    let panel = Panel {
+        title: "bars: 95 % confidence".into(),
+        x: Axis::log("Averaging time (s)"),
+        y: Axis::log(format!("Allan deviation ({})", subject.unit)),
+        series: vec![bars("measured", Ink::Measured, measured), bars("residual", Ink::Residual, residual)],
+        shading: Shading::default(),
+    };
+    Figure { title: headline(subject, "noise by averaging time"), panels: vec![panel] }
+}
+
+fn over_time(
+    subject: Subject,
+    what: &str,
+    traces: &[(&str, Ink, &[Envelope])],
+    mean_label: &str,
+    worst: Worst,
+) -> Figure {
+    let bands = traces.iter().flat_map(|(name, ink, envelopes)| {
+        envelopes.iter().map(move |envelope| {
+            let edges = envelope.time_s.iter().zip(&envelope.low).zip(&envelope.high);
+            let edges = edges.map(|((time, low), high)| (*time, *low, *high)).collect();
+            Series { label: format!("{name}, lowest to highest"), ink: *ink, shape: Shape::Band(edges) }
+        })
+    });
+    let means: Vec<Series> = traces
+        .iter()
+        .flat_map(|(name, ink, envelopes)| {
+            envelopes.iter().map(move |envelope| {
+                let points = envelope.time_s.iter().copied().zip(envelope.mean.iter().copied()).collect();
+                Series { label: format!("{name}, {mean_label}"), ink: *ink, shape: Shape::Line(points) }
+            })
+        })
+        .collect();
+    let panel = |title: &str, series| Panel {
+        title: title.into(),
+        x: Axis::linear("Time (s)"),
+        y: Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit)),
+        series,
+        shading: shading(worst),
+    };
+    Figure {
+        title: headline(subject, what),
+        panels: vec![
+            panel("Every sample", bands.chain(means.iter().cloned()).collect()),
+            panel("Means", means),
+        ],
+    }
+}
+
+fn shading(worst: Worst) -> Shading {
+    let ranges = worst.ranges_s.iter().zip(1..);
+    let ranges =
+        ranges.map(|((from, to), number)| ShadedRange { from: *from, to: *to, mark: number.to_string() });
+    Shading { label: worst.label.into(), ranges: ranges.collect() }
+}
+
+fn headline(subject: Subject, what: &str) -> String {
+    format!("{}: {what}", capitalised(subject.channel))
+}
+
+/// `rad/s` → `(rad/s)²/Hz`.
+fn per_hertz(unit: &str) -> String {
+    if unit.contains(['/', ' ', '·']) { format!("({unit})²/Hz") } else { format!("{unit}²/Hz") }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::svg;
+    use super::*;
+    use crate::signal::blocks::envelope;
+
+    const GYRO: Subject = Subject { channel: "gyro x", unit: "rad/s" };
+    const NOWHERE: Worst = Worst { label: "worst", ranges_s: &[] };
+
+    #[test]
+    fn pieces_of_a_recording_share_one_label_and_stay_apart() {
+        let piece = |start: f64| Envelope {
+            time_s: vec![start, start + 1.0],
+            low: vec![-1.0, -2.0],
+            high: vec![1.0, 2.0],
+            mean: vec![0.0, 0.5],
+        };
+        let figure = residual(GYRO, &[piece(0.0), piece(10.0)], "1 s mean", NOWHERE);
+        let series = &figure.panels[1].series;
+        assert_eq!(series.len(), 2);
+        assert_eq!(series[0].label, series[1].label);
+        assert_eq!(series[1].shape, Shape::Line(vec![(10.0, 0.0), (11.0, 0.5)]));
+        assert_eq!(figure.panels[0].series[0].shape, Shape::Band(vec![(0.0, -1.0, 1.0), (1.0, -2.0, 2.0)]));
+    }
+
+    #[test]
+    fn the_size_of_a_figure_does_not_grow_with_the_record() {
+        let drawn = |samples: usize| {
+            let series: Vec<f64> = (0..samples).map(|n| (n as f64 * 0.37).sin() * (n % 101) as f64).collect();
+            let outline = envelope(&series, 0.0, 0.005, 1000, 1.0);
+            svg(&residual(GYRO, &[outline], "1 s mean", NOWHERE)).unwrap().len()
+        };
+        // 1000 buckets: 4000 corners at about 10 characters, and the axes
+        assert!(drawn(1_000_000) < 100_000 && drawn(10_000) < 100_000);
+    }
+
+    #[test]
+    fn worst_parts_are_numbered_in_the_order_given() {
+        let worst = Worst { label: "worst", ranges_s: &[(50.0, 60.0), (10.0, 20.0)] };
+        let ranges =
+            measured_and_predicted(GYRO, &[], &[], "1 s mean", worst).panels.remove(0).shading.ranges;
+        assert_eq!((ranges[0].from, ranges[0].mark.as_str()), (50.0, "1"));
+        assert_eq!((ranges[1].from, ranges[1].mark.as_str()), (10.0, "2"));
+    }
+
+    #[test]
+    fn bounds_are_those_of_white_noise_and_lag_zero_is_left_out() {
+        let found = Autocorrelation { values: vec![1.0, 0.5, 0.0], samples: 100 };
+        let panel = residual_autocorrelation(GYRO, &found, 0.005).panels.remove(0);
+        let Shape::Level(bound) = panel.series[0].shape else { panic!("a level") };
+        assert!((bound - 0.196).abs() < 1e-4);
+        assert_eq!(panel.series[2].shape, Shape::Stems(vec![(0.005, 0.5), (0.01, 0.0)]));
+        assert!(panel.title.starts_with("50 %"));
+    }
+
+    #[test]
+    fn units_are_squared_with_brackets_where_they_need_them() {
+        assert_eq!(per_hertz("rad/s"), "(rad/s)²/Hz");
+        assert_eq!(per_hertz("mg"), "mg²/Hz");
+    }
+}

@@ -1,0 +1,215 @@
+//! Figures as SVG and PNG, in memory and in files.
+
+use std::path::{Path, PathBuf};
+
+use plotters::prelude::*;
+
+use super::canvas::{Canvas, PIXELS_PER_UNIT};
+use super::round_joins::RoundJoins;
+use super::{Figure, draw};
+
+/// Why a figure was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The drawing or encoding library refused; its own words.
+    #[error("could not draw the figure: {0}")]
+    Draw(String),
+    /// The file could not be written.
+    #[error("could not write {path}: {source}")]
+    Write {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// A figure as an SVG document.
+pub fn svg(figure: &Figure) -> Result<String, FigureError> {
+    let (width, height) = size(figure);
+    let mut document = String::new();
+    paint(
+        SVGBackend::with_string(&mut document, (width * PIXELS_PER_UNIT, height * PIXELS_PER_UNIT)),
+        figure,
+    )?;
+    // the viewBox keeps the fine grid that was drawn on; the size is that of the figure. Text is centred in height
+    // as it is in the PNG, not by the height of the letters of whatever font the browser has.
+    let fine = |name: &str, length: u32| format!("{name}=\"{}\"", length * PIXELS_PER_UNIT);
+    let plain = |name: &str, length: u32| format!("{name}=\"{length}\"");
+    Ok(document
+        .replacen(&fine("width", width), &plain("width", width), 1)
+        .replacen(&fine("height", height), &plain("height", height), 1)
+        .replace("dy=\"0.5ex\"", "dy=\"0.12em\""))
+}
+
+/// A figure as the bytes of a PNG file.
+pub fn png(figure: &Figure) -> Result<Vec<u8>, FigureError> {
+    let (width, height) = size(figure);
+    let fine = (width * PIXELS_PER_UNIT, height * PIXELS_PER_UNIT);
+    let mut pixels = vec![0; 3 * fine.0 as usize * fine.1 as usize];
+    paint(RoundJoins(BitMapBackend::with_buffer(&mut pixels, fine)), figure)?;
+
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
+    let refused = |error: png::EncodingError| FigureError::Draw(error.to_string());
+    let mut writer = encoder.write_header().map_err(refused)?;
+    writer.write_image_data(&averaged(&pixels, width as usize)).map_err(refused)?;
+    writer.finish().map_err(refused)?;
+    Ok(file)
+}
+
+/// Writes a figure as SVG: beside the file first, then renamed, so that a reader never sees half of it.
+pub fn write_svg(figure: &Figure, path: &Path) -> Result<(), FigureError> {
+    write(svg(figure)?.as_bytes(), path)
+}
+
+/// Writes a figure as PNG: beside the file first, then renamed, so that a reader never sees half of it.
+pub fn write_png(figure: &Figure, path: &Path) -> Result<(), FigureError> {
+    write(&png(figure)?, path)
+}
+
+/// Width and height, units of length, which are the pixels of the PNG.
+fn size(figure: &Figure) -> (u32, u32) {
+    (draw::WIDTH as u32, draw::height(figure) as u32)
+}
+
+fn paint<DB: DrawingBackend>(backend: DB, figure: &Figure) -> Result<(), FigureError> {
+    let area = backend.into_drawing_area();
+    let drawn = draw::figure(&Canvas::new(&area), figure).and_then(|()| area.present());
+    drawn.map_err(|error| FigureError::Draw(error.to_string()))
+}
+
+/// Averages squares of `PIXELS_PER_UNIT` pixels into one; rows of RGB, `width` pixels wide when done.
+fn averaged(fine: &[u8], width: usize) -> Vec<u8> {
+    let side = PIXELS_PER_UNIT as usize;
+    let mut coarse = Vec::with_capacity(fine.len() / (side * side));
+    let mut sums = vec![0u16; 3 * width];
+    for rows in fine.chunks_exact(3 * width * side * side) {
+        sums.fill(0);
+        for row in rows.chunks_exact(3 * width * side) {
+            for (sums, pixels) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * side)) {
+                for (place, value) in pixels.iter().enumerate() {
+                    sums[place % 3] += u16::from(*value);
+                }
+            }
+        }
+        coarse.extend(sums.iter().map(|sum| (sum / (side * side) as u16) as u8));
+    }
+    coarse
+}
+
+fn write(bytes: &[u8], path: &Path) -> Result<(), FigureError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let beside = path.with_file_name(name);
+    std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
+        // whatever was written is of no use; that it cannot be removed adds nothing to the first error
+        let _ = std::fs::remove_file(&beside);
+        FigureError::Write { path: path.to_owned(), source }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Axis, Ink, Panel, Scale, Series, ShadedRange, Shading, Shape};
+    use super::*;
+
+    /// One series of every kind on the given axes.
+    fn everything(values: &[(f64, f64)], scale: Scale) -> Figure {
+        let axis = |label: &str| Axis { label: label.into(), scale };
+        let shapes = [
+            ("band", Shape::Band(values.iter().map(|(x, y)| (*x, *y, 2.0 * y)).collect())),
+            ("line", Shape::Line(values.to_vec())),
+            ("points", Shape::Points(values.to_vec())),
+            ("bars", Shape::Bars(values.iter().map(|(x, y)| (*x, *y, 0.5 * y, 2.0 * y)).collect())),
+            ("stems", Shape::Stems(values.to_vec())),
+            ("level", Shape::Level(values.first().map_or(0.0, |(_, y)| *y))),
+        ];
+        let series =
+            shapes.map(|(label, shape)| Series { label: label.into(), ink: Ink::Measured, shape }).to_vec();
+        let shading = Shading {
+            label: "shaded <&>".into(),
+            ranges: vec![ShadedRange { from: 2.0, to: 3.0, mark: "17".into() }],
+        };
+        let panel =
+            Panel { title: "a panel".into(), x: axis("Time (s)"), y: axis("Rate (rad/s)"), series, shading };
+        Figure { title: "a figure".into(), panels: vec![panel.clone(), panel] }
+    }
+
+    fn decoded(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
+        let mut reader = png::Decoder::new(bytes).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size()];
+        let frame = reader.next_frame(&mut pixels).unwrap();
+        (frame.width, frame.height, pixels)
+    }
+
+    #[test]
+    fn svg_holds_every_label_and_no_nan() {
+        let picture = svg(&everything(&[(1.0, 1.0), (2.0, f64::NAN), (4.0, 3.0)], Scale::Linear)).unwrap();
+        for text in
+            ["a figure", "a panel", "Time (s)", "Rate (rad/s)", "band", "line", "points", "bars", "stems"]
+        {
+            assert!(picture.contains(text), "{text}");
+        }
+        assert!(picture.contains("shaded &lt;&amp;&gt;") && picture.contains("17"));
+        assert!(!picture.contains("NaN") && !picture.contains("inf"));
+        assert!(picture.contains("width=\"1200\"") && picture.contains("viewBox=\"0 0 4800 "));
+    }
+
+    #[test]
+    fn png_has_the_size_of_the_figure_and_ink_on_it() {
+        let (width, height, pixels) =
+            decoded(&png(&everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Log)).unwrap());
+        assert_eq!((width, height), (1200, 748));
+        // #0072B2, the colour of what was measured, somewhere at full strength
+        assert!(pixels.chunks_exact(3).any(|pixel| pixel == [0x00, 0x72, 0xB2]));
+        assert_eq!(pixels[..3], [255; 3]);
+    }
+
+    #[test]
+    fn nothing_one_point_constants_and_absurd_values_are_drawn_without_panic() {
+        let cases: [&[(f64, f64)]; 7] = [
+            &[],
+            &[(1.0, 1.0)],
+            &[(1.0, 0.0), (2.0, 0.0), (3.0, 0.0)],
+            &[(0.0, 9.81); 5],
+            &[(f64::NAN, f64::INFINITY), (f64::NEG_INFINITY, 1.0)],
+            &[(-1.0, -1.0), (-2.0, -3.0)],
+            &[(1e-300, 1e300), (1e300, -1e-300), (5e-324, 1.0)],
+        ];
+        for values in cases {
+            for scale in [Scale::Linear, Scale::Log] {
+                let figure = everything(values, scale);
+                let picture = svg(&figure).unwrap();
+                assert!(!picture.contains("NaN") && !picture.contains("inf"), "{values:?}");
+                assert_eq!(decoded(&png(&figure).unwrap()).0, 1200);
+            }
+        }
+        let no_panels = Figure { title: "nothing".into(), panels: vec![] };
+        assert!(svg(&no_panels).is_ok() && png(&no_panels).is_ok());
+    }
+
+    #[test]
+    fn file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let figure = everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Linear);
+        for _ in 0..2 {
+            write_svg(&figure, &folder.path().join("a.svg")).unwrap();
+            write_png(&figure, &folder.path().join("a.png")).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(folder.path().join("a.svg")).unwrap(), svg(&figure).unwrap());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_named_in_the_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing").join("a.svg");
+        let error = write_svg(&Figure::default(), &path).unwrap_err();
+        assert!(error.to_string().contains("missing"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,143 @@
+//! Figures: what a comparison shows, as plain data, and one way of drawing it.
+//!
+//! A [`Figure`] holds numbers that were computed elsewhere ([`compare`] arranges them) and is drawn by the same
+//! code to SVG and to PNG, with a font that is built in. It serialises, so that a browser may draw it too.
+//!
+//! ```
+//! use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, svg};
+//! let line = Series { label: "measured".into(), ink: Ink::Measured, shape: Shape::Line(vec![(0.0, 1.0), (1.0, 3.0)]) };
+//! let panel = Panel { x: Axis::linear("Time (s)"), y: Axis::linear("Rate (rad/s)"), series: vec![line], ..Panel::default() };
+//! let picture = svg(&Figure { title: "Gyro x".into(), panels: vec![panel] }).unwrap();
+//! assert!(picture.contains("Rate (rad/s)"));
+//! ```
+
+mod canvas;
+pub mod compare;
+mod draw;
+mod file;
+mod round_joins;
+mod scale;
+
+pub use file::{FigureError, png, svg, write_png, write_svg};
+
+/// A picture of one or more panels below each other.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Figure {
+    /// Headline.
+    pub title: String,
+    /// From top to bottom. Panels that show the same x range line up.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes and what is drawn in it.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Panel {
+    /// What this panel shows, beside the legend.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Drawn in this order, later ones on top.
+    pub series: Vec<Series>,
+    /// Ranges of x set apart by a shaded background.
+    pub shading: Shading,
+}
+
+/// An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones).
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Axis {
+    /// Quantity and unit, as in `Rate (rad/s)`.
+    pub label: String,
+    /// Spacing of the values.
+    pub scale: Scale,
+}
+
+impl Axis {
+    /// An axis with evenly spaced values.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Axis { label: label.into(), scale: Scale::Linear }
+    }
+
+    /// An axis with evenly spaced decades.
+    pub fn log(label: impl Into<String>) -> Self {
+        Axis { label: label.into(), scale: Scale::Log }
+    }
+}
+
+/// Spacing of the values along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub enum Scale {
+    /// Even.
+    #[default]
+    Linear,
+    /// Even in the logarithm; zero and negative values are not drawn.
+    Log,
+}
+
+/// Numbers to draw, all of one kind.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Series {
+    /// Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
+    /// none with an empty one.
+    pub label: String,
+    /// Whose numbers these are; decides the colour.
+    pub ink: Ink,
+    /// The numbers, and how they are joined.
+    pub shape: Shape,
+}
+
+/// How numbers are drawn. A value that is not finite interrupts a line or band and is otherwise left out.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub enum Shape {
+    /// Points (x, y) joined by a line.
+    Line(Vec<(f64, f64)>),
+    /// (x, low, high), filled between low and high.
+    Band(Vec<(f64, f64, f64)>),
+    /// Dots at (x, y).
+    Points(Vec<(f64, f64)>),
+    /// (x, y, low, high): dots joined by a line, each with a bar from low to high.
+    Bars(Vec<(f64, f64, f64, f64)>),
+    /// Stems from zero to (x, y).
+    Stems(Vec<(f64, f64)>),
+    /// A dashed horizontal line.
+    Level(f64),
+}
+
+/// Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
+/// Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum Ink {
+    /// What the sensor said (blue).
+    Measured,
+    /// What the model said (vermilion).
+    Predicted,
+    /// What is left (green).
+    Residual,
+    /// What nobody could predict (black).
+    Floor,
+    /// Limits of what chance explains (grey).
+    Bound,
+    /// Anything else (purple).
+    Other,
+}
+
+/// Shaded ranges of x with one legend entry for all of them.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Shading {
+    /// Text in the legend.
+    pub label: String,
+    /// What is shaded.
+    pub ranges: Vec<ShadedRange>,
+}
+
+/// One shaded range.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ShadedRange {
+    /// Left end, in units of x.
+    pub from: f64,
+    /// Right end, in units of x.
+    pub to: f64,
+    /// Short text at its top, a number for instance.
+    pub mark: String,
+}

@@ -1,0 +1,178 @@
+//! From values to positions along an axis, and where its ticks go.
+
+use super::Scale;
+
+/// Decades shown on a logarithmic axis at most; what lies lower is drawn at its lower end.
+const MOST_DECADES: f64 = 12.0;
+
+/// Range of an axis, in values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Extent {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) scale: Scale,
+}
+
+/// A value worth a grid line. Those without a label subdivide.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tick {
+    pub(super) value: f64,
+    pub(super) label: Option<String>,
+}
+
+impl Extent {
+    /// Range of the values that can be drawn, widened on both sides by a fraction of itself. `None` where there
+    /// are none.
+    pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale, margin: f64) -> Option<Extent> {
+        let drawable = values.filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
+        let (low, high) = drawable.fold(None, |range, value| match range {
+            None => Some((value, value)),
+            Some((low, high)) => Some((value.min(low), value.max(high))),
+        })?;
+        let (low, high) = match scale {
+            Scale::Linear => widened(low, high, margin, if low == 0.0 { 1.0 } else { 0.05 * low.abs() }),
+            Scale::Log => {
+                let (low, high) = (low.log10().max(high.log10() - MOST_DECADES), high.log10());
+                let (low, high) = widened(low, high, margin, 0.5);
+                (10f64.powf(low), 10f64.powf(high))
+            }
+        };
+        Some(Extent { low, high, scale })
+    }
+
+    /// Position of a value from 0 at the low end to 1 at the high end; values beyond are put at the ends. `None`
+    /// where it has no place (not finite; not positive on a logarithmic axis).
+    pub(super) fn position(&self, value: f64) -> Option<f64> {
+        let fraction = match self.scale {
+            Scale::Linear => (value - self.low) / (self.high - self.low),
+            Scale::Log => (value / self.low).log10() / (self.high / self.low).log10(),
+        };
+        let has_place = value.is_finite() && (self.scale == Scale::Linear || value > 0.0);
+        has_place.then(|| fraction.clamp(0.0, 1.0))
+    }
+
+    /// Ticks from low to high, about `wanted` of them with a label; those without one come first.
+    pub(super) fn ticks(&self, wanted: usize) -> Vec<Tick> {
+        match self.scale {
+            Scale::Linear => labelled(self.round_values(wanted)),
+            Scale::Log => self.decades(wanted),
+        }
+    }
+
+    /// Multiples of 1, 2 or 5 times a power of ten.
+    fn round_values(&self, wanted: usize) -> Vec<f64> {
+        let rough = (self.high - self.low) / wanted.max(1) as f64;
+        let power = 10f64.powf(rough.log10().floor());
+        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= rough).unwrap_or(10.0);
+        let step = factor * power;
+        let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
+        (first..=last).map(|multiple| multiple as f64 * step).collect()
+    }
+
+    fn decades(&self, wanted: usize) -> Vec<Tick> {
+        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
+        let decades = (self.high / self.low).log10();
+        let labelled_digits: &[i32] = if 3.0 * decades <= wanted as f64 + 2.0 { &[1, 2, 5] } else { &[1] };
+        let every = (decades / (wanted + 2) as f64).ceil().max(1.0) as i32;
+        // one notation for all labels of an axis
+        let plain = first >= -3 && last <= 4;
+        let mut ticks: Vec<Tick> = (first..=last)
+            .flat_map(|exponent| (1..=9).map(move |digit| (digit, exponent)))
+            .filter(|(digit, _)| every == 1 || *digit == 1)
+            .map(|(digit, exponent)| {
+                let is_labelled = labelled_digits.contains(&digit) && exponent.rem_euclid(every) == 0;
+                let label = is_labelled.then(|| power_of_ten(digit, exponent, plain));
+                Tick { value: f64::from(digit) * 10f64.powi(exponent), label }
+            })
+            .filter(|tick| tick.value >= self.low && tick.value <= self.high)
+            .collect();
+        ticks.sort_by_key(|tick| tick.label.is_some());
+        if ticks.iter().filter(|tick| tick.label.is_some()).count() < 2 {
+            return labelled(self.round_values(wanted));
+        }
+        ticks
+    }
+}
+
+fn widened(low: f64, high: f64, margin: f64, if_constant: f64) -> (f64, f64) {
+    // a range of a few roundings is a constant to the eye, and has no ticks that differ
+    let is_constant = high - low <= 1e-12 * low.abs().max(high.abs());
+    let by = if is_constant { if_constant } else { margin * (high - low) };
+    (low - by, high + by)
+}
+
+/// Labels evenly spaced values with as many digits as tell them apart.
+fn labelled(values: Vec<f64>) -> Vec<Tick> {
+    let step = values.windows(2).map(|pair| pair[1] - pair[0]).next().unwrap_or(1.0);
+    let largest = values.iter().fold(0f64, |largest, value| largest.max(value.abs()));
+    let step_exponent = (step * (1.0 + 1e-9)).log10().floor() as i32;
+    let label = |value: f64| {
+        if value.abs() < 0.5 * step {
+            return "0".to_string();
+        }
+        if largest < 1e5 && step > 0.99e-3 {
+            let decimals = step_exponent.min(0).unsigned_abs() as usize;
+            return format!("{value:.decimals$}");
+        }
+        let exponent = (largest * (1.0 + 1e-9)).log10().floor() as i32;
+        let decimals = (exponent - step_exponent).max(0) as usize;
+        format!("{:.decimals$}e{exponent}", value / 10f64.powi(exponent))
+    };
+    let with_minus = |text: String| text.replace('-', "−");
+    values.into_iter().map(|value| Tick { value, label: Some(with_minus(label(value))) }).collect()
+}
+
+fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
+    if plain {
+        let decimals = exponent.min(0).unsigned_abs() as usize;
+        return format!("{:.decimals$}", f64::from(digit) * 10f64.powi(exponent));
+    }
+    format!("{digit}e{exponent}").replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64, scale: Scale) -> Vec<String> {
+        Extent { low, high, scale }.ticks(5).into_iter().filter_map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn labels_have_the_digits_that_tell_them_apart() {
+        assert_eq!(labels(0.0, 1.0, Scale::Linear), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(0.0, 3600.0, Scale::Linear), ["0", "1000", "2000", "3000"]);
+        assert_eq!(labels(-2.2e-4, 2.2e-4, Scale::Linear), ["−2e−4", "−1e−4", "0", "1e−4", "2e−4"]);
+        assert_eq!(labels(9.801, 9.809, Scale::Linear), ["9.802", "9.804", "9.806", "9.808"]);
+        assert_eq!(labels(-0.9e6, 1.1e6, Scale::Linear), ["−0.5e6", "0", "0.5e6", "1.0e6"]);
+    }
+
+    #[test]
+    fn logarithmic_axes_are_labelled_by_decades() {
+        assert_eq!(labels(0.005, 120.0, Scale::Log), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(1e-10, 1e-2, Scale::Log), ["1e−10", "1e−8", "1e−6", "1e−4", "1e−2"]);
+        assert_eq!(labels(0.9, 30.0, Scale::Log), ["1", "2", "5", "10", "20"]);
+        assert_eq!(labels(1.1e-4, 1.9e-4, Scale::Log), ["1.2e−4", "1.4e−4", "1.6e−4", "1.8e−4"]);
+    }
+
+    #[test]
+    fn constants_get_a_range_around_them() {
+        for (value, scale) in
+            [(0.0, Scale::Linear), (9.81, Scale::Linear), (-3.0, Scale::Linear), (1e-9, Scale::Log)]
+        {
+            let extent = Extent::of([value; 3].into_iter(), scale, 0.1).unwrap();
+            assert!((extent.position(value).unwrap() - 0.5).abs() < 1e-6);
+            assert!(extent.ticks(5).len() >= 2, "{extent:?}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_has_no_place() {
+        let extent = Extent::of([f64::NAN, 1.0, 100.0, -5.0, 0.0].into_iter(), Scale::Log, 0.0).unwrap();
+        assert_eq!(
+            (extent.position(10.0), extent.position(-5.0), extent.position(f64::NAN)),
+            (Some(0.5), None, None)
+        );
+        assert_eq!(Extent::of([f64::NAN, f64::INFINITY].into_iter(), Scale::Linear, 0.0), None);
+    }
+}
