@@ -26,7 +26,9 @@ pub enum CompareError {
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
     /// Nothing is left to judge on.
-    #[error("no row at rest is left to judge on: all {trained} were trained on\nhelp: a smaller --train, or a longer log")]
+    #[error(
+        "no row at rest is left to judge on: all {trained} were trained on\nhelp: a smaller --train, or a longer log"
+    )]
     NothingLeft {
         /// Rows that were trained on.
         trained: usize,
@@ -129,7 +131,8 @@ pub fn study_of(
     columns: Vec<String>,
 ) -> Result<Study, CompareError> {
     let trained_rows = crate::fit::training_rows(recording, rest, settings.train).end;
-    let (mut models, reports): (Vec<UnitModel>, Vec<_>) = fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
+    let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
+        fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
     let mut model = models.remove(0);
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();

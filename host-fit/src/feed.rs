@@ -33,7 +33,11 @@ impl<'a> Feed<'a> {
     /// # Errors
     ///
     /// A column that the model needs is not in the recording.
-    pub fn new(recording: &'a Recording, model: &UnitModel, still: &'a [bool]) -> Result<Self, RecordingError> {
+    pub fn new(
+        recording: &'a Recording,
+        model: &UnitModel,
+        still: &'a [bool],
+    ) -> Result<Self, RecordingError> {
         let mut measured = Vec::new();
         let mut reference = Vec::new();
         for axis in &model.axes {
@@ -55,7 +59,9 @@ impl<'a> Feed<'a> {
                 let missing = match segment.boundary {
                     Boundary::Start => return None,
                     Boundary::Gap => segment.missing_before,
-                    Boundary::SegmentColumn | Boundary::ClockBack => segment.missing_before.max(UNKNOWN_TICKS),
+                    Boundary::SegmentColumn | Boundary::ClockBack => {
+                        segment.missing_before.max(UNKNOWN_TICKS)
+                    }
                 };
                 Some((segment.rows.start, u32::try_from(missing).unwrap_or(u32::MAX)))
             })
@@ -159,8 +165,7 @@ pub struct RowSample<R> {
 }
 
 impl<R: Real> RowSample<R> {
-    const EMPTY: Self =
-        Self {
+    const EMPTY: Self = Self {
         n_axes: 0,
         measured: [R::ZERO; 6],
         reference: [R::ZERO; 6],

@@ -83,9 +83,8 @@ impl UnitModel {
     pub fn with<R: Real, T>(&self, work: impl FnOnce(&Model<'_, R>) -> T) -> T {
         let terms = |terms: &[FittedTerm]| -> Vec<Term<R>> {
             // factors come from a search or from a study file; a bad one was refused there
-            let term = |term: &FittedTerm| {
-                Term::try_new(term.coefficient, &term.factors).map(|term| term.convert())
-            };
+            let term =
+                |term: &FittedTerm| Term::try_new(term.coefficient, &term.factors).map(|term| term.convert());
             terms.iter().filter_map(term).collect()
         };
         let quantities: Vec<Quantity> = self.quantities.iter().map(|logged| logged.quantity).collect();

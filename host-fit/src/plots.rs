@@ -58,7 +58,8 @@ pub fn write_all(
     trace: &Trace,
     recording: &Recording,
 ) -> Result<(), PlotError> {
-    std::fs::create_dir_all(folder).map_err(|source| PlotError::Folder { path: folder.to_owned(), source })?;
+    std::fs::create_dir_all(folder)
+        .map_err(|source| PlotError::Folder { path: folder.to_owned(), source })?;
     for (index, axis) in comparison.axes.iter().enumerate() {
         for (name, figure) in figures(axis, trace, index, recording) {
             let path = folder.join(format!("{}_{name}", axis.column));
@@ -70,12 +71,19 @@ pub fn write_all(
 }
 
 /// The figures of one axis, with their names; one that the data are too short for is left out.
-fn figures(axis: &AxisComparison, trace: &Trace, index: usize, recording: &Recording) -> Vec<(&'static str, Figure)> {
+fn figures(
+    axis: &AxisComparison,
+    trace: &Trace,
+    index: usize,
+    recording: &Recording,
+) -> Vec<(&'static str, Figure)> {
     let subject = Subject { channel: &axis.column, unit: &axis.unit };
-    let worst_s: Vec<(f64, f64)> = axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect();
+    let worst_s: Vec<(f64, f64)> =
+        axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect();
     let worst = Worst { label: "worst stretches", ranges_s: &worst_s };
     let series = &trace.axes[index];
-    let difference = |from: &[f64], take: &[f64]| -> Vec<f64> { from.iter().zip(take).map(|(a, b)| a - b).collect() };
+    let difference =
+        |from: &[f64], take: &[f64]| -> Vec<f64> { from.iter().zip(take).map(|(a, b)| a - b).collect() };
     let centre = mean_of(&series.measured);
     let measured: Vec<f64> = series.measured.iter().map(|value| value - centre).collect();
     let coasted = difference(&measured, &series.coast);
@@ -84,7 +92,10 @@ fn figures(axis: &AxisComparison, trace: &Trace, index: usize, recording: &Recor
     let over_time = |series: &[f64]| envelopes(trace, series, recording);
     let mean_label = format!("{MEAN_S} s mean");
     let mut figures = vec![
-        ("1_over_time", measured_and_predicted(subject, &over_time(&measured), &over_time(&coasted), &mean_label, worst)),
+        (
+            "1_over_time",
+            measured_and_predicted(subject, &over_time(&measured), &over_time(&coasted), &mean_label, worst),
+        ),
         ("2_residual", residual(subject, &over_time(&series.coast), &mean_label, worst)),
     ];
     let innovations = trace.stretches_of(&series.one_step);
@@ -119,7 +130,8 @@ fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelo
         let values = &series[stretch.start - trace.rows.start..stretch.end - trace.rows.start];
         // the first samples of a stretch have no prediction yet
         let first = values.iter().position(|value| value.is_finite())?;
-        let values: Vec<f64> = values[first..].iter().copied().take_while(|value| value.is_finite()).collect();
+        let values: Vec<f64> =
+            values[first..].iter().copied().take_while(|value| value.is_finite()).collect();
         let buckets = (BUCKETS * values.len()).div_ceil(total.max(1)).max(1);
         Some(envelope(&values, recording.time_s[stretch.start + first], trace.period_s, buckets, MEAN_S))
     };

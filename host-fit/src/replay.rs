@@ -19,7 +19,9 @@ pub enum ReplayError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// An axis or quantity of the image has no name of its own.
-    #[error("{what} {index} of the image has no column of its own\nhelp: name the columns of the axes with --axes")]
+    #[error(
+        "{what} {index} of the image has no column of its own\nhelp: name the columns of the axes with --axes"
+    )]
     NoColumn {
         /// `axis` or `quantity`.
         what: &'static str,
@@ -27,7 +29,9 @@ pub enum ReplayError {
         index: usize,
     },
     /// The log has reference columns.
-    #[error("the log has ref_ columns: the firmware in the loop knows only the model's own reference\nhelp: leave them out with --map '!ref_gx_rads' and so on")]
+    #[error(
+        "the log has ref_ columns: the firmware in the loop knows only the model's own reference\nhelp: leave them out with --map '!ref_gx_rads' and so on"
+    )]
     Reference,
 }
 
@@ -117,7 +121,9 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayE
     let named = image.axes().enumerate().map(|(index, axis)| {
         let column = match axes.get(index) {
             Some(column) => column.clone(),
-            None => column_of(axis.parameters.axis).ok_or(ReplayError::NoColumn { what: "axis", index })?.to_owned(),
+            None => column_of(axis.parameters.axis)
+                .ok_or(ReplayError::NoColumn { what: "axis", index })?
+                .to_owned(),
         };
         Ok(FittedAxis {
             column,

@@ -110,9 +110,8 @@ fn limits(recording: &Recording) -> Option<StillnessLimits<f64>> {
         .filter(|w| w.accel_variance <= accel_variance && w.gyro_variance <= gyro_variance)
         .collect();
     let gyro_at_rest = [0, 1, 2].map(|axis| median(quiet.iter().map(|w| w.gyro_mean[axis]).collect()));
-    let distance = |w: &&Window| {
-        (0..3).map(|axis| (w.gyro_mean[axis] - gyro_at_rest[axis]).powi(2)).sum::<f64>().sqrt()
-    };
+    let distance =
+        |w: &&Window| (0..3).map(|axis| (w.gyro_mean[axis] - gyro_at_rest[axis]).powi(2)).sum::<f64>().sqrt();
     // half of the quiet windows are nearer than the median; a bias that drifts goes some times further
     let spread = median(quiet.iter().map(distance).collect());
     let limits = StillnessLimits {

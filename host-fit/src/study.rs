@@ -91,7 +91,9 @@ pub enum StudyError {
         reason: String,
     },
     /// Another version.
-    #[error("{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it")]
+    #[error(
+        "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
+    )]
     Schema {
         /// The file.
         path: String,
@@ -147,7 +149,8 @@ impl Study {
     /// In a few lines: where the model comes from.
     pub fn provenance(&self) -> String {
         let Source { path, sha256, .. } = &self.data.source;
-        let file = Path::new(path).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let file =
+            Path::new(path).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         format!(
             "{} {}\ndata {file}, sha256 {sha256}\nfitted to {} of {} rows at {:.3} Hz",
             self.tool.name, self.tool.version, self.data.trained_rows, self.data.rows, self.data.true_rate_hz

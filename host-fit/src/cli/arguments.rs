@@ -42,8 +42,10 @@ impl Reading {
 /// The axes that `--axis` names: one, several with commas, or all that the log has.
 pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Failure> {
     if names != "all" {
-        let axes: Result<Vec<String>, _> =
-            names.split(',').map(|name| recording.axis(name.trim()).map(|channel| channel.name.clone())).collect();
+        let axes: Result<Vec<String>, _> = names
+            .split(',')
+            .map(|name| recording.axis(name.trim()).map(|channel| channel.name.clone()))
+            .collect();
         return Ok(axes?);
     }
     let six = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
@@ -58,7 +60,8 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 /// What was read, in a few lines.
 pub(super) fn describe(recording: &Recording) -> String {
     let rate = &recording.rate;
-    let duration_s = recording.time_s.last().copied().unwrap_or(0.0) - recording.time_s.first().copied().unwrap_or(0.0);
+    let duration_s =
+        recording.time_s.last().copied().unwrap_or(0.0) - recording.time_s.first().copied().unwrap_or(0.0);
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
         "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",

@@ -64,7 +64,9 @@ impl Bench {
         add("refit", &|t| milliseconds(t.refit_s));
         add("together", &|t| milliseconds(t.total_s));
         add("textbook search", &|t| t.twin_s.map_or("–".into(), milliseconds));
-        add("  times as long as moments and search", &|t| t.times_faster.map_or("–".into(), |x| format!("{x:.0}")));
+        add("  times as long as moments and search", &|t| {
+            t.times_faster.map_or("–".into(), |x| format!("{x:.0}"))
+        });
         add("peak multiply-adds", &|t| format!("{:.1} G/s", t.peak_multiply_adds_per_s * 1e-9));
         add("  moments over that limit", &|t| format!("{:.2}", t.moments_over_limit));
         add("memory beyond the data", &|t| format!("{:.2} MB", t.working_bytes as f64 * 1e-6));

@@ -72,10 +72,13 @@ impl Demo {
         );
 
         let rows = trained..recording.n_rows();
-        let (comparison, trace) = compare(&study.model, &study.lag_1(), &recording, &rest, rows, |_| bar.inc(1))?;
+        let (comparison, trace) =
+            compare(&study.model, &study.lag_1(), &recording, &rest, rows, |_| bar.inc(1))?;
         bar.finish_and_clear();
         plots::write_all(&path("figures"), &comparison, &trace, &recording)?;
-        println!("3. On the rest, which was not fitted. Root mean square of what is left, coasting on its own history:");
+        println!(
+            "3. On the rest, which was not fitted. Root mean square of what is left, coasting on its own history:"
+        );
         print_coasts(&comparison);
 
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
@@ -96,7 +99,9 @@ impl Demo {
                 .fold(0.0, f64::max),
             replayed.summary.innovations_digest
         );
-        println!("5. In motion, against the simulated truth: rms of the 1-s means of the error, bias at rest taken off:");
+        println!(
+            "5. In motion, against the simulated truth: rms of the 1-s means of the error, bias at rest taken off:"
+        );
         print_motion(&recording, &simulated, &rest.still, trained, &replayed);
         println!(
             "Written to {}: log.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet ({:.1} s).",
@@ -132,7 +137,13 @@ fn print_coasts(comparison: &Comparison) {
     println!("{rows}");
 }
 
-fn print_motion(recording: &Recording, simulated: &SimulatedLog, still: &[bool], trained: usize, replayed: &Replay) {
+fn print_motion(
+    recording: &Recording,
+    simulated: &SimulatedLog,
+    still: &[bool],
+    trained: usize,
+    replayed: &Replay,
+) {
     let mut rows = table(&["   axis", "", "before", "after", "left"]);
     for (axis, (name, truth)) in replayed.summary.axes.iter().zip(&simulated.truth) {
         debug_assert!(name.ends_with(&axis.column));
@@ -155,7 +166,8 @@ fn print_motion(recording: &Recording, simulated: &SimulatedLog, still: &[bool],
 /// much anyone can do by averaging at rest.
 fn moving_rms(values: &[f64], truth: &[f64], still: &[bool], trained: usize, rate_hz: f64) -> f64 {
     let errors: Vec<f64> = values.iter().zip(truth).map(|(value, truth)| value - truth).collect();
-    let at_rest: Vec<f64> = errors[..trained].iter().zip(still).filter(|(_, still)| **still).map(|(e, _)| *e).collect();
+    let at_rest: Vec<f64> =
+        errors[..trained].iter().zip(still).filter(|(_, still)| **still).map(|(e, _)| *e).collect();
     let bias = signal::mean(&[&at_rest]);
     let block = rate_hz as usize;
     let moving = (trained..errors.len()).step_by(block).filter(|start| {

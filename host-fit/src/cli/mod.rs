@@ -39,7 +39,6 @@ enum Command {
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
     Bench(bench::Bench),
-
 }
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
@@ -54,7 +53,6 @@ pub fn run() -> ExitCode {
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Bench(command) => command.run(),
-
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -47,8 +47,12 @@ impl Simulate {
             motion: !self.at_rest,
         });
         let truth = if self.truth { log.truth.as_slice() } else { &[] };
-        let columns: Vec<(&str, &[f64])> =
-            log.columns.iter().chain(truth).map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+        let columns: Vec<(&str, &[f64])> = log
+            .columns
+            .iter()
+            .chain(truth)
+            .map(|(name, values)| (name.as_str(), values.as_slice()))
+            .collect();
         write_columns(&self.log, &columns)?;
         println!("{}: {} rows, {} columns", self.log.display(), columns[0].1.len(), columns.len());
         Ok(())

@@ -46,13 +46,23 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         .iter()
         .flat_map(|stretch| {
             let end = stretch.end;
-            stretch.clone().step_by(length).map(move |start| start..start + length).filter(move |p| p.end <= end)
+            stretch
+                .clone()
+                .step_by(length)
+                .map(move |start| start..start + length)
+                .filter(move |p| p.end <= end)
         })
         .collect();
-    let left = |place: &Range<usize>| &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start];
+    let left = |place: &Range<usize>| {
+        &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start]
+    };
     let rms = |place: &Range<usize>| (left(place).iter().map(|e| e * e).sum::<f64>() / length as f64).sqrt();
-    let mut ranked: Vec<(f64, usize)> =
-        places.iter().enumerate().map(|(index, place)| (rms(place), index)).filter(|(rms, _)| rms.is_finite()).collect();
+    let mut ranked: Vec<(f64, usize)> = places
+        .iter()
+        .enumerate()
+        .map(|(index, place)| (rms(place), index))
+        .filter(|(rms, _)| rms.is_finite())
+        .collect();
     let median_rms = median(ranked.iter().map(|(rms, _)| *rms));
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let backdrop = Backdrop::new(recording, &places);
@@ -101,12 +111,19 @@ impl Backdrop {
         Self { channels: channels.collect() }
     }
 
-    fn special(&self, recording: &Recording, trace: &Trace, index: usize, place: &Range<usize>) -> Vec<String> {
+    fn special(
+        &self,
+        recording: &Recording,
+        trace: &Trace,
+        index: usize,
+        place: &Range<usize>,
+    ) -> Vec<String> {
         let mut found: Vec<(f64, String)> = Vec::new();
         for channel in &self.channels {
             let unit = crate::model::unit_of(&channel.name);
             if let Some((score, usual)) = score(&channel.means, index) {
-                let text = format!("{} is at {:.4} {unit}, usually {usual:.4}", channel.name, channel.means[index]);
+                let text =
+                    format!("{} is at {:.4} {unit}, usually {usual:.4}", channel.name, channel.means[index]);
                 found.push((score, text));
             }
             if let Some((score, usual)) = score(&channel.deviations, index) {

@@ -164,7 +164,9 @@ impl Origins {
             let wanted = (STEPS_PER_HORIZON / ticks).max(1);
             let spacing = available.div_ceil(wanted).max(1);
             for stretch in stretches {
-                reaches.extend((0..places(stretch)).step_by(spacing).map(|place| (stretch.start + place, ticks)));
+                reaches.extend(
+                    (0..places(stretch)).step_by(spacing).map(|place| (stretch.start + place, ticks)),
+                );
             }
         }
         reaches.sort_unstable();

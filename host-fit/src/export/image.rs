@@ -1,7 +1,7 @@
 //! The model image: docs/MODEL_FORMAT.md.
 
 use fos_core::image::encode;
-use fos_core::{Image, ImageError, Info};
+use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
 
 use crate::model::{HostPredictor, UnitModel, unit_of};
 
@@ -28,7 +28,8 @@ pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8
         .map(|logged| format!("{} {}", logged.column, unit_of(&logged.column)).trim_end().to_owned())
         .collect();
     let quantities = quantities.join("\n");
-    let info = Info { sensor, quantities: &quantities, effects: "", provenance };
+    let effects = effects(model).join("\n");
+    let info = Info { sensor, quantities: &quantities, effects: &effects, provenance };
     let mut buffer = vec![0; LARGEST];
     let bytes = model
         .with::<f32, _>(|model| encode(model, &info, &mut buffer).map(<[u8]>::to_vec))
@@ -36,4 +37,52 @@ pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8
     let read_back = Image::parse(&bytes).map_err(ExportError::Image)?;
     let _: HostPredictor<f32> = read_back.predictor().map_err(ExportError::Image)?;
     Ok(bytes)
+}
+
+/// Identifiers of the effects that the physical parts describe, each once, in the order of the inputs.
+fn effects(model: &UnitModel) -> Vec<String> {
+    let used = |index: usize| {
+        let physical = model.axes.iter().flat_map(|axis| &axis.physical);
+        physical.flat_map(|term| &term.factors).any(|factor| factor.channel == Channel::Input(index as u8))
+    };
+    let mut effects = Vec::new();
+    for (_, named) in model.inputs.iter().enumerate().filter(|(index, _)| used(*index)) {
+        let quantity = match named.input.source {
+            Source::Quantity(index) => Some(model.quantities[usize::from(index)].quantity),
+            _ => None,
+        };
+        let effect =
+            effect(quantity, named.input.transform).map_or_else(|| named.name.clone(), str::to_owned);
+        if !effects.contains(&effect) {
+            effects.push(effect);
+        }
+    }
+    effects
+}
+
+/// The effect that a quantity makes through a transform, if it is one with a name.
+fn effect(quantity: Option<Quantity>, transform: Transform<f64>) -> Option<&'static str> {
+    use fos_core::Axis;
+    use {Quantity as Q, Transform as T};
+    match (quantity, transform) {
+        (Some(Q::Temperature), T::Identity) => Some("temp_linear"),
+        (Some(Q::Temperature), T::LowPass { .. }) => Some("thermal_lag"),
+        (Some(Q::Temperature), T::Rate { .. }) => Some("temp_rate"),
+        (Some(Q::Temperature), T::Backlash { .. }) => Some("thermal_hysteresis"),
+        (Some(Q::Supply), T::Identity) => Some("supply_sensitivity"),
+        (Some(Q::Load), T::LowPass { .. }) => Some("load_heating"),
+        (Some(Q::MagneticX | Q::MagneticY | Q::MagneticZ), T::Identity | T::LowPass { .. }) => {
+            Some("mag_sensitivity")
+        }
+        (Some(Q::Measured(Axis::Ax | Axis::Ay | Axis::Az)), T::Identity | T::LowPass { .. }) => {
+            Some("g_sensitivity")
+        }
+        (Some(Q::Measured(Axis::Ax | Axis::Ay | Axis::Az)), T::Variance { .. }) => {
+            Some("vibration_rectification")
+        }
+        (None, T::Decay { .. }) => Some("warmup_exp"),
+        (None, T::Time) => Some("bias_ramp"),
+        (None, T::Sine { .. } | T::Cosine { .. }) => Some("spectral_line"),
+        _ => None,
+    }
 }

@@ -28,7 +28,10 @@ impl Display for Items<'_> {
         // not every model needs all of them
         writeln!(f, "#[allow(unused_imports)]")?;
         writeln!(f, "use fos_core::{{")?;
-        writeln!(f, "    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Input, Model, Quantity,")?;
+        writeln!(
+            f,
+            "    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Input, Model, Quantity,"
+        )?;
         writeln!(f, "    Range, Source, StillnessLimits, Term, Transform, u, y,")?;
         writeln!(f, "}};\n")?;
         writeln!(f, "static INPUTS: [Input<f32>; {}] = [", model.inputs.len())?;
@@ -53,7 +56,11 @@ impl Display for Items<'_> {
             Some(limits) => writeln!(f, "    stillness: Some({}),", Stillness(limits))?,
             None => writeln!(f, "    stillness: None,")?,
         }
-        writeln!(f, "    quantities: &[{}],", List(model.quantities.iter().map(|q| format!("Quantity::{q:?}"))))?;
+        writeln!(
+            f,
+            "    quantities: &[{}],",
+            List(model.quantities.iter().map(|q| format!("Quantity::{q:?}")))
+        )?;
         writeln!(f, "    inputs: &INPUTS,")?;
         writeln!(f, "    axes: &AXES,")?;
         writeln!(f, "}};")

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fos_core::{
-    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source, u, y,
+    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source,
+    Transform, u, y,
 };
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,9 @@ use crate::signal::{self, autocorrelation::autocorrelation};
 
 /// Wide enough for any scaled value, while the ranges are not known yet.
 const ANY: Fitted<f64> = Fitted { low: -1e12, high: 1e12 };
+
+/// Logged quantities further than this many standard deviations from their mean are limited before the transform.
+const SOURCE_LIMIT: f64 = 100.0;
 
 /// Fewest rows per candidate: below that a coefficient is mostly noise.
 const ROWS_PER_CANDIDATE: usize = 5;
@@ -87,7 +91,9 @@ pub enum AxisError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// Too little to fit to.
-    #[error("{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train, a smaller --max-lag or --degree")]
+    #[error(
+        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train, a smaller --max-lag or --degree"
+    )]
     TooShort {
         /// The column.
         column: String,
@@ -99,7 +105,9 @@ pub enum AxisError {
         candidates: usize,
     },
     /// All values are the same.
-    #[error("{column}: every value in the training part is {value}: a stuck or unconnected axis\nhelp: leave the axis out")]
+    #[error(
+        "{column}: every value in the training part is {value}: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
     Constant {
         /// The column.
         column: String,
@@ -161,7 +169,12 @@ pub fn training_rows(recording: &Recording, rest: &Rest, train: Train) -> Range<
 /// # Errors
 ///
 /// A column is missing, the training part is too short or constant, or the candidates cannot be told apart.
-pub fn fit_axis(recording: &Recording, rest: &Rest, axis: &str, options: &FitOptions) -> Result<AxisFit, AxisError> {
+pub fn fit_axis(
+    recording: &Recording,
+    rest: &Rest,
+    axis: &str,
+    options: &FitOptions,
+) -> Result<AxisFit, AxisError> {
     let series = recording.error_series(axis)?;
     let column = series.channel.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
@@ -247,7 +260,12 @@ fn start(
         stillness: rest.limits,
         quantities: Vec::new(),
         inputs: Vec::new(),
-        axes: vec![FittedAxis { column: column.to_owned(), parameters, physical: vec![], stochastic: vec![] }],
+        axes: vec![FittedAxis {
+            column: column.to_owned(),
+            parameters,
+            physical: vec![],
+            stochastic: vec![],
+        }],
     };
     for spec in options.physical.iter().chain(&options.inputs) {
         let input = logged_input(&mut model, recording, rest, spec)?;
@@ -259,7 +277,7 @@ fn start(
             name: format!("r:lowpass({tau_s})"),
             input: Input {
                 source: Source::Remainder(0),
-                transform: fos_core::Transform::LowPass { tau_s },
+                transform: Transform::LowPass { tau_s },
                 centre: 0.0,
                 scale: 1.0,
                 source_range: ANY,
@@ -280,20 +298,26 @@ fn logged_input(
         None => (Source::Clock, 0.0, 1.0),
         Some(column) => {
             let channel = recording.channel(column)?;
-            let finite: Vec<f64> =
-                channel.values.iter().zip(&rest.still).filter(|(v, still)| v.is_finite() && **still).map(|(v, _)| *v).collect();
+            let finite: Vec<f64> = channel
+                .values
+                .iter()
+                .zip(&rest.still)
+                .filter(|(v, still)| v.is_finite() && **still)
+                .map(|(v, _)| *v)
+                .collect();
             let deviation = signal::variance(&[&finite]).sqrt();
             if finite.is_empty() || deviation == 0.0 {
                 let value = finite.first().copied().unwrap_or(f64::NAN);
                 return Err(AxisError::Constant { column: column.clone(), value });
             }
-            let quantity = LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
+            let quantity =
+                LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
             let index = model.quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
                 model.quantities.push(quantity);
                 model.quantities.len() - 1
             });
             // |x| means what it says only about zero
-            let centred = spec.transform != fos_core::Transform::Absolute;
+            let centred = spec.transform != Transform::Absolute;
             let centre = if centred { signal::mean(&[&finite]) } else { 0.0 };
             (Source::Quantity(index as u8), centre, deviation)
         }
@@ -380,7 +404,8 @@ fn report(
 ) -> AxisReport {
     let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
     let known = regressors.known_remainder();
-    let mean_square = known.iter().copied().flatten().map(|r| r * r).sum::<f64>() / signal::sample_count(&known) as f64;
+    let mean_square =
+        known.iter().copied().flatten().map(|r| r * r).sum::<f64>() / signal::sample_count(&known) as f64;
     let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
     let mut mse = fit.selection.initial_mse;
     let steps = fit.terms.iter().zip(&fit.refit.mse_reductions).map(|(factors, reduction)| {
@@ -428,12 +453,14 @@ fn set_statistics(model: &mut UnitModel, feed: &Feed<'_>, training: Range<usize>
         mean: signal::mean(&innovations) / scale,
         // an exact model has none left; the monitor divides by it
         variance: variance.max(f64::from(f32::MIN_POSITIVE)),
-        lag_1_correlation: autocorrelation(&innovations, 1).map_or(0.0, |result| result.values[1].clamp(-1.0, 1.0)),
+        lag_1_correlation: autocorrelation(&innovations, 1)
+            .map_or(0.0, |result| result.values[1].clamp(-1.0, 1.0)),
     };
     let mean_square = signal::variance(&trace.stretches_of(&trace.axes[0].measured));
-    let beats_the_mean = evaluate::HORIZONS_S.iter().zip(&trace.axes[0].horizons).filter(|(_, squares)| {
-        !squares.is_empty() && signal::mean(&[squares]) <= mean_square
-    });
+    let beats_the_mean = evaluate::HORIZONS_S
+        .iter()
+        .zip(&trace.axes[0].horizons)
+        .filter(|(_, squares)| !squares.is_empty() && signal::mean(&[squares]) <= mean_square);
     parameters.coast_limit_s = beats_the_mean.map(|(horizon, _)| *horizon).fold(SHORTEST_COAST_S, f64::max);
     Ok(())
 }
@@ -449,10 +476,18 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
     let remainder = range(&regressors.remainder);
     model.axes[0].parameters.range = remainder;
     for (named, column) in model.inputs.iter_mut().zip(&regressors.inputs) {
-        named.input.range = range(column);
-        named.input.source_range = match named.input.source {
+        let input = &mut named.input;
+        input.range = match input.transform {
+            // these end where they end, whatever part of it the training data show
+            Transform::Decay { .. } => Fitted::new(0.0, 1.0),
+            Transform::Sine { .. } | Transform::Cosine { .. } => Fitted::new(-1.0, 1.0),
+            _ => range(column),
+        };
+        input.source_range = match input.source {
+            Source::Clock => Fitted::new(0.0, 0.0),
             Source::Remainder(_) => remainder,
-            _ => ANY,
+            // a low-pass stays within what goes into it; a variance or a rate does not tell
+            Source::Quantity(_) => Fitted::new(-SOURCE_LIMIT, SOURCE_LIMIT),
         };
     }
 }

@@ -110,7 +110,8 @@ impl FromStr for Train {
             Some(number) => (number, true),
             None => (text.strip_suffix('%').unwrap_or(text), false),
         };
-        let value: f64 = number.trim().parse().map_err(|_| format!("{text:?} is neither like 50% nor like 180s"))?;
+        let value: f64 =
+            number.trim().parse().map_err(|_| format!("{text:?} is neither like 50% nor like 180s"))?;
         let share = if text.ends_with('%') { value / 100.0 } else { value };
         match seconds {
             true if value > 0.0 => Ok(Self::Seconds(value)),
@@ -137,7 +138,8 @@ impl FromStr for InputSpec {
         let (column, transform) = text.split_once(':').unwrap_or((text, "identity"));
         let (name, parameter) = match transform.strip_suffix(')').and_then(|inner| inner.split_once('(')) {
             Some((name, number)) => {
-                let number: f64 = number.parse().map_err(|_| format!("{text:?}: {number:?} is not a number"))?;
+                let number: f64 =
+                    number.parse().map_err(|_| format!("{text:?}: {number:?} is not a number"))?;
                 (name, Some(number))
             }
             None => (transform, None),
@@ -165,7 +167,9 @@ impl FromStr for InputSpec {
         }
         let is_clock = column == "clock";
         if is_clock != transform.is_clock() {
-            return Err(format!("{text:?}: decay, time, sine and cosine go with clock, the others with a column"));
+            return Err(format!(
+                "{text:?}: decay, time, sine and cosine go with clock, the others with a column"
+            ));
         }
         Ok(Self { column: (!is_clock).then(|| column.to_owned()), transform })
     }
@@ -238,10 +242,14 @@ mod tests {
 
     #[test]
     fn an_input_reads_back_as_it_is_written() {
-        for text in ["temp_c", "temp_c:lowpass(61.5)", "ax_mps2:variance(2)", "clock:time", "clock:sine(16.37)"] {
+        for text in
+            ["temp_c", "temp_c:lowpass(61.5)", "ax_mps2:variance(2)", "clock:time", "clock:sine(16.37)"]
+        {
             assert_eq!(text.parse::<InputSpec>().unwrap().to_string(), text);
         }
-        for text in ["temp_c:decay(3)", "clock:lowpass(3)", "temp_c:lowpass(-1)", "temp_c:lowpas(1)", "temp_c:abs(1)"] {
+        for text in
+            ["temp_c:decay(3)", "clock:lowpass(3)", "temp_c:lowpass(-1)", "temp_c:lowpas(1)", "temp_c:abs(1)"]
+        {
             assert!(text.parse::<InputSpec>().is_err(), "{text}");
         }
     }

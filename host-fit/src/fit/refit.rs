@@ -92,7 +92,8 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     }
     // the columns of [X y]
     let target = [y(0)];
-    let monomials = std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
+    let monomials =
+        std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
     let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
 
     let factor = triangular_factor(signals, rows, &columns);
@@ -133,7 +134,8 @@ fn triangular_factor(signals: &[&[f64]], rows: &Rows, columns: &[Product]) -> Ma
     let reflectors = recommended_block_size::<f64>(BLOCK_ROWS, width);
     let mut stacked = Mat::<f64>::zeros(width + BLOCK_ROWS, width);
     let mut coefficients = Mat::<f64>::zeros(reflectors, width);
-    let scratch = qr_in_place_scratch::<f64>(width + BLOCK_ROWS, width, reflectors, Par::Seq, Spec::default());
+    let scratch =
+        qr_in_place_scratch::<f64>(width + BLOCK_ROWS, width, reflectors, Par::Seq, Spec::default());
     let mut scratch = MemBuffer::new(scratch);
     for block in blocks(rows, BLOCK_ROWS) {
         let height = width + block.len();

@@ -137,7 +137,10 @@ fn the_textbook_recursion_chooses_the_same() {
                 let twin = textbook::search(&signals, &rows, &pool, &rule).unwrap();
                 let gram = Moments::accumulate(&signals, &rows, &pool).unwrap().gram(&pool).unwrap();
                 let selection = fos::search(&gram, &rule);
-                assert_eq!(twin.iter().map(|t| t.0).collect::<Vec<_>>(), selection.candidates().collect::<Vec<_>>());
+                assert_eq!(
+                    twin.iter().map(|t| t.0).collect::<Vec<_>>(),
+                    selection.candidates().collect::<Vec<_>>()
+                );
                 for ((_, q), step) in twin.iter().zip(&selection.steps) {
                     assert!((q - step.mse_reduction).abs() < 1e-12 * selection.initial_mse);
                 }
@@ -234,7 +237,9 @@ fn stops_at_each_rule() {
     assert!(ratio.mse() <= 0.1 * ratio.initial_mse);
     assert!(ratio.steps[ratio.steps.len() - 2].mse > 0.1 * ratio.initial_mse);
     let default = searched(StopRule::default());
-    let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else { panic!("{:?}", default.stopped) };
+    let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else {
+        panic!("{:?}", default.stopped)
+    };
     assert!(mse_reduction < needed);
     assert_eq!(default.steps.len(), 4);
 
@@ -259,7 +264,8 @@ fn says_when_nothing_can_be_fitted() {
 fn false_alarms(noise: NoiseRule, records: u64) -> f64 {
     let pool = pool_65();
     let rule = StopRule { max_terms: 1, mse_ratio: None, noise };
-    let alarm = |seed: &u64| !fos::search(&gram(&[&gaussian(3600, 1000 + seed)], &pool), &rule).steps.is_empty();
+    let alarm =
+        |seed: &u64| !fos::search(&gram(&[&gaussian(3600, 1000 + seed)], &pool), &rule).steps.is_empty();
     (0..records).filter(alarm).count() as f64 / records as f64
 }
 
@@ -279,7 +285,10 @@ fn the_default_rule_never_misses_a_true_ar4() {
         let selection = fos::search(&gram(&[&output], &pool), &StopRule::default());
         let chosen: Vec<usize> = selection.candidates().collect();
         for lag in 1..=4 {
-            assert!(chosen.contains(&pool.position(&[y(lag)]).unwrap()), "seed {seed}: lag {lag} in {chosen:?}");
+            assert!(
+                chosen.contains(&pool.position(&[y(lag)]).unwrap()),
+                "seed {seed}: lag {lag} in {chosen:?}"
+            );
         }
     }
 }

@@ -184,7 +184,10 @@ mod tests {
         for shape in &layout.shapes {
             let within = |tile: &&Tile| (tile.first_sum..tile.first_sum + tile.len()).contains(&shape.sum);
             let tile = layout.tiles.iter().find(within).expect("a tile forms it");
-            let (i, j) = ((shape.sum - tile.first_sum) / tile.right.len(), (shape.sum - tile.first_sum) % tile.right.len());
+            let (i, j) = (
+                (shape.sum - tile.first_sum) / tile.right.len(),
+                (shape.sum - tile.first_sum) % tile.right.len(),
+            );
             let formed = (layout.halves[tile.left[i]], layout.halves[tile.right[j]], tile.shift);
             assert_eq!(formed, shape.product.halves());
         }

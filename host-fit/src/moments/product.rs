@@ -45,9 +45,8 @@ impl Product {
 
     /// (column of the signals, lag) of each factor, lags ascending. Column 0 is the output.
     pub(super) fn factors(&self) -> impl Iterator<Item = (usize, usize)> {
-        let unpack = |packed: &u32| {
-            ((packed & ((1 << CHANNEL_BITS) - 1)) as usize, (packed >> CHANNEL_BITS) as usize)
-        };
+        let unpack =
+            |packed: &u32| ((packed & ((1 << CHANNEL_BITS) - 1)) as usize, (packed >> CHANNEL_BITS) as usize);
         self.factors[..usize::from(self.len)].iter().map(unpack)
     }
 
@@ -96,7 +95,8 @@ impl Product {
     /// Inlined, so that inside the moment kernel it is compiled for the instruction set chosen there.
     #[inline(always)]
     pub(crate) fn fill(&self, signals: &[&[f64]], rows: Range<usize>, out: &mut [f64]) {
-        let mut delayed = self.factors().map(|(column, lag)| &signals[column][rows.start - lag..rows.end - lag]);
+        let mut delayed =
+            self.factors().map(|(column, lag)| &signals[column][rows.start - lag..rows.end - lag]);
         match (delayed.next(), delayed.next()) {
             (None, _) => out.fill(1.0),
             (Some(a), None) => out.copy_from_slice(a),

@@ -133,7 +133,10 @@ impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut lines = Vec::new();
         if self.rows_unusable > 0 {
-            lines.push(format!("{} of {} rows could not be read and were skipped", self.rows_unusable, self.rows_in_file));
+            lines.push(format!(
+                "{} of {} rows could not be read and were skipped",
+                self.rows_unusable, self.rows_in_file
+            ));
             lines.extend(self.first_unusable.iter().map(|row| format!("  {row}")));
         }
         let counts = [

@@ -76,7 +76,8 @@ pub fn simulate(simulation: &Simulation) -> SimulatedLog {
     let rate_hz = simulation.rate_hz * (1.0 + random.random_range(-0.01..0.01));
     let period_s = 1.0 / rate_hz;
     let n = (simulation.duration_s * rate_hz) as usize;
-    let mut noises: Vec<Noise> = (0..6).map(|axis| Noise::new(sizes(axis, rate_hz), period_s, &mut random)).collect();
+    let mut noises: Vec<Noise> =
+        (0..6).map(|axis| Noise::new(sizes(axis, rate_hz), period_s, &mut random)).collect();
     let mut time_s = Vec::with_capacity(n);
     let mut temperature = Vec::with_capacity(n);
     let mut still = Vec::with_capacity(n);
@@ -145,7 +146,9 @@ fn motion_phase(t: f64, duration_s: f64) -> Option<f64> {
 /// A hand that turns the unit about, smooth at both ends: specific force and rate.
 fn motion(phase: f64) -> [f64; 6] {
     let envelope = (std::f64::consts::PI * phase / MOTION_S).sin().powi(2);
-    let swing = |frequency_hz: f64, shift: f64| envelope * (std::f64::consts::TAU * frequency_hz * phase + shift).sin();
+    let swing = |frequency_hz: f64, shift: f64| {
+        envelope * (std::f64::consts::TAU * frequency_hz * phase + shift).sin()
+    };
     let tilt = 0.6 * swing(0.31, 0.0);
     [
         GRAVITY * tilt.sin() + 2.0 * swing(1.3, 0.4),
