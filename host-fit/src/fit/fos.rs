@@ -148,7 +148,8 @@ pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
         };
         let mse_reduction = open[best].mse_reduction();
         let candidate = open[best].candidate;
-        if mse_reduction < noise * mse {
+        // written so that it also stops at a NaN, from signals whose products overflow
+        if !(mse_reduction >= noise * mse) {
             break Stopped::Noise { candidate, mse_reduction, needed: noise * mse };
         }
 

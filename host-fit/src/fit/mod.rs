@@ -1,6 +1,7 @@
 //! Fitting: choosing terms and finding their coefficients.
 
 pub mod fos;
+mod householder;
 pub mod refit;
 pub mod stop;
 pub mod textbook;

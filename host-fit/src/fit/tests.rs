@@ -13,12 +13,13 @@ fn gaussian(samples: usize, seed: u64) -> Vec<f64> {
     (0..samples).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
-/// y(n) = Σ ar[k]·y(n−k−1) + `quadratic`·y(n−1)·y(n−2) + 0.2·e(n)
+/// y(n) = Σ ar[k]·y(n−k−1) + `quadratic`·(y(n−1)·y(n−2) − y(n−3)²) + 0.2·e(n): the difference of two squares
+/// has no mean to drive the record away.
 fn autoregressive(samples: usize, seed: u64, ar: &[f64], quadratic: f64) -> Vec<f64> {
     let mut series: Vec<f64> = gaussian(samples, seed).iter().map(|e| 0.2 * e).collect();
-    for n in ar.len().max(2)..samples {
+    for n in ar.len().max(3)..samples {
         let linear: f64 = ar.iter().enumerate().map(|(k, a)| a * series[n - k - 1]).sum();
-        series[n] += linear + quadratic * series[n - 1] * series[n - 2];
+        series[n] += linear + quadratic * (series[n - 1] * series[n - 2] - series[n - 3] * series[n - 3]);
     }
     series
 }
@@ -65,7 +66,7 @@ fn residuals_are_orthogonal_to_every_term_and_no_other_weights_do_better() {
     let e = residuals(&signals, &rows, &fit.terms, &fit.refit);
     let n = e.len() as f64;
     let norm = e.iter().map(|e| e * e).sum::<f64>().sqrt();
-    assert!((norm * norm / n / fit.refit.mse - 1.0).abs() < 1e-12);
+    assert!((norm * norm / n / fit.refit.mse - 1.0).abs() < 1e-12, "{} {}", norm * norm / n, fit.refit.mse);
     assert!((fit.selection.mse() / fit.refit.mse - 1.0).abs() < 1e-10, "(7) agrees with the residuals");
 
     let all_rows: Vec<usize> = rows.ranges().iter().cloned().flatten().collect();
@@ -95,25 +96,13 @@ fn mse_reductions_are_those_of_a_cholesky_factor() {
     let pool = Candidates::builder().output(1..=6, 2).build().unwrap();
     let gram = gram(&[&output], &pool);
     let selection = fos::search(&gram, &at_most(6));
-    // Gram matrix of [1 p_1 … p_K y], whose Cholesky factor has √(n·Q) in its last row
-    let terms: Vec<usize> = selection.candidates().collect();
-    let size = terms.len() + 2;
-    let entry = |i: usize, j: usize| {
-        let index = |k: usize| if k == 0 { None } else { terms.get(k - 1) };
-        let average = |k: usize| match index(k) {
-            Some(&p) => gram.mean(p),
-            None if k == 0 => 1.0,
-            None => gram.target_mean(),
-        };
-        match (index(i), index(j)) {
-            (Some(&p), Some(&q)) => gram.product(p, q),
-            (None, None) if i == size - 1 && j == size - 1 => gram.target_mean_square(),
-            (Some(&p), None) if j == size - 1 => gram.target_product(p),
-            (None, Some(&p)) if i == size - 1 => gram.target_product(p),
-            _ => average(i) * average(j) / if i == 0 || j == 0 { 1.0 } else { f64::NAN },
-        }
-    };
-    let matrix = faer::Mat::from_fn(size, size, entry);
+    // XᵀX/n with X = [1 p_1 … p_K y], straight from the data
+    let rows = whole(&[&output], &pool);
+    let terms = selection.candidates().map(|i| pool.monomials()[i].clone());
+    let columns: Vec<Monomial> = std::iter::once(vec![]).chain(terms).chain([vec![y(0)]]).collect();
+    let size = columns.len();
+    let design = faer::Mat::from_fn(rows.count(), size, |n, j| value(&[&output], &columns[j], rows.ranges()[0].start + n));
+    let matrix = design.transpose() * &design * faer::Scale(1.0 / rows.count() as f64);
     let factor = matrix.llt(faer::Side::Lower).unwrap();
     for (m, step) in selection.steps.iter().enumerate() {
         let root = factor.L()[(size - 1, m + 1)];
@@ -137,7 +126,7 @@ fn the_textbook_recursion_chooses_the_same() {
                 let twin = textbook::search(&signals, &rows, &pool, &rule).unwrap();
                 let gram = Moments::accumulate(&signals, &rows, &pool).unwrap().gram(&pool).unwrap();
                 let selection = fos::search(&gram, &rule);
-                assert_eq!(twin.iter().map(|t| t.0).collect::<Vec<_>>(), selection.candidates().collect::<Vec<_>>());
+                assert_eq!(twin.iter().map(|t| t.0).collect::<Vec<_>>(), selection.candidates().collect::<Vec<_>>(), "{twin:?} {:?}", selection.steps);
                 for ((_, q), step) in twin.iter().zip(&selection.steps) {
                     assert!((q - step.mse_reduction).abs() < 1e-12 * selection.initial_mse);
                 }
@@ -160,7 +149,8 @@ fn the_unit_of_the_data_does_not_matter() {
         for (m, term) in fit.terms.iter().enumerate() {
             let expected = unit.refit.coefficients[m] * scale.powi(1 - term.len() as i32);
             // inputs rounded anew by the scaling: ε times the condition number
-            assert!((fit.refit.coefficients[m] / expected - 1.0).abs() < 1e-9);
+            let error = fit.refit.coefficients[m] / expected - 1.0;
+            assert!(error.abs() < 1e-9, "{term:?}: {error:e}");
         }
         assert!((fit.refit.mse / (scale * scale) / unit.refit.mse - 1.0).abs() < 1e-12);
     }
@@ -229,10 +219,10 @@ fn stops_at_each_rule() {
     let gram = gram(&[&output], &pool_65());
     let searched = |rule: StopRule| fos::search(&gram, &rule);
     assert_eq!(searched(at_most(3)).stopped, Stopped::MaxTerms);
-    let ratio = searched(StopRule { mse_ratio: Some(0.1), ..at_most(9) });
+    let ratio = searched(StopRule { mse_ratio: Some(0.07), ..at_most(9) });
     assert_eq!(ratio.stopped, Stopped::MseRatio);
-    assert!(ratio.mse() <= 0.1 * ratio.initial_mse);
-    assert!(ratio.steps[ratio.steps.len() - 2].mse > 0.1 * ratio.initial_mse);
+    assert!(ratio.mse() <= 0.07 * ratio.initial_mse);
+    assert!(ratio.steps[ratio.steps.len() - 2].mse > 0.07 * ratio.initial_mse);
     let default = searched(StopRule::default());
     let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else { panic!("{:?}", default.stopped) };
     assert!(mse_reduction < needed);
@@ -242,7 +232,7 @@ fn stops_at_each_rule() {
     let pool = Candidates::builder().output(1..=2, 1).build().unwrap();
     let fit = fit(&[&flat], std::slice::from_ref(&(0..100)), &pool, &StopRule::default()).unwrap();
     assert_eq!((fit.selection.stopped, fit.terms.len()), (Stopped::Exact, 0));
-    assert_eq!(fit.refit.constant, 3.0);
+    assert!((fit.refit.constant - 3.0).abs() < 1e-14);
 }
 
 #[test]

@@ -70,7 +70,7 @@ impl Layout {
             products.push(Product::of(p, &target));
             products.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
         }
-        let mut products: Vec<(Product, usize)> = products.iter().map(Product::normalised).collect();
+        let mut products: Vec<(Product, usize)> = products.into_iter().map(Product::normalised).collect();
         products.sort_unstable();
         products.dedup();
 
@@ -164,7 +164,7 @@ mod tests {
     fn ten_lags_of_degree_two_share_297_sums() {
         let pool = Candidates::builder().output(1..=10, 2).build().unwrap();
         let layout = Layout::new(&pool, TILE);
-        let by_order = |order| layout.shapes.iter().filter(|s| s.product.factors().count() == order).count();
+        let by_order = |order| layout.shapes.iter().filter(|s| s.product.degree() == order).count();
         assert_eq!([1, 2, 3, 4].map(by_order), [1, 11, 65, 220]);
         assert_eq!(layout.halves.len(), 12, "the constant, y(n), and y(n)·y(n-d) for d = 0 to 9");
         let waste = layout.tile_sums() as f64 / layout.shapes.len() as f64;

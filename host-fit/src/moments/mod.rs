@@ -181,20 +181,27 @@ fn add_directly(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums:
 /// Adds head and tail of every product over a range of at least N₀ rows.
 fn add_ends(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums: &mut [f64]) {
     let lag = layout.max_lag;
-    let mut tails = vec![0.0; lag + 1];
+    let (mut head, mut tail) = (vec![0.0; lag], vec![0.0; lag]);
+    // totals[a] = Σ over the a rows before the range and the last N₀ rows but the last a
+    let mut totals = vec![0.0; lag + 1];
     for shape in &layout.shapes {
-        // tails[a] = Σ over the last N₀ rows but the last a
-        for a in (0..lag).rev() {
-            tails[a] = tails[a + 1] + shape.product.at(signals, range.end - 1 - a);
-        }
-        let (mut head, mut reached) = (0.0, 0);
         let copies = shape.first..shape.end;
+        let farthest = layout.products[shape.end - 1].1;
+        shape.product.fill(signals, range.start - farthest..range.start, &mut head[lag - farthest..]);
+        shape.product.fill(signals, range.end - lag..range.end, &mut tail);
+        let mut sum = 0.0;
+        for a in (0..lag).rev() {
+            sum += tail[lag - 1 - a];
+            totals[a] = sum;
+        }
+        totals[lag] = 0.0;
+        let mut sum = 0.0;
+        for a in 1..=farthest {
+            sum += head[lag - a];
+            totals[a] += sum;
+        }
         for ((_, shift), sum) in layout.products[copies.clone()].iter().zip(&mut sums[copies]) {
-            while reached < *shift {
-                reached += 1;
-                head += shape.product.at(signals, range.start - reached);
-            }
-            *sum += head + tails[*shift];
+            *sum += totals[*shift];
         }
     }
 }
