@@ -93,7 +93,8 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     let signal = record(samples);
     let signals = [&signal[..]];
     let rule = StopRule { max_terms: terms, mse_ratio: None, noise: NoiseRule::Off };
-    let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors()).map_err(FitError::from)?;
+    let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())
+        .map_err(FitError::from)?;
 
     let prepare = || -> Result<_, FitError> {
         let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())?;

@@ -286,7 +286,8 @@ mod tests {
 
     #[test]
     fn lists_products_in_the_documented_order() {
-        let pool = Candidates::builder().output(1..=2, 2).input(0, 0..=0, 1).cross_products(2).build().unwrap();
+        let pool =
+            Candidates::builder().output(1..=2, 2).input(0, 0..=0, 1).cross_products(2).build().unwrap();
         let expected = [
             "y(n-1)",
             "y(n-2)",
@@ -324,7 +325,8 @@ mod tests {
 
     #[test]
     fn sorts_and_merges_explicit_monomials() {
-        let pool = Candidates::builder().monomial(&[u(0, 0), y(3)]).monomial(&[y(3), u(0, 0)]).build().unwrap();
+        let pool =
+            Candidates::builder().monomial(&[u(0, 0), y(3)]).monomial(&[y(3), u(0, 0)]).build().unwrap();
         assert_eq!(pool.monomials(), [vec![y(3), u(0, 0)]]);
         assert_eq!(monomial_text_named(&pool.monomials()[0], "gx", &["temp"]), "gx(n-3)·temp(n)");
         assert_eq!(monomial_text(&[]), "1");
@@ -334,7 +336,10 @@ mod tests {
     fn refuses_what_cannot_be_searched() {
         let refused = |builder: Builder| builder.build().unwrap_err();
         assert_eq!(refused(Candidates::builder().output(0..=3, 1)), CandidatesError::OutputAtLagZero);
-        assert_eq!(refused(Candidates::builder().monomial(&[y(0), u(0, 1)])), CandidatesError::OutputAtLagZero);
+        assert_eq!(
+            refused(Candidates::builder().monomial(&[y(0), u(0, 1)])),
+            CandidatesError::OutputAtLagZero
+        );
         assert_eq!(refused(Candidates::builder().output(1..=3, 4)), CandidatesError::Degree(4));
         assert_eq!(refused(Candidates::builder().output(1..=3, 0)), CandidatesError::Degree(0));
         let out_of_reach = |text: &str| CandidatesError::OutOfReach(text.into());

@@ -116,8 +116,12 @@ pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
     let mut collinear = Vec::new();
     let mut open: Vec<Open> = (0..gram.size())
         .map(|candidate| {
-            let mut open =
-                Open { candidate, d: vec![], dmm: gram.product(candidate, candidate), c: gram.target_product(candidate) };
+            let mut open = Open {
+                candidate,
+                d: vec![],
+                dmm: gram.product(candidate, candidate),
+                c: gram.target_product(candidate),
+            };
             factor.orthogonalise(&mut open, gram.mean(candidate));
             open
         })
@@ -142,7 +146,9 @@ pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
             break Stopped::MaxTerms;
         }
         // first of equals: replaced only by a larger one
-        let larger = |best: usize, i: usize| if open[i].mse_reduction() > open[best].mse_reduction() { i } else { best };
+        let larger = |best: usize, i: usize| {
+            if open[i].mse_reduction() > open[best].mse_reduction() { i } else { best }
+        };
         let Some(best) = (0..open.len()).reduce(larger) else {
             break Stopped::NothingLeft;
         };

@@ -90,7 +90,8 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     }
     // the columns of [X y]
     let target = [y(0)];
-    let monomials = std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
+    let monomials =
+        std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
     let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
 
     let factor = triangular_factor(signals, rows, &columns);

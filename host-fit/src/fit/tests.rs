@@ -101,7 +101,9 @@ fn mse_reductions_are_those_of_a_cholesky_factor() {
     let terms = selection.candidates().map(|i| pool.monomials()[i].clone());
     let columns: Vec<Monomial> = std::iter::once(vec![]).chain(terms).chain([vec![y(0)]]).collect();
     let size = columns.len();
-    let design = faer::Mat::from_fn(rows.count(), size, |n, j| value(&[&output], &columns[j], rows.ranges()[0].start + n));
+    let design = faer::Mat::from_fn(rows.count(), size, |n, j| {
+        value(&[&output], &columns[j], rows.ranges()[0].start + n)
+    });
     let matrix = design.transpose() * &design * faer::Scale(1.0 / rows.count() as f64);
     let factor = matrix.llt(faer::Side::Lower).unwrap();
     for (m, step) in selection.steps.iter().enumerate() {
@@ -126,7 +128,12 @@ fn the_textbook_recursion_chooses_the_same() {
                 let twin = textbook::search(&signals, &rows, &pool, &rule).unwrap();
                 let gram = Moments::accumulate(&signals, &rows, &pool).unwrap().gram(&pool).unwrap();
                 let selection = fos::search(&gram, &rule);
-                assert_eq!(twin.iter().map(|t| t.0).collect::<Vec<_>>(), selection.candidates().collect::<Vec<_>>(), "{twin:?} {:?}", selection.steps);
+                assert_eq!(
+                    twin.iter().map(|t| t.0).collect::<Vec<_>>(),
+                    selection.candidates().collect::<Vec<_>>(),
+                    "{twin:?} {:?}",
+                    selection.steps
+                );
                 for ((_, q), step) in twin.iter().zip(&selection.steps) {
                     assert!((q - step.mse_reduction).abs() < 1e-12 * selection.initial_mse);
                 }
@@ -224,7 +231,9 @@ fn stops_at_each_rule() {
     assert!(ratio.mse() <= 0.07 * ratio.initial_mse);
     assert!(ratio.steps[ratio.steps.len() - 2].mse > 0.07 * ratio.initial_mse);
     let default = searched(StopRule::default());
-    let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else { panic!("{:?}", default.stopped) };
+    let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else {
+        panic!("{:?}", default.stopped)
+    };
     assert!(mse_reduction < needed);
     assert_eq!(default.steps.len(), 4);
 
@@ -249,7 +258,8 @@ fn says_when_nothing_can_be_fitted() {
 fn false_alarms(noise: NoiseRule, records: u64) -> f64 {
     let pool = pool_65();
     let rule = StopRule { max_terms: 1, mse_ratio: None, noise };
-    let alarm = |seed: &u64| !fos::search(&gram(&[&gaussian(3600, 1000 + seed)], &pool), &rule).steps.is_empty();
+    let alarm =
+        |seed: &u64| !fos::search(&gram(&[&gaussian(3600, 1000 + seed)], &pool), &rule).steps.is_empty();
     (0..records).filter(alarm).count() as f64 / records as f64
 }
 
@@ -269,7 +279,10 @@ fn the_default_rule_never_misses_a_true_ar4() {
         let selection = fos::search(&gram(&[&output], &pool), &StopRule::default());
         let chosen: Vec<usize> = selection.candidates().collect();
         for lag in 1..=4 {
-            assert!(chosen.contains(&pool.position(&[y(lag)]).unwrap()), "seed {seed}: lag {lag} in {chosen:?}");
+            assert!(
+                chosen.contains(&pool.position(&[y(lag)]).unwrap()),
+                "seed {seed}: lag {lag} in {chosen:?}"
+            );
         }
     }
 }

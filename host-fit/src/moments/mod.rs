@@ -125,26 +125,18 @@ impl Moments {
             + Workspace::new(layout).bytes()
     }
 
-    /// The Gram matrix of a pool: of the one the moments were made for, or of any whose products it covers.
+    /// The Gram matrix of a pool: the one the moments were made for, or any part of it.
     ///
     /// # Errors
-    /// No rows, or a product that was not summed.
+    /// No rows, or a candidate the moments were not made for.
     pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
         Gram::new(self, pool)
-    }
-
-    /// The sum of a product, `None` if it was not formed.
-    fn sum(&self, product: &Product) -> Option<f64> {
-        if product.is_empty() {
-            return Some(self.rows as f64);
-        }
-        self.layout.find(product).map(|i| self.sums[i])
     }
 
     /// # Panics
     /// If the moments were made for different pools.
     fn assert_same_pool(&self, other: &Self) {
-        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.products == other.layout.products;
+        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.pool == other.layout.pool;
         assert!(same, "only moments of the same pool add");
     }
 }

@@ -104,8 +104,7 @@ fn do_not_depend_on_the_unit() {
 fn add_up_over_blocks_and_subtract_when_one_is_left_out() {
     let columns: Vec<_> = (0..2).map(|c| noise(900, 31 + c, 2.0)).collect();
     let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let pool =
-        Candidates::builder().output(1..=5, 2).input(0, 0..=8, 1).cross_products(2).build().unwrap();
+    let pool = Candidates::builder().output(1..=5, 2).input(0, 0..=8, 1).cross_products(2).build().unwrap();
     let rows = Rows::usable(&signals, &[0..400, 410..900], pool.factors()).unwrap();
     let blocks = [0..100, 100..104, 104..450, 450..900];
     let parts = Moments::accumulate_blocks(&signals, &rows, &blocks, &pool).unwrap();
