@@ -111,6 +111,17 @@ impl Candidates {
     }
 }
 
+/// Whether a pool could offer this monomial.
+pub(crate) fn is_candidate(monomial: &[Factor]) -> bool {
+    let output_now = |f: &Factor| f.channel == Channel::Output && f.lag == 0;
+    (1..=MAX_DEGREE).contains(&monomial.len()) && !monomial.iter().any(|f| output_now(f) || out_of_reach(f))
+}
+
+/// A lag or an input too large for the moments.
+fn out_of_reach(factor: &Factor) -> bool {
+    factor.lag > MAX_LAG || factor.channel > Channel::Input(MAX_INPUT)
+}
+
 /// By number of factors, then factor by factor: the order of the pool.
 fn order(a: &[Factor], b: &[Factor]) -> core::cmp::Ordering {
     a.len().cmp(&b.len()).then_with(|| a.cmp(b))
@@ -193,8 +204,7 @@ impl Builder {
         if monomials.iter().flatten().any(at_zero) {
             return Err(CandidatesError::OutputAtLagZero);
         }
-        let too_far = |f: &&Factor| f.lag > MAX_LAG || f.channel > Channel::Input(MAX_INPUT);
-        if let Some(factor) = monomials.iter().flatten().find(too_far) {
+        if let Some(factor) = monomials.iter().flatten().find(|f| out_of_reach(f)) {
             return Err(CandidatesError::OutOfReach(monomial_text(&[*factor])));
         }
         if monomials.is_empty() { Err(CandidatesError::Empty) } else { Ok(Candidates { monomials }) }

@@ -1,6 +1,6 @@
 //! The search and refit against independently computed answers, where the reference files are at hand.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use fos_core::y;
 use serde_json::Value;
@@ -9,10 +9,10 @@ use super::*;
 
 /// A reference file and its first channel; `None`, saying so, if it is not there.
 fn reference(name: &str) -> Option<(Value, Vec<f64>)> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
-    let folder = [folder, PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference")]
-        .into_iter()
-        .find(|folder| folder.join(name).with_extension("json").exists());
+    // beside the repository, however deep the working tree is
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = here.ancestors().map(|folder| folder.join("shared/reference"));
+    let folder = folders.find(|folder| folder.join(name).with_extension("json").exists());
     let Some(folder) = folder else {
         println!("skipped: no reference file {name}.json");
         return None;

@@ -20,7 +20,7 @@ use fos_core::{Factor, y};
 use thiserror::Error;
 
 use super::householder::{Block, Triangle};
-use crate::candidates::{Monomial, monomial_text};
+use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG, Monomial, is_candidate, monomial_text};
 use crate::moments::{Product, Rows, SignalsError};
 
 /// Rows taken in at a time: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
@@ -59,6 +59,16 @@ pub enum RefitError {
     /// The signals do not fit the terms.
     #[error(transparent)]
     Signals(#[from] SignalsError),
+    /// A term that no pool could offer.
+    #[error(
+        "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
+    )]
+    Term {
+        /// Index of the term.
+        term: usize,
+        /// The term as people write it.
+        text: String,
+    },
     /// As many parameters as rows, or more.
     #[error("{parameters} parameters cannot be fitted to {rows} rows")]
     TooFewRows {
@@ -80,9 +90,13 @@ pub enum RefitError {
 /// Fits the constant and `terms` to all `rows` of the signals by least squares.
 ///
 /// # Errors
-/// Signals that do not fit the terms, too few rows, or a term collinear with those before it.
+/// Signals that do not fit the terms, a monomial that cannot be a term, too few rows, or a term collinear with
+/// those before it.
 pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refit, RefitError> {
     rows.check(signals, terms.iter().flatten())?;
+    if let Some(term) = terms.iter().position(|m| !is_candidate(m)) {
+        return Err(RefitError::Term { term, text: monomial_text(&terms[term]) });
+    }
     let parameters = terms.len() + 1;
     let count = rows.count();
     if count <= parameters {

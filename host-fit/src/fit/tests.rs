@@ -252,6 +252,10 @@ fn says_when_nothing_can_be_fitted() {
     let rows = Rows::usable(&[&short], std::slice::from_ref(&(0..8)), &[y(6)]).unwrap();
     let refused = refit::refit(&[&short], &rows, &[vec![y(1)]]).unwrap_err();
     assert_eq!(refused, RefitError::TooFewRows { rows: 2, parameters: 2 });
+    for (monomial, text) in [(vec![y(0)], "y(n)"), (vec![], "1"), (vec![y(1); 4], "y(n-1)^4")] {
+        let refused = refit::refit(&[&short], &rows, &[vec![y(1)], monomial]).unwrap_err();
+        assert_eq!(refused, RefitError::Term { term: 1, text: text.into() });
+    }
 }
 
 /// Share of white-noise records in which a rule chooses a term.

@@ -5,8 +5,8 @@
 //! not of the record.
 //!
 //! Two products of delayed samples that differ only by a common delay a, p(n) and p(n − a), have sums that
-//! differ only in a few rows at either end (the time-shift property of fast orthogonal search, Korenberg 1988).
-//! For target rows b..e and largest lag N₀,
+//! differ only in a few rows at either end (Korenberg, Annals of Biomedical Engineering 16 (1988) 123). For
+//! target rows b..e and largest lag N₀,
 //!
 //! ```text
 //!   Σ_{n=b}^{e-1} p(n−a)  =  Σ_{n=b−a}^{b-1} p(n)  +  Σ_{n=b}^{e−N₀−1} p(n)  +  Σ_{n=e−N₀}^{e−a−1} p(n)
