@@ -223,6 +223,8 @@ impl Factorisation {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
+
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -236,7 +238,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let output: Vec<f64> = (0..900).map(|_| random.random::<f64>() - 0.4).collect();
         let pool = Candidates::builder().output(1..=5, 2).build().unwrap();
-        let rows = Rows::usable(&[&output], std::slice::from_ref(&(0..900)), pool.factors()).unwrap();
+        let rows = Rows::usable(&[&output], &[0..900], pool.factors()).unwrap();
         let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
         let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
         let (selection, recursion) = run(&gram, &rule);

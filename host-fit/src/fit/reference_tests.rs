@@ -1,4 +1,5 @@
 //! The search and refit against independently computed answers, where the reference files are at hand.
+#![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use std::path::Path;
 
@@ -53,7 +54,7 @@ fn reproduces_the_reference_selection() {
             mse_ratio: None,
             noise: if korenberg { NoiseRule::Korenberg } else { NoiseRule::Off },
         };
-        let fit = fit(&[&signal], std::slice::from_ref(&(0..signal.len())), &pool, &rule).unwrap();
+        let fit = fit(&[&signal], &[0..signal.len()], &pool, &rule).unwrap();
 
         let terms = case["terms"].as_array().unwrap();
         let expected: Vec<Monomial> = terms.iter().map(|term| monomial(&term["lags"])).collect();
@@ -77,7 +78,7 @@ fn reproduces_the_reference_fit_across_gaps() {
     for case in reference["cases"].as_array().unwrap() {
         let terms: Vec<Monomial> = case["terms"].as_array().unwrap().iter().map(monomial).collect();
         let max_lag = y(case["max_lag"].as_u64().unwrap() as u16);
-        let rows = Rows::usable(&[&signal], std::slice::from_ref(&(0..signal.len())), &[max_lag]).unwrap();
+        let rows = Rows::usable(&[&signal], &[0..signal.len()], &[max_lag]).unwrap();
         assert_eq!(rows.count() as u64, case["rows_used"].as_u64().unwrap());
         assert!(terms[0].is_empty(), "the constant comes first");
         let fit = refit::refit(&[&signal], &rows, &terms[1..]).unwrap();

@@ -1,4 +1,5 @@
 //! Defining properties, the slow twin, units, stop rules and their calibration.
+#![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
 use rand::SeedableRng;
@@ -27,7 +28,7 @@ fn autoregressive(samples: usize, seed: u64, ar: &[f64], quadratic: f64) -> Vec<
 const AR4: [f64; 4] = [1.6, -0.95, 0.42, -0.13];
 
 fn whole(signals: &[&[f64]], pool: &Candidates) -> Rows {
-    Rows::usable(signals, std::slice::from_ref(&(0..signals[0].len())), pool.factors()).unwrap()
+    Rows::usable(signals, &[0..signals[0].len()], pool.factors()).unwrap()
 }
 
 fn gram(signals: &[&[f64]], pool: &Candidates) -> Gram {
@@ -145,7 +146,7 @@ fn the_textbook_recursion_chooses_the_same() {
 #[test]
 fn the_unit_of_the_data_does_not_matter() {
     let output = autoregressive(20_000, 9, &AR4, 0.02);
-    let segments = std::slice::from_ref(&(0..20_000));
+    let segments = &[0..20_000];
     let pool = pool_65();
     let unit = fit(&[&output], segments, &pool, &at_most(8)).unwrap();
     for scale in [1e-6, 1e6] {
@@ -173,7 +174,7 @@ fn names_collinear_candidates_and_goes_on() {
     let signals = [&driven[..], &input, &copy, &flat];
     let builder = Candidates::builder().output(1..=4, 1);
     let pool = builder.input(0, 0..=0, 1).input(1, 0..=0, 1).input(2, 0..=0, 1).build().unwrap();
-    let fit = fit(&signals, std::slice::from_ref(&(0..2000)), &pool, &at_most(20)).unwrap();
+    let fit = fit(&signals, &[0..2000], &pool, &at_most(20)).unwrap();
     assert_eq!(fit.selection.stopped, Stopped::NothingLeft);
     let constant = pool.position(&[u(2, 0)]).unwrap();
     assert!(fit.selection.collinear.contains(&constant));
@@ -196,7 +197,7 @@ fn refits_an_input_that_is_constant_for_the_first_blocks() {
     let shifted: Vec<f64> = output.iter().zip(&step).map(|(y, s)| y + 3.0 * s).collect();
     let signals = [&shifted[..], &step];
     let terms = [vec![u(0, 0)], vec![u(0, 0), u(0, 0)], vec![y(1)]];
-    let rows = Rows::usable(&signals, std::slice::from_ref(&(0..4000)), terms.iter().flatten()).unwrap();
+    let rows = Rows::usable(&signals, &[0..4000], terms.iter().flatten()).unwrap();
     let fit = refit::refit(&signals, &rows, &terms).unwrap();
     let e = residuals(&signals, &rows, &terms, &fit);
     for term in terms.iter().chain([&vec![]]) {
@@ -211,7 +212,7 @@ fn standard_errors_are_those_of_the_normal_equations() {
     let n = 1000;
     let input: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
     let output: Vec<f64> = gaussian(n, 8).iter().zip(&input).map(|(e, u)| 1.0 + 2.0 * u + e).collect();
-    let rows = Rows::usable(&[&output, &input], std::slice::from_ref(&(0..n)), &[u(0, 0)]).unwrap();
+    let rows = Rows::usable(&[&output, &input], &[0..n], &[u(0, 0)]).unwrap();
     let fit = refit::refit(&[&output, &input], &rows, &[vec![u(0, 0)]]).unwrap();
     let expected = (fit.mse * n as f64 / (n as f64 - 2.0) / n as f64).sqrt();
     assert!((fit.coefficient_errors[0] / expected - 1.0).abs() < 1e-12);
@@ -239,7 +240,7 @@ fn stops_at_each_rule() {
 
     let flat = vec![3.0; 100];
     let pool = Candidates::builder().output(1..=2, 1).build().unwrap();
-    let fit = fit(&[&flat], std::slice::from_ref(&(0..100)), &pool, &StopRule::default()).unwrap();
+    let fit = fit(&[&flat], &[0..100], &pool, &StopRule::default()).unwrap();
     assert_eq!((fit.selection.stopped, fit.terms.len()), (Stopped::Exact, 0));
     assert!((fit.refit.constant - 3.0).abs() < 1e-14);
 }
@@ -247,9 +248,9 @@ fn stops_at_each_rule() {
 #[test]
 fn says_when_nothing_can_be_fitted() {
     let short = vec![1.0; 8];
-    let none = fit(&[&short], std::slice::from_ref(&(0..8)), &pool_65(), &StopRule::default());
+    let none = fit(&[&short], &[0..8], &pool_65(), &StopRule::default());
     assert_eq!(none.unwrap_err(), FitError::Gram(GramError::NoRows));
-    let rows = Rows::usable(&[&short], std::slice::from_ref(&(0..8)), &[y(6)]).unwrap();
+    let rows = Rows::usable(&[&short], &[0..8], &[y(6)]).unwrap();
     let refused = refit::refit(&[&short], &rows, &[vec![y(1)]]).unwrap_err();
     assert_eq!(refused, RefitError::TooFewRows { rows: 2, parameters: 2 });
     for (monomial, text) in [(vec![y(0)], "y(n)"), (vec![], "1"), (vec![y(1); 4], "y(n-1)^4")] {

@@ -14,6 +14,15 @@ const CHANNEL_BITS: u32 = 7;
 /// Bits of a factor: its lag, then its channel.
 const FACTOR_BITS: u32 = 21;
 const FACTOR_MASK: u128 = (1 << FACTOR_BITS) - 1;
+/// A lag of one sample in each of the places.
+const ONE_LAG_EACH: u128 = {
+    let (mut ones, mut place) = (0, 0);
+    while place < MAX_FACTORS as u32 {
+        ones |= 1 << (place * FACTOR_BITS + CHANNEL_BITS);
+        place += 1;
+    }
+    ones
+};
 
 const _: () = assert!(FACTOR_BITS as usize * MAX_FACTORS <= 128);
 const _: () = assert!((MAX_LAG as u32) < 1 << (FACTOR_BITS - CHANNEL_BITS));
@@ -63,9 +72,8 @@ impl Product {
     /// The shape whose smallest lag is 0 and the shift a that makes p(n) = shape(n − a).
     pub(super) fn normalised(self) -> (Self, usize) {
         let shift = (self.0 & FACTOR_MASK) >> CHANNEL_BITS;
-        let one_everywhere =
-            (0..self.degree()).fold(0, |ones, i| ones | 1u128 << (i * FACTOR_BITS + CHANNEL_BITS));
-        (Self(self.0 - shift * one_everywhere), shift as usize)
+        let one_per_factor = ONE_LAG_EACH & ((1 << (self.degree() * FACTOR_BITS)) - 1);
+        (Self(self.0 - shift * one_per_factor), shift as usize)
     }
 
     /// Splits a shape in the middle: shape(n) = left(n)·right(n − shift), both halves shapes themselves.
