@@ -89,17 +89,22 @@ impl Layout {
             averages.push(Product::of(p, &target));
             averages.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
         }
-        let mut averages: Vec<((Product, usize), usize)> =
-            averages.into_iter().enumerate().map(|(place, product)| (product.normalised(), place)).collect();
+        // shape, shift and place in narrow types: sorting these is most of the cost of a layout
+        let numbered = |(place, product): (usize, Product)| {
+            let (shape, shift) = product.normalised();
+            (shape, shift as u16, place as u32)
+        };
+        let mut averages: Vec<(Product, u16, u32)> = averages.into_iter().enumerate().map(numbered).collect();
         averages.sort_unstable();
 
         let mut products: Vec<(Product, usize)> = Vec::new();
         let mut places = vec![0; averages.len()];
-        for (product, place) in averages {
+        for (shape, shift, place) in averages {
+            let product = (shape, usize::from(shift));
             if products.last() != Some(&product) {
                 products.push(product);
             }
-            places[place] = products.len() - 1;
+            places[place as usize] = products.len() - 1;
         }
         let mut shapes = Vec::new();
         let mut first = 0;
