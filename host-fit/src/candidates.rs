@@ -14,6 +14,12 @@ use thiserror::Error;
 /// A product of two candidates then has at most six factors, which is what the moments are laid out for.
 pub const MAX_DEGREE: usize = 3;
 
+/// The largest lag, in samples: 82 s at 200 Hz.
+pub const MAX_LAG: u16 = (1 << 14) - 1;
+
+/// The largest index of an input.
+pub const MAX_INPUT: u8 = 125;
+
 /// A product of delayed samples, its factors sorted by channel, then lag. Empty: the constant 1.
 pub type Monomial = Vec<Factor>;
 
@@ -51,6 +57,9 @@ pub enum CandidatesError {
     /// A range of lags without a lag.
     #[error("the lag range {0} to {1} is empty")]
     EmptyLags(u16, u16),
+    /// A lag beyond [`MAX_LAG`] or an input beyond [`MAX_INPUT`].
+    #[error("{0} is out of reach: lags go to {MAX_LAG}, inputs to u{MAX_INPUT}")]
+    OutOfReach(String),
     /// Nothing to choose from.
     #[error("the pool is empty: give output lags, input lags or a monomial")]
     Empty,
@@ -100,6 +109,17 @@ impl Candidates {
     pub fn position(&self, monomial: &[Factor]) -> Option<usize> {
         self.monomials.binary_search_by(|m| order(m, monomial)).ok()
     }
+}
+
+/// Whether a pool could offer this monomial.
+pub(crate) fn is_candidate(monomial: &[Factor]) -> bool {
+    let output_now = |f: &Factor| f.channel == Channel::Output && f.lag == 0;
+    (1..=MAX_DEGREE).contains(&monomial.len()) && !monomial.iter().any(|f| output_now(f) || out_of_reach(f))
+}
+
+/// A lag or an input too large for the moments.
+fn out_of_reach(factor: &Factor) -> bool {
+    factor.lag > MAX_LAG || factor.channel > Channel::Input(MAX_INPUT)
 }
 
 /// By number of factors, then factor by factor: the order of the pool.
@@ -183,6 +203,9 @@ impl Builder {
         let at_zero = |f: &Factor| f.channel == Channel::Output && f.lag == 0;
         if monomials.iter().flatten().any(at_zero) {
             return Err(CandidatesError::OutputAtLagZero);
+        }
+        if let Some(factor) = monomials.iter().flatten().find(|f| out_of_reach(f)) {
+            return Err(CandidatesError::OutOfReach(monomial_text(&[*factor])));
         }
         if monomials.is_empty() { Err(CandidatesError::Empty) } else { Ok(Candidates { monomials }) }
     }
@@ -329,6 +352,9 @@ mod tests {
         );
         assert_eq!(refused(Candidates::builder().output(1..=3, 4)), CandidatesError::Degree(4));
         assert_eq!(refused(Candidates::builder().output(1..=3, 0)), CandidatesError::Degree(0));
+        let out_of_reach = |text: &str| CandidatesError::OutOfReach(text.into());
+        assert_eq!(refused(Candidates::builder().monomial(&[y(16_384)])), out_of_reach("y(n-16384)"));
+        assert_eq!(refused(Candidates::builder().input(126, 0..=0, 1)), out_of_reach("u126(n)"));
         assert_eq!(refused(Candidates::builder().monomial(&[y(1); 4])), CandidatesError::Degree(4));
         assert_eq!(refused(Candidates::builder().monomial(&[])), CandidatesError::Constant);
         #[allow(clippy::reversed_empty_ranges)]

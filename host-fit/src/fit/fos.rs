@@ -107,6 +107,10 @@ impl Open {
 ///
 /// Equal Q go to the candidate that comes first in the pool.
 pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
+    run(gram, rule).0
+}
+
+fn run(gram: &Gram, rule: &StopRule) -> (Selection, Factorisation) {
     let initial_mse = gram.target_variance();
     let exact = EXACT * gram.target_mean_square();
     let noise = rule.noise.threshold(gram.rows(), gram.size());
@@ -154,8 +158,10 @@ pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
         };
         let mse_reduction = open[best].mse_reduction();
         let candidate = open[best].candidate;
-        if mse_reduction < noise * mse {
-            break Stopped::Noise { candidate, mse_reduction, needed: noise * mse };
+        let needed = noise * mse;
+        // NaN: products of the signals overflow
+        if mse_reduction < needed || mse_reduction.is_nan() {
+            break Stopped::Noise { candidate, mse_reduction, needed };
         }
 
         factor.push(open.remove(best));
@@ -168,7 +174,8 @@ pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
     collinear.sort_unstable();
     let mut weights = factor.weights();
     let constant = weights.remove(0);
-    Selection { steps, stopped, collinear, initial_mse, constant, coefficients: weights }
+    let selection = Selection { steps, stopped, collinear, initial_mse, constant, coefficients: weights };
+    (selection, factor)
 }
 
 /// The recursion's numbers of the terms chosen so far, the constant first.
@@ -211,5 +218,45 @@ impl Factorisation {
             (m..terms).map(|i| self.c[i] / self.diagonal[i] * v[i]).sum()
         };
         (0..terms).map(weight).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
+
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::candidates::Candidates;
+    use crate::fit::NoiseRule;
+    use crate::moments::{Moments, Rows};
+
+    #[test]
+    fn the_recursion_is_the_cholesky_factor_of_the_chosen_terms() {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let output: Vec<f64> = (0..900).map(|_| random.random::<f64>() - 0.4).collect();
+        let pool = Candidates::builder().output(1..=5, 2).build().unwrap();
+        let rows = Rows::usable(&[&output], &[0..900], pool.factors()).unwrap();
+        let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
+        let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
+        let (selection, recursion) = run(&gram, &rule);
+
+        let chosen: Vec<usize> = selection.candidates().collect();
+        let entry = |i: usize, j: usize| match (i.checked_sub(1), j.checked_sub(1)) {
+            (None, None) => 1.0,
+            (Some(m), None) | (None, Some(m)) => gram.mean(chosen[m]),
+            (Some(m), Some(r)) => gram.product(chosen[m], chosen[r]),
+        };
+        let cholesky = faer::Mat::from_fn(13, 13, entry).llt(faer::Side::Lower).unwrap();
+        for m in 0..13 {
+            assert!((cholesky.L()[(m, m)] - recursion.diagonal[m].sqrt()).abs() < 1e-14);
+            for r in 0..m {
+                let ours = recursion.d[m][r] / recursion.diagonal[r].sqrt();
+                // averages of magnitude below 1, condition below 100
+                assert!((cholesky.L()[(m, r)] - ours).abs() < 1e-14, "{m} {r}");
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod axis;
 pub mod fos;
+mod householder;
 pub mod options;
 pub mod refit;
 pub mod regressors;
@@ -58,12 +59,12 @@ pub enum FitError {
 /// let input: Vec<f64> = (0..500).map(|n| f64::from(n * n % 97) / 50.0 - 1.0).collect();
 /// let mut output = vec![1.0; 500];
 /// for n in 1..500 {
-///     output[n] = 0.1 + 0.5 * output[n - 1] + 0.2 * output[n - 1] * input[n];
+///     output[n] = 0.1 + 0.5 * output[n - 1] + 0.3 * input[n];
 /// }
 /// let pool = Candidates::builder().output(1..=3, 2).input(0, 0..=2, 1).cross_products(2).build()?;
 /// let fit = fit(&[&output, &input], &[0..500], &pool, &StopRule::default())?;
-/// assert_eq!(fit.terms, [vec![y(1), u(0, 0)], vec![y(1)]]);
-/// assert!((fit.refit.coefficients[0] - 0.2).abs() < 1e-12);
+/// assert_eq!(fit.terms, [vec![u(0, 0)], vec![y(1)]]);
+/// assert!((fit.refit.coefficients[0] - 0.3).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

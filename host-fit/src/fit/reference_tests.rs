@@ -1,6 +1,7 @@
 //! The search and refit against independently computed answers, where the reference files are at hand.
+#![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use fos_core::y;
 use serde_json::Value;
@@ -9,10 +10,10 @@ use super::*;
 
 /// A reference file and its first channel; `None`, saying so, if it is not there.
 fn reference(name: &str) -> Option<(Value, Vec<f64>)> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
-    let folder = [folder, PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference")]
-        .into_iter()
-        .find(|folder| folder.join(name).with_extension("json").exists());
+    // beside the repository, however deep the working tree is
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = here.ancestors().map(|folder| folder.join("shared/reference"));
+    let folder = folders.find(|folder| folder.join(name).with_extension("json").exists());
     let Some(folder) = folder else {
         println!("skipped: no reference file {name}.json");
         return None;
@@ -53,7 +54,7 @@ fn reproduces_the_reference_selection() {
             mse_ratio: None,
             noise: if korenberg { NoiseRule::Korenberg } else { NoiseRule::Off },
         };
-        let fit = fit(&[&signal], std::slice::from_ref(&(0..signal.len())), &pool, &rule).unwrap();
+        let fit = fit(&[&signal], &[0..signal.len()], &pool, &rule).unwrap();
 
         let terms = case["terms"].as_array().unwrap();
         let expected: Vec<Monomial> = terms.iter().map(|term| monomial(&term["lags"])).collect();
@@ -77,7 +78,7 @@ fn reproduces_the_reference_fit_across_gaps() {
     for case in reference["cases"].as_array().unwrap() {
         let terms: Vec<Monomial> = case["terms"].as_array().unwrap().iter().map(monomial).collect();
         let max_lag = y(case["max_lag"].as_u64().unwrap() as u16);
-        let rows = Rows::usable(&[&signal], std::slice::from_ref(&(0..signal.len())), &[max_lag]).unwrap();
+        let rows = Rows::usable(&[&signal], &[0..signal.len()], &[max_lag]).unwrap();
         assert_eq!(rows.count() as u64, case["rows_used"].as_u64().unwrap());
         assert!(terms[0].is_empty(), "the constant comes first");
         let fit = refit::refit(&[&signal], &rows, &terms[1..]).unwrap();

@@ -1,28 +1,26 @@
 //! Coefficients of a chosen set of terms, from an orthogonal factorisation of the data.
 //!
 //! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen
-//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are taken through Householder
-//! reflections, block of rows after block of rows (sequential TSQR; Demmel, Grigori, Hoemmen and Langou, SIAM J.
-//! Sci. Comput. 34 (2012) A206, §4.2):
+//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are reduced to triangular form by
+//! Householder reflections, block of rows after block of rows ([`super::householder`]):
 //!
 //! ```text
-//!   [ R  z ]        [ R        z       ]
-//!   [ 0  ρ ]   ←  Qᵀ[ 0        ρ       ]          R a = z,   n·Q_m = z_m²,   n·MSE = ρ²
-//!                   [ X_block  y_block ]
+//!           [ R  z ]
+//!   [X y] = Q        ,      R a = z,    n·Q_m = z_m²,    n·MSE = ρ²
+//!           [ 0  ρ ]
 //! ```
 //!
 //! so memory is one block, and nothing squared is ever solved.
 
 use std::ops::Range;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-use faer::{Mat, Par, Spec};
+use faer::{Mat, MatRef, Par};
 use fos_core::{Factor, y};
 use thiserror::Error;
 
-use crate::candidates::{Monomial, monomial_text};
+use super::householder::{Block, Triangle};
+use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG, Monomial, is_candidate, monomial_text};
 use crate::moments::{Product, Rows, SignalsError};
 
 /// Rows taken in at a time: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
@@ -61,6 +59,16 @@ pub enum RefitError {
     /// The signals do not fit the terms.
     #[error(transparent)]
     Signals(#[from] SignalsError),
+    /// A term that no pool could offer.
+    #[error(
+        "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
+    )]
+    Term {
+        /// Index of the term.
+        term: usize,
+        /// The term as people write it.
+        text: String,
+    },
     /// As many parameters as rows, or more.
     #[error("{parameters} parameters cannot be fitted to {rows} rows")]
     TooFewRows {
@@ -82,9 +90,13 @@ pub enum RefitError {
 /// Fits the constant and `terms` to all `rows` of the signals by least squares.
 ///
 /// # Errors
-/// Signals that do not fit the terms, too few rows, or a term collinear with those before it.
+/// Signals that do not fit the terms, a monomial that cannot be a term, too few rows, or a term collinear with
+/// those before it.
 pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refit, RefitError> {
     rows.check(signals, terms.iter().flatten())?;
+    if let Some(term) = terms.iter().position(|m| !is_candidate(m)) {
+        return Err(RefitError::Term { term, text: monomial_text(&terms[term]) });
+    }
     let parameters = terms.len() + 1;
     let count = rows.count();
     if count <= parameters {
@@ -97,7 +109,8 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
 
     let factor = triangular_factor(signals, rows, &columns);
-    let (r, z) = (factor.submatrix(0, 0, parameters, parameters), factor.col(parameters));
+    let r = Mat::from_fn(parameters, parameters, |i, j| factor.at(i, j));
+    let z = |m: usize| factor.at(m, parameters);
     for j in 0..parameters {
         if r[(j, j)].abs() <= RANK * r.col(j).norm_l2() {
             // the constant's column cannot be dependent: it is first and not zero
@@ -106,14 +119,14 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
         }
     }
 
-    let mut weights = Mat::from_fn(parameters, 1, |i, _| z[i]);
-    solve_upper_triangular_in_place(r, weights.as_mut(), Par::Seq);
+    let mut weights = Mat::from_fn(parameters, 1, |i, _| z(i));
+    solve_upper_triangular_in_place(r.as_ref(), weights.as_mut(), Par::Seq);
     let weights: Vec<f64> = (0..parameters).map(|i| weights[(i, 0)]).collect();
     let n = count as f64;
     let mse = residual_sum_of_squares(signals, rows, &columns, &weights) / n;
 
     let mut inverse = Mat::<f64>::identity(parameters, parameters);
-    solve_upper_triangular_in_place(r, inverse.as_mut(), Par::Seq);
+    solve_upper_triangular_in_place(r.as_ref(), inverse.as_mut(), Par::Seq);
     let sigma = (mse * n / (n - parameters as f64)).sqrt();
     let error = |j: usize| sigma * inverse.row(j).norm_l2();
     Ok(Refit {
@@ -121,52 +134,32 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
         coefficients: weights[1..].to_vec(),
         constant_error: error(0),
         coefficient_errors: (1..parameters).map(error).collect(),
-        mse_reductions: (1..parameters).map(|m| z[m] * z[m] / n).collect(),
+        mse_reductions: (1..parameters).map(|m| z(m) * z(m) / n).collect(),
         mse,
-        condition: condition(r),
+        condition: condition(r.as_ref()),
         rows: count,
     })
 }
 
 /// The triangular factor of [X y] over all rows.
-fn triangular_factor(signals: &[&[f64]], rows: &Rows, columns: &[Product]) -> Mat<f64> {
-    let width = columns.len();
-    let reflectors = recommended_block_size::<f64>(BLOCK_ROWS, width);
-    let mut stacked = Mat::<f64>::zeros(width + BLOCK_ROWS, width);
-    let mut coefficients = Mat::<f64>::zeros(reflectors, width);
-    let scratch =
-        qr_in_place_scratch::<f64>(width + BLOCK_ROWS, width, reflectors, Par::Seq, Spec::default());
-    let mut scratch = MemBuffer::new(scratch);
-    for block in blocks(rows, BLOCK_ROWS) {
-        let height = width + block.len();
-        for (j, column) in columns.iter().enumerate() {
-            let stored = stacked.col_as_slice_mut(j);
-            stored[j + 1..width].fill(0.0);
-            column.fill(signals, block.clone(), &mut stored[width..height]);
-        }
-        let stack = MemStack::new(&mut scratch);
-        let block = stacked.as_mut().subrows_mut(0, height);
-        qr_in_place(block, coefficients.as_mut(), Par::Seq, stack, Spec::default());
+fn triangular_factor(signals: &[&[f64]], rows: &Rows, columns: &[Product]) -> Triangle {
+    let mut triangle = Triangle::new(columns.len());
+    let mut block = Block::new(BLOCK_ROWS, columns.len());
+    for rows in blocks(rows, BLOCK_ROWS) {
+        block.fill(rows.len(), |j, column| columns[j].fill(signals, rows.clone(), column));
+        triangle.take_in(&mut block);
     }
-    Mat::from_fn(width, width, |i, j| if i <= j { stacked[(i, j)] } else { 0.0 })
+    triangle
 }
 
 /// Σ (y − X a)² with every residual formed.
 fn residual_sum_of_squares(signals: &[&[f64]], rows: &Rows, columns: &[Product], weights: &[f64]) -> f64 {
-    let target = columns.len() - 1;
-    let mut residuals = vec![0.0; BLOCK_ROWS];
-    let mut column = vec![0.0; BLOCK_ROWS];
-    let mut total = 0.0;
-    for block in blocks(rows, BLOCK_ROWS) {
-        let (residuals, column) = (&mut residuals[..block.len()], &mut column[..block.len()]);
-        columns[target].fill(signals, block.clone(), residuals);
-        for (product, weight) in columns[..target].iter().zip(weights) {
-            product.fill(signals, block.clone(), column);
-            residuals.iter_mut().zip(&*column).for_each(|(e, p)| *e -= weight * p);
-        }
-        total += residuals.iter().map(|e| e * e).sum::<f64>();
-    }
-    total
+    let mut block = Block::new(BLOCK_ROWS, columns.len());
+    let of_rows = |rows: Range<usize>| {
+        block.fill(rows.len(), |j, column| columns[j].fill(signals, rows.clone(), column));
+        block.residual_sum_of_squares(weights)
+    };
+    blocks(rows, BLOCK_ROWS).map(of_rows).sum()
 }
 
 /// The rows in pieces of at most `most`.
@@ -179,7 +172,7 @@ fn blocks(rows: &Rows, most: usize) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Largest over smallest singular value of R with unit columns.
-fn condition(r: faer::MatRef<'_, f64>) -> f64 {
+fn condition(r: MatRef<'_, f64>) -> f64 {
     let norms: Vec<f64> = r.col_iter().map(|column| column.norm_l2()).collect();
     let scaled = Mat::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / norms[j]);
     // the iteration for singular values converges for every finite matrix; NaN says so if it ever does not

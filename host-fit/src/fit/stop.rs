@@ -36,7 +36,7 @@ pub enum NoiseRule {
     /// admits a spurious term from a pool of 65 in more than nine records of ten.
     Korenberg,
     /// Q < (ln n + 2 ln M)/n·MSE: the extended information criterion (Chen and Chen, Biometrika 95 (2008) 759,
-    /// eq. 2 with γ = 1) for one more term, which allows for the M candidates tried.
+    /// with γ = 1) for one more term, which allows for the M candidates tried.
     #[default]
     ExtendedBic,
 }

@@ -1,7 +1,7 @@
 //! Fast orthogonal search as printed: the slow twin of [`super::fos`].
 //!
-//! Every average of the recursion (equations 1 to 8 there) is a sum over the rows, taken anew for every
-//! candidate at every step. Kept because it is plainly the published method: tests hold the fast search
+//! The candidates p_m(n) are written out for every row, and every average of the recursion (equations 1 to 7
+//! there) is a sum over the rows, taken anew for every candidate at every step. Kept because it is plainly the published method: tests hold the fast search
 //! against it, and the benchmark says what the rearrangement is worth.
 
 use fos_core::Factor;
@@ -27,24 +27,25 @@ pub fn search(
     let value = |monomial: &[Factor], n: usize| -> f64 {
         monomial.iter().map(|f| signals[column(f)][n - usize::from(f.lag)]).product()
     };
-    let average = |a: &[Factor], b: &[Factor]| {
-        let every_row = rows.ranges().iter().cloned().flatten();
-        every_row.map(|n| value(a, n) * value(b, n)).sum::<f64>() / rows.count() as f64
+    let function = |monomial: &[Factor]| -> Vec<f64> {
+        rows.ranges().iter().cloned().flatten().map(|n| value(monomial, n)).collect()
     };
-    let target = [fos_core::y(0)];
-    let constant: &[Factor] = &[];
+    let average = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64;
+    let target = function(&[fos_core::y(0)]);
+    let constant = function(&[]);
+    let candidates: Vec<Vec<f64>> = pool.monomials().iter().map(|monomial| function(monomial)).collect();
     let noise = rule.noise.threshold(rows.count(), pool.len());
 
     let mut chosen = Vec::new();
-    let mut p = vec![constant];
+    let mut p = vec![&constant];
     let mut d = vec![vec![1.0]];
-    let mut c = vec![average(&target, constant)];
+    let mut c = vec![average(&target, &constant)];
     let initial_mse = average(&target, &target) - c[0] * c[0];
     let mut mse = initial_mse;
     while chosen.len() < rule.max_terms && rule.mse_ratio.is_none_or(|ratio| mse > ratio * initial_mse) {
         let m = p.len();
         let mut best: Option<(usize, f64, Vec<f64>, f64)> = None;
-        for (candidate, monomial) in pool.monomials().iter().enumerate() {
+        for (candidate, function) in candidates.iter().enumerate() {
             if chosen.iter().any(|&(taken, _)| taken == candidate) {
                 continue;
             }
@@ -52,11 +53,11 @@ pub fn search(
             let mut row: Vec<f64> = Vec::new();
             for r in 0..m {
                 let projected: f64 = (0..r).map(|i| d[r][i] / d[i][i] * row[i]).sum();
-                row.push(average(monomial, p[r]) - projected);
+                row.push(average(function, p[r]) - projected);
             }
-            let mean_square = average(monomial, monomial);
+            let mean_square = average(function, function);
             let dmm = mean_square - (0..m).map(|i| row[i] / d[i][i] * row[i]).sum::<f64>();
-            let cm = average(&target, monomial) - (0..m).map(|r| row[r] / d[r][r] * c[r]).sum::<f64>();
+            let cm = average(&target, function) - (0..m).map(|r| row[r] / d[r][r] * c[r]).sum::<f64>();
             let q = cm * cm / dmm;
             if dmm > COLLINEAR * mean_square && best.as_ref().is_none_or(|(_, most, _, _)| q > *most) {
                 row.push(dmm);
@@ -66,7 +67,7 @@ pub fn search(
         match best {
             Some((candidate, q, row, cm)) if q >= noise * mse => {
                 chosen.push((candidate, q));
-                p.push(&pool.monomials()[candidate]);
+                p.push(&candidates[candidate]);
                 d.push(row);
                 c.push(cm);
                 mse -= q;

@@ -1,10 +1,10 @@
 //! Time averages of products of candidates and target.
 
-use fos_core::{Factor, y};
 use thiserror::Error;
 
-use super::{Moments, Product};
-use crate::candidates::{Candidates, monomial_text};
+use super::Moments;
+use super::layout::Average;
+use crate::candidates::{Candidates, Monomial, monomial_text};
 
 /// Averages over the rows, written ⟨·⟩: of products of candidates p_i, and of candidates and target y.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ pub enum GramError {
     /// Nothing to average over.
     #[error("no row has its target and every lagged value: the segments are too short or hold no data")]
     NoRows,
-    /// The pool asks for a product the moments were not made for.
+    /// A candidate that is not in the pool the moments were made for.
     #[error("the moments do not cover {0}: accumulate them for a pool that holds it")]
     NotCovered(String),
 }
@@ -34,29 +34,27 @@ impl Gram {
         if moments.rows == 0 {
             return Err(GramError::NoRows);
         }
-        let scale = moments.rows as f64;
-        let average = |a: &[Factor], b: &[Factor]| match moments.sum(&Product::of(a, b)) {
-            Some(sum) => Ok(sum / scale),
-            None => Err(GramError::NotCovered(format!("{}·{}", monomial_text(a), monomial_text(b)))),
-        };
-        let target = [y(0)];
-        let monomials = pool.monomials();
-        let size = monomials.len();
+        let layout = &moments.layout;
+        let place =
+            |p: &Monomial| layout.pool.position(p).ok_or_else(|| GramError::NotCovered(monomial_text(p)));
+        let places = pool.monomials().iter().map(place).collect::<Result<Vec<usize>, _>>()?;
+        let average = |average| moments.sums[layout.product(average)] / moments.rows as f64;
+        let size = places.len();
         let mut products = vec![0.0; size * size];
-        for (i, p) in monomials.iter().enumerate() {
-            for (j, q) in monomials[..=i].iter().enumerate() {
-                let product = average(p, q)?;
+        for (i, &p) in places.iter().enumerate() {
+            for (j, &q) in places[..=i].iter().enumerate() {
+                let product = average(Average::Pair(p, q));
                 products[i * size + j] = product;
                 products[j * size + i] = product;
             }
         }
         Ok(Self {
             rows: moments.rows,
-            means: monomials.iter().map(|p| average(p, &[])).collect::<Result<_, _>>()?,
+            means: places.iter().map(|&p| average(Average::Mean(p))).collect(),
             products,
-            target_products: monomials.iter().map(|p| average(p, &target)).collect::<Result<_, _>>()?,
-            target_mean: average(&target, &[])?,
-            target_mean_square: average(&target, &target)?,
+            target_products: places.iter().map(|&p| average(Average::WithTarget(p))).collect(),
+            target_mean: average(Average::Target),
+            target_mean_square: average(Average::TargetSquare),
         })
     }
 

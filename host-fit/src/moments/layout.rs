@@ -13,8 +13,11 @@ use crate::candidates::Candidates;
 /// The sums kept for a pool and the order in which a pass over the data forms them.
 #[derive(Debug)]
 pub(super) struct Layout {
+    pub(super) pool: Candidates,
     /// The distinct products, as (shape, shift), sorted: all shifts of one shape stand together.
     pub(super) products: Vec<(Product, usize)>,
+    /// Index into `products` of every average a Gram matrix holds; see [`product`](Self::product).
+    places: Vec<usize>,
     /// The distinct shapes, each with its run of `products` and the place of its sum among the tiles' sums.
     pub(super) shapes: Vec<Shape>,
     /// The distinct half-products.
@@ -22,6 +25,21 @@ pub(super) struct Layout {
     pub(super) tiles: Vec<Tile>,
     /// Largest lag in any product: N₀.
     pub(super) max_lag: usize,
+}
+
+/// An average over the rows; candidates by their index in the pool.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Average {
+    /// ⟨y⟩
+    Target,
+    /// ⟨y²⟩
+    TargetSquare,
+    /// ⟨p_i⟩
+    Mean(usize),
+    /// ⟨y p_i⟩
+    WithTarget(usize),
+    /// ⟨p_i p_j⟩
+    Pair(usize, usize),
 }
 
 /// All the products that are shifted copies of one.
@@ -64,16 +82,30 @@ impl Layout {
     pub(super) fn new(pool: &Candidates, tile_shape: TileShape) -> Self {
         let monomials = pool.monomials();
         let target = [fos_core::y(0)];
-        let mut products = vec![Product::of(&target, &[]), Product::of(&target, &target)];
+        // in the order `place_of` knows
+        let mut averages = vec![Product::of(&target, &[]), Product::of(&target, &target)];
         for (i, p) in monomials.iter().enumerate() {
-            products.push(Product::of(p, &[]));
-            products.push(Product::of(p, &target));
-            products.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
+            averages.push(Product::of(p, &[]));
+            averages.push(Product::of(p, &target));
+            averages.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
         }
-        let mut products: Vec<(Product, usize)> = products.iter().map(Product::normalised).collect();
-        products.sort_unstable();
-        products.dedup();
+        // shape, shift and place in narrow types: sorting these is most of the cost of a layout
+        let numbered = |(place, product): (usize, Product)| {
+            let (shape, shift) = product.normalised();
+            (shape, shift as u16, place as u32)
+        };
+        let mut averages: Vec<(Product, u16, u32)> = averages.into_iter().enumerate().map(numbered).collect();
+        averages.sort_unstable();
 
+        let mut products: Vec<(Product, usize)> = Vec::new();
+        let mut places = vec![0; averages.len()];
+        for (shape, shift, place) in averages {
+            let product = (shape, usize::from(shift));
+            if products.last() != Some(&product) {
+                products.push(product);
+            }
+            places[place as usize] = products.len() - 1;
+        }
         let mut shapes = Vec::new();
         let mut first = 0;
         for copies in products.chunk_by(|a, b| a.0 == b.0) {
@@ -82,12 +114,19 @@ impl Layout {
             first = end;
         }
         let (halves, tiles) = tile(&mut shapes, tile_shape);
-        Self { products, shapes, halves, tiles, max_lag: pool.max_lag() }
+        Self { pool: pool.clone(), products, places, shapes, halves, tiles, max_lag: pool.max_lag() }
     }
 
-    /// Where the sum of a product is kept, if it is.
-    pub(super) fn find(&self, product: &Product) -> Option<usize> {
-        self.products.binary_search(&product.normalised()).ok()
+    /// Which of the products is the one averaged.
+    pub(super) fn product(&self, average: Average) -> usize {
+        let of_candidate = |i: usize| 2 + 2 * i + i * (i + 1) / 2;
+        self.places[match average {
+            Average::Target => 0,
+            Average::TargetSquare => 1,
+            Average::Mean(i) => of_candidate(i),
+            Average::WithTarget(i) => of_candidate(i) + 1,
+            Average::Pair(i, j) => of_candidate(i.max(j)) + 2 + i.min(j),
+        }]
     }
 
     /// How many sums the tiles form; at least one per shape.
@@ -164,7 +203,7 @@ mod tests {
     fn ten_lags_of_degree_two_share_297_sums() {
         let pool = Candidates::builder().output(1..=10, 2).build().unwrap();
         let layout = Layout::new(&pool, TILE);
-        let by_order = |order| layout.shapes.iter().filter(|s| s.product.factors().count() == order).count();
+        let by_order = |order| layout.shapes.iter().filter(|s| s.product.degree() == order).count();
         assert_eq!([1, 2, 3, 4].map(by_order), [1, 11, 65, 220]);
         assert_eq!(layout.halves.len(), 12, "the constant, y(n), and y(n)·y(n-d) for d = 0 to 9");
         let waste = layout.tile_sums() as f64 / layout.shapes.len() as f64;

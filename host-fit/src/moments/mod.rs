@@ -5,8 +5,8 @@
 //! not of the record.
 //!
 //! Two products of delayed samples that differ only by a common delay a, p(n) and p(n − a), have sums that
-//! differ only in a few rows at either end (the time-shift property of fast orthogonal search, Korenberg 1988).
-//! For target rows b..e and largest lag N₀,
+//! differ only in a few rows at either end (Korenberg, Annals of Biomedical Engineering 16 (1988) 123). For
+//! target rows b..e and largest lag N₀,
 //!
 //! ```text
 //!   Σ_{n=b}^{e-1} p(n−a)  =  Σ_{n=b−a}^{b-1} p(n)  +  Σ_{n=b}^{e−N₀−1} p(n)  +  Σ_{n=e−N₀}^{e−a−1} p(n)
@@ -125,26 +125,18 @@ impl Moments {
             + Workspace::new(layout).bytes()
     }
 
-    /// The Gram matrix of a pool: of the one the moments were made for, or of any whose products it covers.
+    /// The Gram matrix of a pool: the one the moments were made for, or any part of it.
     ///
     /// # Errors
-    /// No rows, or a product that was not summed.
+    /// No rows, or a candidate the moments were not made for.
     pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
         Gram::new(self, pool)
-    }
-
-    /// The sum of a product, `None` if it was not formed.
-    fn sum(&self, product: &Product) -> Option<f64> {
-        if product.is_empty() {
-            return Some(self.rows as f64);
-        }
-        self.layout.find(product).map(|i| self.sums[i])
     }
 
     /// # Panics
     /// If the moments were made for different pools.
     fn assert_same_pool(&self, other: &Self) {
-        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.products == other.layout.products;
+        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.pool == other.layout.pool;
         assert!(same, "only moments of the same pool add");
     }
 }
@@ -181,20 +173,27 @@ fn add_directly(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums:
 /// Adds head and tail of every product over a range of at least N₀ rows.
 fn add_ends(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums: &mut [f64]) {
     let lag = layout.max_lag;
-    let mut tails = vec![0.0; lag + 1];
+    let (mut head, mut tail) = (vec![0.0; lag], vec![0.0; lag]);
+    // totals[a] = Σ over the a rows before the range and the last N₀ rows but the last a
+    let mut totals = vec![0.0; lag + 1];
     for shape in &layout.shapes {
-        // tails[a] = Σ over the last N₀ rows but the last a
-        for a in (0..lag).rev() {
-            tails[a] = tails[a + 1] + shape.product.at(signals, range.end - 1 - a);
-        }
-        let (mut head, mut reached) = (0.0, 0);
         let copies = shape.first..shape.end;
+        let farthest = layout.products[shape.end - 1].1;
+        shape.product.fill(signals, range.start - farthest..range.start, &mut head[lag - farthest..]);
+        shape.product.fill(signals, range.end - lag..range.end, &mut tail);
+        let mut sum = 0.0;
+        for a in (0..lag).rev() {
+            sum += tail[lag - 1 - a];
+            totals[a] = sum;
+        }
+        totals[lag] = 0.0;
+        let mut sum = 0.0;
+        for a in 1..=farthest {
+            sum += head[lag - a];
+            totals[a] += sum;
+        }
         for ((_, shift), sum) in layout.products[copies.clone()].iter().zip(&mut sums[copies]) {
-            while reached < *shift {
-                reached += 1;
-                head += shape.product.at(signals, range.start - reached);
-            }
-            *sum += head + tails[*shift];
+            *sum += totals[*shift];
         }
     }
 }

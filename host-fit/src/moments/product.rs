@@ -4,89 +4,89 @@ use std::ops::Range;
 
 use fos_core::{Channel, Factor};
 
-use crate::candidates::MAX_DEGREE;
+use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG};
 
 /// The most factors a product of two candidates has.
-pub(super) const MAX_FACTORS: usize = 2 * MAX_DEGREE;
+const MAX_FACTORS: usize = 2 * MAX_DEGREE;
 
-/// Bits that hold the channel in a packed factor: 0 the output, i + 1 input i, so up to 256.
-const CHANNEL_BITS: u32 = 9;
+/// Bits of a factor's channel: 1 the output, i + 2 input i. Never 0, which marks an unused place.
+const CHANNEL_BITS: u32 = 7;
+/// Bits of a factor: its lag, then its channel.
+const FACTOR_BITS: u32 = 21;
+const FACTOR_MASK: u128 = (1 << FACTOR_BITS) - 1;
+/// A lag of one sample in each of the places.
+const ONE_LAG_EACH: u128 = {
+    let (mut ones, mut place) = (0, 0);
+    while place < MAX_FACTORS as u32 {
+        ones |= 1 << (place * FACTOR_BITS + CHANNEL_BITS);
+        place += 1;
+    }
+    ones
+};
 
-/// A product of delayed samples, factors packed as `lag << 9 | channel` and sorted: by lag, then channel.
+const _: () = assert!(FACTOR_BITS as usize * MAX_FACTORS <= 128);
+const _: () = assert!((MAX_LAG as u32) < 1 << (FACTOR_BITS - CHANNEL_BITS));
+const _: () = assert!((MAX_INPUT as u32) + 2 < 1 << CHANNEL_BITS);
+
+/// A product of delayed samples, sorted by lag, then channel, packed from the lowest bits up.
 ///
-/// A fixed-size key rather than a `Vec`: a pool of 65 candidates makes 2,279 of them, and building them is
+/// One number rather than a list: ten lags to degree 2 make 2,279 products, and sorting and finding them is
 /// part of every fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(crate) struct Product {
-    /// Unused places are 0 and come last; `len` tells them from the output at lag 0.
-    factors: [u32; MAX_FACTORS],
-    len: u8,
-}
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Product(u128);
 
 impl Product {
     /// The product of two monomials of at most [`MAX_DEGREE`] factors each.
     pub(crate) fn of(a: &[Factor], b: &[Factor]) -> Self {
-        let mut product = Self { factors: [0; MAX_FACTORS], len: (a.len() + b.len()) as u8 };
-        let packed = &mut product.factors[..a.len() + b.len()];
+        let mut packed = [0; MAX_FACTORS];
+        let packed = &mut packed[..a.len() + b.len()];
         for (place, factor) in packed.iter_mut().zip(a.iter().chain(b)) {
             let channel = match factor.channel {
-                Channel::Output => 0,
-                Channel::Input(i) => u32::from(i) + 1,
+                Channel::Output => 1,
+                Channel::Input(i) => u32::from(i) + 2,
             };
             *place = u32::from(factor.lag) << CHANNEL_BITS | channel;
         }
         packed.sort_unstable();
-        product
+        Self(packed.iter().rev().fold(0, |product, factor| product << FACTOR_BITS | u128::from(*factor)))
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.len == 0
+    /// Number of factors.
+    pub(super) fn degree(self) -> u32 {
+        (u128::BITS - self.0.leading_zeros()).div_ceil(FACTOR_BITS)
     }
 
     /// (column of the signals, lag) of each factor, lags ascending. Column 0 is the output.
-    pub(super) fn factors(&self) -> impl Iterator<Item = (usize, usize)> {
-        let unpack =
-            |packed: &u32| ((packed & ((1 << CHANNEL_BITS) - 1)) as usize, (packed >> CHANNEL_BITS) as usize);
-        self.factors[..usize::from(self.len)].iter().map(unpack)
-    }
-
-    /// Smallest lag, 0 for the empty product.
-    fn min_lag(&self) -> usize {
-        self.factors().next().map_or(0, |(_, lag)| lag)
+    pub(super) fn factors(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.degree()).map(move |i| {
+            let factor = (self.0 >> (i * FACTOR_BITS) & FACTOR_MASK) as usize;
+            ((factor & ((1 << CHANNEL_BITS) - 1)) - 1, factor >> CHANNEL_BITS)
+        })
     }
 
     /// Largest lag, 0 for the empty product.
-    pub(super) fn max_lag(&self) -> usize {
+    pub(super) fn max_lag(self) -> usize {
         self.factors().last().map_or(0, |(_, lag)| lag)
     }
 
-    /// The same product `shift` samples later: p(n) = shape(n − shift), the shape's smallest lag being 0.
-    pub(super) fn normalised(&self) -> (Product, usize) {
-        let shift = self.min_lag();
-        let mut shape = *self;
-        for packed in &mut shape.factors[..usize::from(self.len)] {
-            *packed -= (shift as u32) << CHANNEL_BITS;
-        }
-        (shape, shift)
+    /// The shape whose smallest lag is 0 and the shift a that makes p(n) = shape(n − a).
+    pub(super) fn normalised(self) -> (Self, usize) {
+        let shift = (self.0 & FACTOR_MASK) >> CHANNEL_BITS;
+        let one_per_factor = ONE_LAG_EACH & ((1 << (self.degree() * FACTOR_BITS)) - 1);
+        (Self(self.0 - shift * one_per_factor), shift as usize)
     }
 
     /// Splits a shape in the middle: shape(n) = left(n)·right(n − shift), both halves shapes themselves.
     ///
     /// A half has at most [`MAX_DEGREE`] factors, so few halves make many products.
-    pub(super) fn halves(&self) -> (Product, Product, usize) {
-        let middle = usize::from(self.len / 2);
-        let half = |factors: &[u32]| {
-            let mut half = Product { factors: [0; MAX_FACTORS], len: factors.len() as u8 };
-            half.factors[..factors.len()].copy_from_slice(factors);
-            half
-        };
-        let (left, right) = self.factors[..usize::from(self.len)].split_at(middle);
-        let (right, shift) = half(right).normalised();
-        (half(left), right, shift)
+    pub(super) fn halves(self) -> (Self, Self, usize) {
+        let middle = self.degree() / 2 * FACTOR_BITS;
+        let (right, shift) = Self(self.0 >> middle).normalised();
+        (Self(self.0 & ((1 << middle) - 1)), right, shift)
     }
 
     /// The product's value at row `n`: Π signals[c][n − lag].
-    pub(super) fn at(&self, signals: &[&[f64]], n: usize) -> f64 {
+    pub(super) fn at(self, signals: &[&[f64]], n: usize) -> f64 {
         self.factors().map(|(column, lag)| signals[column][n - lag]).product()
     }
 
@@ -94,7 +94,7 @@ impl Product {
     ///
     /// Inlined, so that inside the moment kernel it is compiled for the instruction set chosen there.
     #[inline(always)]
-    pub(crate) fn fill(&self, signals: &[&[f64]], rows: Range<usize>, out: &mut [f64]) {
+    pub(crate) fn fill(self, signals: &[&[f64]], rows: Range<usize>, out: &mut [f64]) {
         let mut delayed =
             self.factors().map(|(column, lag)| &signals[column][rows.start - lag..rows.end - lag]);
         match (delayed.next(), delayed.next()) {
@@ -126,7 +126,7 @@ mod tests {
         let (shape, shift) = product.normalised();
         assert_eq!(shift, 2);
         assert_eq!(shape, Product::of(&[y(0), y(2), u(0, 3)], &[]));
-        assert_eq!(shape.max_lag(), 3);
+        assert_eq!((shape.max_lag(), shape.degree()), (3, 3));
 
         let (left, right, apart) = shape.halves();
         assert_eq!(left, Product::of(&[y(0)], &[]));
@@ -137,6 +137,19 @@ mod tests {
     #[test]
     fn tells_short_products_from_long_ones() {
         assert_ne!(Product::of(&[y(0)], &[]), Product::of(&[y(0)], &[y(0)]));
-        assert!(Product::of(&[], &[]).is_empty());
+        assert_eq!(Product::of(&[], &[]).degree(), 0);
+        assert_eq!(Product::of(&[], &[]).normalised(), (Product::of(&[], &[]), 0));
+    }
+
+    #[test]
+    fn holds_six_factors_of_the_largest_lag_and_input() {
+        let largest = u(MAX_INPUT, MAX_LAG);
+        let product = Product::of(&[largest; 3], &[y(0), largest, largest]);
+        let factors: Vec<_> = product.factors().collect();
+        assert_eq!(factors[0], (0, 0));
+        assert_eq!(factors[1..], [(usize::from(MAX_INPUT) + 1, usize::from(MAX_LAG)); 5]);
+        let (left, right, shift) = product.halves();
+        assert_eq!((left.degree(), right), (3, Product::of(&[u(MAX_INPUT, 0); 3], &[])));
+        assert_eq!(shift, usize::from(MAX_LAG));
     }
 }

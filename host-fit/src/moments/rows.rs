@@ -179,6 +179,8 @@ fn leading_finite(signal: &[f64]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
+
     use fos_core::{u, y};
 
     use super::*;

@@ -1,4 +1,5 @@
 //! Moments against sums written out row by row.
+#![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
 use rand::{RngExt, SeedableRng};
@@ -58,7 +59,7 @@ fn match_their_definition_over_awkward_sizes() {
         let columns: Vec<_> = (0..3).map(|c| noise(samples, 10 * seed as u64 + c, 3.0)).collect();
         let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         for pool in pools() {
-            let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors()).unwrap();
+            let rows = Rows::usable(&signals, &[0..samples], pool.factors()).unwrap();
             assert_matches_definition(&signals, &rows, &pool);
         }
     }
