@@ -1,13 +1,13 @@
 //! A fitted model as the host keeps it: f64, with names, units and standard errors. What runs is always fos-core.
 
 use fos_core::{
-    AxisModel, AxisParameters, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity, Real, Source,
+    AxisModel, AxisParameters, Channel, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity, Real, Source,
     StillnessLimits, Term,
 };
 use serde::{Deserialize, Serialize};
 
-/// The evaluator with the capacities of the host: 6 axes, 16 inputs, 512 terms, 4096 values of history.
-pub type HostPredictor<R> = Predictor<R, 6, 16, 512, 4096>;
+/// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
+pub type HostPredictor<R> = Predictor<R, 6, 32, 512, 4096>;
 
 /// The model of one sensor unit: axes over shared inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -132,13 +132,44 @@ impl UnitModel {
         for mut axis in other.axes {
             for term in axis.physical.iter_mut().chain(&mut axis.stochastic) {
                 for factor in &mut term.factors {
-                    if let fos_core::Channel::Input(input) = &mut factor.channel {
+                    if let Channel::Input(input) = &mut factor.channel {
                         *input = inputs[usize::from(*input)];
                     }
                 }
             }
             self.axes.push(axis);
         }
+    }
+
+    /// Removes the inputs and quantities that no term uses.
+    pub fn drop_unused(&mut self) {
+        let factors = |axis: &FittedAxis| -> Vec<Factor> {
+            axis.physical.iter().chain(&axis.stochastic).flat_map(|term| term.factors.clone()).collect()
+        };
+        let used: Vec<Channel> = self.axes.iter().flat_map(factors).map(|factor| factor.channel).collect();
+        let axes = std::mem::take(&mut self.axes);
+        let mut old = Self { axes, ..self.clone() };
+        (self.inputs, self.quantities) = (Vec::new(), Vec::new());
+        let kept = old.inputs.iter().enumerate().map(|(index, named)| {
+            used.contains(&Channel::Input(index as u8)).then(|| {
+                let mut named = named.clone();
+                if let Source::Quantity(quantity) = &mut named.input.source {
+                    let logged = old.quantities[usize::from(*quantity)].clone();
+                    *quantity = position(&mut self.quantities, logged);
+                }
+                position(&mut self.inputs, named)
+            })
+        });
+        let places: Vec<Option<u8>> = kept.collect();
+        for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic)) {
+            for factor in &mut term.factors {
+                if let Channel::Input(input) = &mut factor.channel {
+                    // a used input was kept
+                    *input = places[usize::from(*input)].unwrap_or(*input);
+                }
+            }
+        }
+        self.axes = old.axes;
     }
 
     /// How many terms all axes have together.

@@ -215,6 +215,8 @@ pub fn fit_axis(
     };
     let report = report(&model, &pool, &fit, &regressors, reference_column);
     set_ranges(&mut model, &regressors);
+    model.drop_unused();
+    let feed = Feed::new(recording, &model, &rest.still)?;
     set_statistics(&mut model, &feed, training).map_err(model_error)?;
     Ok(AxisFit { model, report })
 }

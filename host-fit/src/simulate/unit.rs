@@ -131,9 +131,9 @@ fn sizes(axis: usize, rate_hz: f64) -> NoiseSizes {
     }
 }
 
-/// Warms up by 6 K with 5 minutes, and follows a room that swings by 2 K in 11 minutes, °C.
+/// Warms up by 4 K with 200 s, and follows a room that swings by 5 K in 7 minutes, °C.
 fn die_temperature(t: f64) -> f64 {
-    27.0 + 6.0 * (1.0 - (-t / 300.0).exp()) + 1.0 * (std::f64::consts::TAU * t / 660.0).sin()
+    27.0 + 4.0 * (1.0 - (-t / 200.0).exp()) + 2.5 * (std::f64::consts::TAU * t / 420.0).sin()
 }
 
 /// Time since the motion under way began, s; none while at rest.
