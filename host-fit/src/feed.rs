@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use fos_core::{Correction, Real, Sample};
+use fos_core::{Axis, Correction, Real, Sample};
 
 use crate::model::{HostPredictor, UnitModel};
 use crate::recording::{Boundary, Recording, RecordingError};
@@ -22,7 +22,23 @@ pub struct Feed<'a> {
 enum Reference<'a> {
     Constant(f64),
     Column(&'a [f64]),
+    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known.
+    Pose(Vec<f64>),
 }
+
+impl Reference<'_> {
+    fn at(&self, row: usize) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Column(values) => values[row],
+            Self::Pose(values) => values[row],
+        }
+    }
+}
+
+/// A still accelerometer further than this from the reference, in scaled units (standard deviations of the training
+/// data), lies in another pose: 20 are a tilt of 2° for a noise of 0.02 m/s², and a bias drifts by less.
+const OTHER_POSE: f64 = 20.0;
 
 /// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
 const UNKNOWN_TICKS: u64 = 256;
@@ -66,11 +82,34 @@ impl<'a> Feed<'a> {
                 Some((segment.rows.start, u32::try_from(missing).unwrap_or(u32::MAX)))
             })
             .collect();
-        let has_reference = reference.iter().any(|reference| matches!(reference, Reference::Column(_)));
-        Ok(Self { measured, reference, has_reference, quantities, still, breaks })
+        let mut feed = Self { measured, reference, has_reference: false, quantities, still, breaks };
+        for (index, axis) in model.axes.iter().enumerate() {
+            if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
+                feed.leave_out_other_poses(index, axis.parameters.scale);
+            }
+        }
+        feed.has_reference = feed.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
+        Ok(feed)
     }
 
-    /// Whether the recording has the true value of an axis as a column of its own.
+    /// Forgets the constant reference of an accelerometer wherever the unit lies still in another pose.
+    fn leave_out_other_poses(&mut self, axis: usize, scale: f64) {
+        let Reference::Constant(reference) = self.reference[axis] else { return };
+        let n_rows = self.still.len();
+        let is_other = |stretch: &Range<usize>| {
+            let finite = || self.measured[axis][stretch.clone()].iter().filter(|value| value.is_finite());
+            let mean = finite().sum::<f64>() / finite().count() as f64;
+            (mean - reference).abs() > OTHER_POSE * scale
+        };
+        let other: Vec<Range<usize>> = self.still_stretches(0..n_rows).into_iter().filter(is_other).collect();
+        if !other.is_empty() {
+            let mut values = vec![reference; n_rows];
+            other.into_iter().for_each(|stretch| values[stretch].fill(f64::NAN));
+            self.reference[axis] = Reference::Pose(values);
+        }
+    }
+
+    /// Whether the true value of an axis is anything but the model's own reference, row after row.
     pub fn has_reference(&self) -> bool {
         self.has_reference
     }
@@ -97,10 +136,7 @@ impl<'a> Feed<'a> {
             *value = scalar(column[row]);
         }
         for (value, reference) in sample.reference.iter_mut().zip(&self.reference) {
-            *value = scalar(match reference {
-                Reference::Constant(value) => *value,
-                Reference::Column(values) => values[row],
-            });
+            *value = scalar(reference.at(row));
         }
         for (value, column) in sample.quantities.iter_mut().zip(&self.quantities) {
             *value = scalar(column[row]);
@@ -132,13 +168,9 @@ impl<'a> Feed<'a> {
         predictor.coast(&self.sample(row).sample())
     }
 
-    /// Measured error of an axis, offset included, in its unit: measured − reference.
+    /// Measured error of an axis, offset included, in its unit: measured − reference; NaN where that is not known.
     pub fn error(&self, axis: usize, row: usize) -> f64 {
-        let reference = match &self.reference[axis] {
-            Reference::Constant(value) => *value,
-            Reference::Column(values) => values[row],
-        };
-        self.measured[axis][row] - reference
+        self.measured[axis][row] - self.reference[axis].at(row)
     }
 
     /// The stretches of `rows` that are still throughout and have no break inside.

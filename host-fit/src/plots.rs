@@ -77,7 +77,7 @@ fn figures(
     index: usize,
     recording: &Recording,
 ) -> Vec<(&'static str, Figure)> {
-    let subject = Subject { channel: &axis.column, unit: &axis.unit };
+    let subject = Subject { channel: in_words(&axis.column), unit: &axis.unit };
     let worst_s: Vec<(f64, f64)> =
         axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect();
     let worst = Worst { label: "worst stretches", ranges_s: &worst_s };
@@ -141,4 +141,17 @@ fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelo
 fn mean_of(series: &[f64]) -> f64 {
     let finite: Vec<f64> = series.iter().copied().filter(|value| value.is_finite()).collect();
     crate::signal::mean(&[&finite])
+}
+
+/// A column in words.
+fn in_words(column: &str) -> &str {
+    match column {
+        "ax_mps2" => "accelerometer x",
+        "ay_mps2" => "accelerometer y",
+        "az_mps2" => "accelerometer z",
+        "gx_rads" => "gyro x",
+        "gy_rads" => "gyro y",
+        "gz_rads" => "gyro z",
+        other => other,
+    }
 }

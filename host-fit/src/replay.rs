@@ -28,9 +28,9 @@ pub enum ReplayError {
         /// Which.
         index: usize,
     },
-    /// The log has reference columns.
+    /// The log has reference columns, or other poses.
     #[error(
-        "the log has ref_ columns: the firmware in the loop knows only the model's own reference\nhelp: leave them out with --map '!ref_gx_rads' and so on"
+        "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer lies still in another pose than that of the fit\nhelp: leave the columns out with --map '!ref_gx_rads', or export gyros only"
     )]
     Reference,
 }
