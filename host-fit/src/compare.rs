@@ -118,7 +118,8 @@ pub fn compare(
     Ok((Comparison { judged_s, axes }, own))
 }
 
-/// Puts fitted axes together into a study, judged on the rows after the training part.
+/// Puts fitted axes together into a study, judged on the rows after the training part. Also gives that judgement, and
+/// the model's own trace.
 ///
 /// # Errors
 ///
@@ -129,16 +130,18 @@ pub fn study_of(
     fits: Vec<AxisFit>,
     settings: FitOptions,
     columns: Vec<String>,
-) -> Result<Study, CompareError> {
+    progress: impl FnMut(&str),
+) -> Result<(Study, Comparison, Trace), CompareError> {
     let trained_rows = crate::fit::training_rows(recording, rest, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
     let mut model = models.remove(0);
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
-    let (comparison, _) = compare(&model, &lag_1, recording, rest, trained_rows..recording.n_rows(), |_| {})?;
+    let rows = trained_rows..recording.n_rows();
+    let (comparison, trace) = compare(&model, &lag_1, recording, rest, rows, progress)?;
     let still = rest.still.iter().filter(|still| **still).count();
-    Ok(Study {
+    let study = Study {
         schema: SCHEMA.to_owned(),
         tool: Tool::this(),
         data: Data {
@@ -155,7 +158,8 @@ pub fn study_of(
         model,
         axes: reports,
         steps: steps_of(&comparison),
-    })
+    };
+    Ok((study, comparison, trace))
 }
 
 /// The rivals and the model as the steps of a study.

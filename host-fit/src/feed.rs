@@ -88,7 +88,8 @@ impl<'a> Feed<'a> {
                 feed.leave_out_other_poses(index, axis.parameters.scale);
             }
         }
-        feed.has_reference = feed.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
+        feed.has_reference =
+            feed.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
         Ok(feed)
     }
 

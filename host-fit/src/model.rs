@@ -1,8 +1,8 @@
 //! A fitted model as the host keeps it: f64, with names, units and standard errors. What runs is always fos-core.
 
 use fos_core::{
-    AxisModel, AxisParameters, Channel, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity, Real, Source,
-    StillnessLimits, Term,
+    AxisModel, AxisParameters, Channel, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity,
+    Real, Source, StillnessLimits, Term,
 };
 use serde::{Deserialize, Serialize};
 
@@ -161,7 +161,8 @@ impl UnitModel {
             })
         });
         let places: Vec<Option<u8>> = kept.collect();
-        for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic)) {
+        for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic))
+        {
             for factor in &mut term.factors {
                 if let Channel::Input(input) = &mut factor.channel {
                     // a used input was kept

@@ -7,7 +7,7 @@ use clap::Args;
 use fos_core::Image;
 
 use super::output::{Failure, number, progress, table};
-use crate::compare::{Comparison, MODEL, compare, study_of};
+use crate::compare::{Comparison, MODEL, study_of};
 use crate::evaluate::ModelErrors;
 use crate::export::{image, rust_source};
 use crate::file::write_atomically;
@@ -62,7 +62,9 @@ impl Demo {
             bar.inc(1);
         }
         let trained = training_rows(&recording, &rest, options.train).end;
-        let study = study_of(&recording, &rest, fits, options, Vec::new())?;
+        let (study, comparison, trace) =
+            study_of(&recording, &rest, fits, options, Vec::new(), |_| bar.inc(1))?;
+        bar.finish_and_clear();
         study.write(&path("study.json"))?;
         println!(
             "2. Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes from the first {:.0} s.",
@@ -71,10 +73,6 @@ impl Demo {
             recording.time_s[trained - 1]
         );
 
-        let rows = trained..recording.n_rows();
-        let (comparison, trace) =
-            compare(&study.model, &study.lag_1(), &recording, &rest, rows, |_| bar.inc(1))?;
-        bar.finish_and_clear();
         plots::write_all(&path("figures"), &comparison, &trace, &recording)?;
         println!(
             "3. On the rest, which was not fitted. Root mean square of what is left, coasting on its own history:"

@@ -115,7 +115,7 @@ impl Fit {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let study = study_of(&recording, &rest, fits, options, self.reading.map.clone())?;
+        let (study, ..) = study_of(&recording, &rest, fits, options, self.reading.map.clone(), |_| {})?;
         study.write(&self.output)?;
         if self.json {
             return print_json(&study);

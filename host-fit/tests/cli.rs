@@ -1,0 +1,168 @@
+//! The command line as a session: every subcommand, and what it says when it cannot.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn host_fit(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-fit"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("it starts")
+}
+
+/// Runs what must succeed; what it printed.
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{arguments:?}\n{out}\n{err}");
+    out.into_owned()
+}
+
+/// Runs what must fail with exit code `code`; what it said.
+fn fails(folder: &Path, code: i32, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stdout)
+    );
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_session_goes_from_a_log_to_a_corrected_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.csv.gz", "--minutes", "3", "--seed", "4", "--at-rest"]);
+    let fitted =
+        done(folder, &["fit", "log.csv.gz", "--axis", "gx,gz", "--physical", "temp_c", "-o", "unit.json"]);
+    assert!(fitted.contains("gx_rads") && fitted.contains("coast MSE after 10 s"), "{fitted}");
+    let compared = done(folder, &["compare", "unit.json", "--figures", "figures"]);
+    assert!(compared.contains("noise floor") && compared.contains("where it fails worst"), "{compared}");
+    for figure in ["1_over_time", "2_residual", "3_autocorrelation", "4_spectrum", "5_allan"] {
+        for format in ["svg", "png"] {
+            let path = folder.join(format!("figures/gx_rads_{figure}.{format}"));
+            assert!(path.metadata().is_ok_and(|file| file.len() > 1000), "{}", path.display());
+        }
+    }
+    done(
+        folder,
+        &["export", "unit.json", "--image", "unit.fosm", "--rust", "model.rs", "--sensor", "demo part"],
+    );
+    let inspected = done(folder, &["inspect", "unit.fosm"]);
+    assert!(
+        inspected.contains("demo part") && inspected.contains("Gx") && inspected.contains("temp_c"),
+        "{inspected}"
+    );
+    let replayed = done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]);
+    assert!(replayed.contains("digest of the innovations"), "{replayed}");
+    // the same once more, and from the corrected log's own reader
+    assert_eq!(replayed, done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]));
+    let again =
+        done(folder, &["fit", "corrected.parquet", "--axis", "gx", "--memory", "none", "-o", "again.json"]);
+    assert!(again.contains("gx_rads"), "{again}");
+}
+
+#[test]
+fn json_is_json_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.parquet", "--minutes", "2", "--at-rest"]);
+    for arguments in [
+        &["fit", "log.parquet", "--axis", "gy", "-o", "unit.json", "--json"][..],
+        &["compare", "unit.json", "--json"],
+    ] {
+        let text = done(folder, arguments);
+        let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert!(value["axes"][0]["column"] == "gy_rads", "{arguments:?}");
+    }
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    let image: serde_json::Value =
+        serde_json::from_str(&done(folder, &["inspect", "unit.fosm", "--json"])).expect("JSON");
+    assert_eq!(image["format_version"], 1);
+    let replayed = done(folder, &["replay", "unit.fosm", "log.parquet", "--json"]);
+    let replayed: serde_json::Value = serde_json::from_str(&replayed).expect("JSON");
+    assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));
+}
+
+#[test]
+fn a_study_is_repeatable() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.parquet", "--minutes", "2", "--seed", "8", "--at-rest"]);
+    for study in ["a.json", "b.json"] {
+        done(folder, &["fit", "log.parquet", "--axis", "ay", "-o", study]);
+    }
+    let read = |name: &str| std::fs::read(folder.join(name)).expect("it was written");
+    assert_eq!(read("a.json"), read("b.json"));
+}
+
+#[test]
+fn what_it_cannot_do_it_says_with_the_place_and_the_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
+
+    assert!(fails(folder, 1, &["fit", "absent.csv"]).contains("absent.csv"));
+    write("rubbish.csv", "t_s,gx_rads\n0.0,0.1\n0.01,oops\n0.02,0.3\n0.03,0.2\n");
+    let said = fails(folder, 1, &["fit", "rubbish.csv", "--strict"]);
+    assert!(said.contains("rubbish.csv:3:2") && said.contains("oops"), "{said}");
+    write("timeless.csv", "gx_rads\n0.1\n0.2\n");
+    let said = fails(folder, 1, &["fit", "timeless.csv"]);
+    assert!(said.contains("t_s") && said.contains("rate"), "{said}");
+    let constant: String = (0..3000).map(|n| format!("{},0.5\n", f64::from(n) * 0.01)).collect();
+    write("constant.csv", &format!("t_s,gx_rads\n{constant}"));
+    let said = fails(folder, 1, &["fit", "constant.csv"]);
+    assert!(said.contains("gx_rads") && said.contains("0.5"), "{said}");
+    let short: String =
+        (0..50).map(|n| format!("{},{}\n", f64::from(n) * 0.01, f64::from(n * n % 7))).collect();
+    write("short.csv", &format!("t_s,gx_rads\n{short}"));
+    assert!(fails(folder, 1, &["fit", "short.csv"]).contains("help"));
+    let said = fails(folder, 1, &["fit", "short.csv", "--axis", "gy"]);
+    assert!(said.contains("gy_rads"), "{said}");
+
+    write("study.json", "{\"schema\": \"fos-study/99\"}");
+    let said = fails(folder, 1, &["compare", "study.json"]);
+    assert!(said.contains("fos-study/99") && said.contains("fos-study/1"), "{said}");
+    write("broken.json", "{\"schema\": \"fos-study/1\",\n oops");
+    assert!(fails(folder, 1, &["export", "broken.json", "--image", "x.fosm"]).contains("broken.json:2"));
+    assert!(!folder.join("x.fosm").exists());
+    write("not.fosm", "hello, this is no image at all");
+    assert!(fails(folder, 1, &["inspect", "not.fosm"]).contains("FOSM"));
+}
+
+#[test]
+fn wrong_usage_is_exit_code_two() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for arguments in [
+        &["nonsense"][..],
+        &["fit"],
+        &["fit", "log.csv", "--degree", "4"],
+        &["fit", "log.csv", "--train", "soon"],
+    ] {
+        fails(folder.path(), 2, arguments);
+    }
+}
+
+#[test]
+fn every_subcommand_has_help_with_an_example() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for command in ["demo", "simulate", "fit", "compare", "export", "inspect", "replay", "bench"] {
+        let help = done(folder.path(), &[command, "--help"]);
+        assert!(help.contains(&format!("Example: host-fit {command}")), "{help}");
+    }
+}
+
+#[test]
+fn a_file_is_replaced_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.parquet", "--minutes", "1", "--at-rest"]);
+    std::fs::create_dir(folder.join("unit.json")).expect("a folder in the way");
+    let said = fails(folder, 1, &["fit", "log.parquet", "--axis", "gx", "-o", "unit.json"]);
+    assert!(said.contains("unit.json"), "{said}");
+    let left = std::fs::read_dir(folder).expect("readable").count();
+    assert_eq!(left, 2, "nothing half-written is left beside it");
+}

@@ -1,0 +1,160 @@
+//! The whole path, from a recording to corrections, through public interfaces only.
+
+use fos_core::{Image, y};
+use fos_embedded::replay::{Decoder, Digest, HEADER_LENGTH, Header, step};
+use host_fit::compare::{MODEL, study_of};
+use host_fit::export::image;
+use host_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
+use host_fit::recording::{LoadOptions, Recording, Source};
+use host_fit::replay::{device_log, model_of, replay};
+use host_fit::rest;
+use host_fit::simulate::{Simulation, simulate};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const RATE_HZ: f64 = 200.0;
+
+fn recording(columns: Vec<(String, Vec<f64>)>) -> Recording {
+    let options = LoadOptions { rate_hz: Some(RATE_HZ), ..LoadOptions::default() };
+    Recording::from_columns(Source::made_by("test"), columns, &options).expect("a sound recording")
+}
+
+/// r(n) = 1.2 r(n−1) − 0.5 r(n−2) + 0.03 r(n−1) r(n−2) + e(n), 60,000 samples, about 9.81 with 1e-3.
+fn quadratic_plant(seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut past = [0.0_f64; 2];
+    (0..60_000)
+        .map(|_| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let now = 1.2 * past[0] - 0.5 * past[1] + 0.03 * past[0] * past[1] + noise;
+            past = [now, past[0]];
+            9.81 + 1e-3 * now
+        })
+        .collect()
+}
+
+#[test]
+fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
+    let recording = recording(vec![("az_mps2".into(), quadratic_plant(5))]);
+    let rest = rest::find(&recording);
+    // the plant's own units: offset and scale known, so that coefficients compare
+    let options = FitOptions {
+        offset: Some(9.81),
+        scale: Some(1e-3),
+        memory_s: vec![],
+        max_lag: 5,
+        ..FitOptions::default()
+    };
+    let fit = fit_axis(&recording, &rest, "az", &options).expect("fits");
+    let terms = &fit.model.axes[0].stochastic;
+    let truth = [(vec![y(1)], 1.2), (vec![y(2)], -0.5), (vec![y(1), y(2)], 0.03)];
+    assert_eq!(terms.len(), truth.len(), "{terms:?}");
+    for (factors, coefficient) in truth {
+        let found = terms.iter().find(|term| term.factors == factors).expect("the term is in the model");
+        let error = found.standard_error.expect("estimated");
+        // five standard errors: one in two million by chance
+        assert!((found.coefficient - coefficient).abs() < 5.0 * error, "{factors:?}: {found:?}");
+        assert!(error < 0.01, "{found:?}");
+    }
+}
+
+#[test]
+fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where_there_is_not() {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let white: Vec<f64> = (0..60_000).map(|_| StandardNormal.sample(&mut random)).collect();
+    let recording = recording(vec![("gx_rads".into(), white), ("gy_rads".into(), quadratic_plant(6))]);
+    let rest = rest::find(&recording);
+    let options = FitOptions::default();
+    let fits = ["gx", "gy"].map(|axis| fit_axis(&recording, &rest, axis, &options).expect("fits"));
+    assert!(
+        fits[0].model.axes[0].stochastic.is_empty(),
+        "white noise has no terms: {:?}",
+        fits[0].report.steps
+    );
+    let (study, comparison, _) =
+        study_of(&recording, &rest, fits.to_vec(), options, vec![], |_| {}).expect("judged");
+    assert_eq!(study.steps.len(), 4);
+    let mse = |axis: usize, model: &str| {
+        let errors = comparison.axes[axis].errors.iter().find(|errors| errors.model == model);
+        errors.expect("it was judged").one_step_mse
+    };
+    assert!((mse(0, MODEL) / mse(0, "constant mean") - 1.0).abs() < 0.01);
+    // innovation variance 1 of a process of variance 1/((1−φ₂²)…): four times less
+    assert!(mse(1, MODEL) < 0.35 * mse(1, "constant mean"));
+    assert!(mse(1, MODEL) < 0.8 * mse(1, "Gauss-Markov"));
+    assert!((mse(1, MODEL) / 1e-6 - 1.0).abs() < 0.05, "the innovation variance is 1e-6: {}", mse(1, MODEL));
+    assert!(!comparison.axes[1].errors.iter().any(|errors| errors.below_noise_floor));
+}
+
+/// A short log of a simulated unit and the image of a model of all its axes.
+fn simulated_unit() -> (Recording, Vec<u8>) {
+    let log = simulate(&Simulation { duration_s: 180.0, seed: 3, ..Simulation::default() });
+    let recording = recording(log.columns);
+    let rest = rest::find(&recording);
+    let options = FitOptions {
+        train: Train::Seconds(60.0),
+        physical: vec!["temp_c".parse().expect("an input")],
+        stop: Stop::Korenberg,
+        max_terms: 6,
+        ..FitOptions::default()
+    };
+    let mut fits = ["ax", "ay", "az", "gx", "gy", "gz"]
+        .map(|axis| fit_axis(&recording, &rest, axis, &options).expect("fits").model);
+    let (first, others) = fits.split_first_mut().expect("six");
+    others.iter().for_each(|other| first.absorb(other.clone()));
+    let bytes = image(first, "simulated", "test").expect("exported");
+    (recording, bytes)
+}
+
+#[test]
+fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
+    let (recording, bytes) = simulated_unit();
+    let rest = rest::find(&recording);
+    let stored = Image::parse(&bytes).expect("its own image");
+    let host = replay(&stored, &recording, &rest, &[]).expect("replayed");
+    assert_eq!(host.summary.rows, recording.n_rows());
+    assert!(host.summary.tracked > 0 && host.summary.tracked < recording.n_rows());
+
+    let log = device_log(&model_of(&stored, &[]).expect("named"), &recording, &rest).expect("a log");
+    let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
+    let header = Header::decode(&log).expect("a header");
+    let mut decoder = Decoder::new(header).expect("a decoder");
+    let mut digest = Digest::default();
+    for record in log[HEADER_LENGTH..].chunks_exact(header.record_length()) {
+        digest.update(step(&mut predictor, &decoder.record(record).expect("a record")));
+    }
+    assert_eq!(digest.innovations(), host.summary.innovations_digest);
+    assert_eq!(digest.corrections(), host.summary.corrections_digest);
+    // and the digest sees a change of one bit
+    let mut changed = log.clone();
+    changed[HEADER_LENGTH + 8] ^= 1;
+    let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
+    let mut other = Digest::default();
+    for record in changed[HEADER_LENGTH..].chunks_exact(header.record_length()) {
+        other.update(step(&mut predictor, &decoder.record(record).expect("a record")));
+    }
+    assert_ne!(other.corrections(), digest.corrections());
+}
+
+#[test]
+fn rounding_the_model_to_f32_costs_next_to_nothing() {
+    let (recording, bytes) = simulated_unit();
+    let rest = rest::find(&recording);
+    let host =
+        replay(&Image::parse(&bytes).expect("its own image"), &recording, &rest, &[]).expect("replayed");
+    for axis in &host.summary.axes {
+        // 24 bits of a measured value of up to 9.8 m/s² are 1e-6: 5e-5 of a noise of 0.02 m/s²
+        assert!(axis.largest_difference < 2e-4 * axis.innovation_rms_f64, "{axis:?}");
+    }
+}
+
+#[test]
+fn training_takes_rows_at_rest_only() {
+    let (recording, _) = simulated_unit();
+    let rest = rest::find(&recording);
+    let rows = training_rows(&recording, &rest, Train::Seconds(60.0));
+    let still = rows.clone().filter(|row| rest.still[*row]).count() as f64;
+    assert!((still * recording.rate.period_s - 60.0).abs() < 0.01);
+    assert!(rows.end < recording.n_rows());
+}
