@@ -93,7 +93,8 @@ impl<R: Real> RunningInput<R> {
                     x = self.source_range.limit(x);
                     validity |= Validity::INPUT_OUT_OF_RANGE;
                 }
-                if self.held.is_none() {
+                // a long memory of the remainder starts at its mean, 0: one noisy sample would stay in it for long
+                if self.held.is_none() && !matches!(self.source, Source::Remainder(_)) {
                     self.transform.start_at(x);
                 }
                 self.held = Some(x);

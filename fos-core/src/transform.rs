@@ -11,7 +11,8 @@ use crate::Real;
 pub enum Transform<R> {
     /// u = x.
     Identity,
-    /// Low-pass: s ← s + (1 − e^(−T/τ))·(x − s), u = s; starts at the first x.
+    /// Low-pass: s ← s + (1 − e^(−T/τ))·(x − s), u = s; starts at the first x (of a
+    /// remainder: at 0).
     LowPass {
         /// Time constant τ, s.
         tau_s: R,

@@ -18,7 +18,7 @@ mod firmware {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let image = Image::parse(black_box(&[0; 64])).ok();
-        let predictor = image.and_then(|image| image.predictor::<f32, 6, 8, 128, 256>().ok());
+        let predictor = image.and_then(|image| image.predictor::<f32, 6, 16, 128, 256>().ok());
         let Some(mut predictor) = predictor else { loop {} };
         loop {
             let (measured, quantities, still) = black_box(([0.0; 6], [0.0; 2], true));

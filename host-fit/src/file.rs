@@ -1,5 +1,6 @@
 //! Files are written beside and renamed: a reader sees the old one or the new one, whole.
 
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -23,16 +24,33 @@ pub struct FileError {
 ///
 /// The folder is not there or not writable, the disk is full. The old file, if any, is then untouched.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let failed = |action| move |source| FileError { path: path.to_owned(), action, source };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = NamedTempFile::new_in(folder).map_err(failed("write to its folder"))?;
-    file.write_all(content).map_err(failed("write it"))?;
-    file.as_file().sync_all().map_err(failed("write it"))?;
-    file.persist(path).map_err(|error| failed("replace it")(error.error))?;
+    replace(path, |mut file| file.write_all(content)).map_err(|source| FileError {
+        path: path.to_owned(),
+        action: "write it",
+        source,
+    })
+}
+
+/// Lets `write` fill a file beside `path`, brings it to the disk and renames it.
+pub(crate) fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = new_beside(folder)?;
+    write(file.as_file())?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// An unnamed-as-yet file with the permissions a new file has; a temporary one could be read by its owner only.
+fn new_beside(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".fos-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
+    }
+    builder.tempfile_in(folder)
 }
 
 /// Reads the whole of `path`.

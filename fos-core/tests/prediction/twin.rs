@@ -94,7 +94,7 @@ fn widened(low: f64, high: f64, share: f64) -> (f64, f64) {
     (low - share * (high - low), high + share * (high - low))
 }
 
-/// u(n) by definition; what has a memory starts at the first x.
+/// u(n) by definition; what has a memory starts at the first x, of a remainder at 0.
 fn transformed(parameters: &Input<f64>, state: &mut TwinInput, n: usize, x: Option<f64>) -> f64 {
     let t = n as f64 * PERIOD_S;
     let low_pass = |s: &mut Option<f64>, x: Option<f64>, tau_s: f64| {
@@ -241,7 +241,7 @@ impl Twin {
                 }
                 match parameters.source {
                     // nothing is known of it: its mean
-                    Source::Remainder(_) => state.x.map(|_| 0.0),
+                    Source::Remainder(_) => Some(0.0),
                     _ => state.x,
                 }
             }

@@ -10,7 +10,7 @@ use fos_core::{
 };
 use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
 
-type Device = Predictor<f32, 6, 8, 128, 256>;
+type Device = Predictor<f32, 6, 16, 128, 256>;
 
 unsafe extern "C" {
     /// Defined nowhere: an image in which a panic can be reached does not link.
@@ -41,7 +41,7 @@ fn from_image(bytes: &[u8]) {
     }
     for axis in image.axes() {
         let mut monitor = Monitor::new(&axis.parameters, image.period_s());
-        if let Ok(mut predictor) = image.predictor::<f32, 6, 8, 128, 256>() {
+        if let Ok(mut predictor) = image.predictor::<f32, 6, 16, 128, 256>() {
             run(&mut predictor, &mut monitor);
         }
         black_box((axis.physical.count(), axis.stochastic.count()));

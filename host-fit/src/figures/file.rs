@@ -1,5 +1,6 @@
 //! Figures as SVG and PNG, in memory and in files.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
@@ -7,6 +8,7 @@ use plotters::prelude::*;
 use super::canvas::{Canvas, PIXELS_PER_UNIT};
 use super::round_joins::RoundJoins;
 use super::{Figure, draw};
+use crate::file::replace;
 
 /// Why a figure was not made.
 #[derive(Debug, thiserror::Error)]
@@ -102,14 +104,8 @@ fn averaged(fine: &[u8], width: usize) -> Vec<u8> {
 }
 
 fn write(bytes: &[u8], path: &Path) -> Result<(), FigureError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let beside = path.with_file_name(name);
-    std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
-        // whatever was written is of no use; that it cannot be removed adds nothing to the first error
-        let _ = std::fs::remove_file(&beside);
-        FigureError::Write { path: path.to_owned(), source }
-    })
+    replace(path, |mut file| file.write_all(bytes))
+        .map_err(|source| FigureError::Write { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

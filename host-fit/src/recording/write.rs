@@ -5,6 +5,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 
+use super::error::RecordingError;
+use super::table::check_names;
+use crate::file::replace;
 use arrow::array::{ArrayRef, Float64Array};
 use arrow::datatypes::{DataType, Field, Schema};
 use arrow::error::ArrowError;
@@ -15,10 +18,6 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression as ParquetCompression, ZstdLevel};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use tempfile::NamedTempFile;
-
-use super::error::RecordingError;
-use super::table::check_names;
 
 /// Rows encoded at once.
 const BATCH_ROWS: usize = 65_536;
@@ -72,30 +71,6 @@ fn check_columns(path: &Path, columns: &[(&str, &[f64])]) -> Result<(), Recordin
             Err(RecordingError::Lengths { name: name.to_string(), expected, found: values.len() })
         }
     }
-}
-
-/// Writes a file beside `path`, brings it to the disk and renames it.
-fn replace(path: &Path, write: &dyn Fn(&File) -> io::Result<()>) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = new_beside(folder)?;
-    write(file.as_file())?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// An unnamed-as-yet file with the permissions a new file has; a temporary one could be read by its owner only.
-fn new_beside(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".fos-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
-        builder.tempfile_in(folder)
-    }
-    #[cfg(not(unix))]
-    builder.tempfile_in(folder)
 }
 
 fn write_csv(out: &mut impl Write, columns: &[(&str, &[f64])]) -> io::Result<()> {
