@@ -85,7 +85,7 @@ impl<'a> Feed<'a> {
         let mut feed = Self { measured, reference, has_reference: false, quantities, still, breaks };
         for (index, axis) in model.axes.iter().enumerate() {
             if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
-                feed.leave_out_other_poses(index, axis.parameters.scale);
+                feed.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
             }
         }
         feed.has_reference =
@@ -94,13 +94,13 @@ impl<'a> Feed<'a> {
     }
 
     /// Forgets the constant reference of an accelerometer wherever the unit lies still in another pose.
-    fn leave_out_other_poses(&mut self, axis: usize, scale: f64) {
+    fn leave_out_other_poses(&mut self, axis: usize, offset: f64, scale: f64) {
         let Reference::Constant(reference) = self.reference[axis] else { return };
         let n_rows = self.still.len();
         let is_other = |stretch: &Range<usize>| {
             let finite = || self.measured[axis][stretch.clone()].iter().filter(|value| value.is_finite());
             let mean = finite().sum::<f64>() / finite().count() as f64;
-            (mean - reference).abs() > OTHER_POSE * scale
+            (mean - reference - offset).abs() > OTHER_POSE * scale
         };
         let other: Vec<Range<usize>> = self.still_stretches(0..n_rows).into_iter().filter(is_other).collect();
         if !other.is_empty() {

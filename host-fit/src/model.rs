@@ -6,6 +6,9 @@ use fos_core::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::candidates::Monomial;
+use crate::fit::Refit;
+
 /// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
 pub type HostPredictor<R> = Predictor<R, 6, 32, 512, 4096>;
 
@@ -67,6 +70,19 @@ pub struct FittedTerm {
     pub standard_error: Option<f64>,
     /// The factors.
     pub factors: Vec<Factor>,
+}
+
+impl FittedTerm {
+    /// The terms of a fit, with their standard errors.
+    pub fn of(monomials: &[Monomial], refit: &Refit) -> Vec<Self> {
+        let solved = refit.coefficients.iter().zip(&refit.coefficient_errors);
+        let term = |(factors, (coefficient, error)): (&Monomial, (&f64, &f64))| Self {
+            coefficient: *coefficient,
+            standard_error: Some(*error),
+            factors: factors.clone(),
+        };
+        monomials.iter().zip(solved).map(term).collect()
+    }
 }
 
 impl UnitModel {

@@ -1,5 +1,6 @@
 //! Tests over the public interfaces of the workspace; see `tests/`.
 
 /// README's device example compiles.
+#[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
-struct Readme;
+pub struct Readme;

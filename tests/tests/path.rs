@@ -20,14 +20,15 @@ fn recording(columns: Vec<(String, Vec<f64>)>) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &options).expect("a sound recording")
 }
 
-/// r(n) = 1.2 r(n−1) − 0.5 r(n−2) + 0.03 r(n−1) r(n−2) + e(n), 60,000 samples, about 9.81 with 1e-3.
+/// r(n) = 1.2 r(n−1) − 0.5 r(n−2) + 0.015 r(n−1) r(n−2) + e(n), 60,000 samples, about 9.81 with 1e-3. It would run away
+/// from r = 20, ten standard deviations out.
 fn quadratic_plant(seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut past = [0.0_f64; 2];
     (0..60_000)
         .map(|_| {
             let noise: f64 = StandardNormal.sample(&mut random);
-            let now = 1.2 * past[0] - 0.5 * past[1] + 0.03 * past[0] * past[1] + noise;
+            let now = 1.2 * past[0] - 0.5 * past[1] + 0.015 * past[0] * past[1] + noise;
             past = [now, past[0]];
             9.81 + 1e-3 * now
         })
@@ -42,16 +43,21 @@ fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
     let options = FitOptions {
         offset: Some(9.81),
         scale: Some(1e-3),
+        // all of it: r(n−2)² follows r(n−1) r(n−2) with 0.88, and half the rows mistake one for the other now and then
+        train: Train::Share(1.0),
         memory_s: vec![],
         max_lag: 5,
         ..FitOptions::default()
     };
     let fit = fit_axis(&recording, &rest, "az", &options).expect("fits");
     let terms = &fit.model.axes[0].stochastic;
-    let truth = [(vec![y(1)], 1.2), (vec![y(2)], -0.5), (vec![y(1), y(2)], 0.03)];
+    let truth = [(vec![y(1)], 1.2), (vec![y(2)], -0.5), (vec![y(1), y(2)], 0.015)];
     assert_eq!(terms.len(), truth.len(), "{terms:?}");
     for (factors, coefficient) in truth {
-        let found = terms.iter().find(|term| term.factors == factors).expect("the term is in the model");
+        let found = terms
+            .iter()
+            .find(|term| term.factors == factors)
+            .unwrap_or_else(|| panic!("{factors:?} is not among {terms:?}"));
         let error = found.standard_error.expect("estimated");
         // five standard errors: one in two million by chance
         assert!((found.coefficient - coefficient).abs() < 5.0 * error, "{factors:?}: {found:?}");
@@ -89,7 +95,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
 
 /// A short log of a simulated unit and the image of a model of all its axes.
 fn simulated_unit() -> (Recording, Vec<u8>) {
-    let log = simulate(&Simulation { duration_s: 180.0, seed: 3, ..Simulation::default() });
+    let log = simulate(&Simulation { duration_s: 300.0, seed: 3, ..Simulation::default() });
     let recording = recording(log.columns);
     let rest = rest::find(&recording);
     let options = FitOptions {

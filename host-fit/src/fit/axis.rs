@@ -3,20 +3,18 @@
 use std::ops::Range;
 
 use fos_core::{
-    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source,
-    Transform, u, y,
+    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source, Transform,
 };
 use serde::{Deserialize, Serialize};
 
 use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
-use super::refit::{self, Refit};
+use super::physical;
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
 use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
 use crate::evaluate;
 use crate::feed::Feed;
 use crate::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
-use crate::moments::Rows;
 use crate::recording::{Recording, RecordingError, Reference};
 use crate::rest::Rest;
 use crate::signal::{self, autocorrelation::autocorrelation};
@@ -39,10 +37,6 @@ const STUCK_AT_LEAST: usize = 20;
 
 /// The validated coast where not even the shortest horizon does better than the mean, s.
 const SHORTEST_COAST_S: f64 = 1.0;
-
-/// Orders of the autoregression that whitens the physical part's errors, and the rounds that it takes.
-const WHITENING_ORDER: u16 = 10;
-const WHITENING_ROUNDS: usize = 3;
 
 /// How one axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -195,7 +189,7 @@ pub fn fit_axis(
     if !options.physical.is_empty() {
         let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
         let inputs = 0..options.physical.len() as u8;
-        model.axes[0].physical = physical_part(&regressors, inputs).map_err(of_column)?;
+        model.axes[0].physical = physical::fit(&regressors, inputs).map_err(of_column)?;
     }
     let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
     let pool = candidates(&model, options)
@@ -208,7 +202,7 @@ pub fn fit_axis(
     let rule = StopRule { max_terms: options.max_terms, mse_ratio: None, noise: options.stop.rule() };
     let fit = super::fit(&regressors.columns(), &regressors.stretches, &pool, &rule).map_err(of_column)?;
     model.axes[0].parameters.constant = fit.refit.constant;
-    model.axes[0].stochastic = terms(&fit.terms, &fit.refit);
+    model.axes[0].stochastic = FittedTerm::of(&fit.terms, &fit.refit);
     let reference_column = match &series.reference {
         Reference::Constant => None,
         Reference::Channel(name) => Some(name.clone()),
@@ -342,59 +336,6 @@ fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, Can
         pool = pool.input(index as u8, 0..=0, 1);
     }
     pool.build()
-}
-
-fn terms(monomials: &[Monomial], refit: &Refit) -> Vec<FittedTerm> {
-    let coefficients = refit.coefficients.iter().zip(&refit.coefficient_errors);
-    let terms = monomials.iter().zip(coefficients);
-    terms
-        .map(|(factors, (coefficient, error))| FittedTerm {
-            coefficient: *coefficient,
-            standard_error: Some(*error),
-            factors: factors.clone(),
-        })
-        .collect()
-}
-
-/// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
-/// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
-/// of it after ten lags.
-fn physical_part(regressors: &Regressors, inputs: Range<u8>) -> Result<Vec<FittedTerm>, super::FitError> {
-    let monomials: Vec<Monomial> = inputs.map(|input| vec![u(input, 0)]).collect();
-    let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
-    let mut whitened: Vec<Vec<f64>> = regressors.columns().iter().map(|column| column.to_vec()).collect();
-    let mut round = 0;
-    loop {
-        let columns: Vec<&[f64]> = whitened.iter().map(Vec::as_slice).collect();
-        let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
-        let solution = refit::refit(&columns, &rows, &monomials)?;
-        if round == WHITENING_ROUNDS {
-            return Ok(terms(&monomials, &solution));
-        }
-        round += 1;
-        let residual: Vec<f64> = (0..regressors.remainder.len())
-            .map(|row| {
-                let explained = solution.coefficients.iter().zip(&regressors.inputs);
-                regressors.remainder[row] - explained.map(|(c, input)| c * input[row]).sum::<f64>()
-            })
-            .collect();
-        let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;
-        let colour = refit::refit(&[&residual], &rows, &lags)?.coefficients;
-        whitened = regressors.columns().iter().map(|column| whiten(column, &colour)).collect();
-    }
-}
-
-/// x(n) − Σ a_k·x(n−k); NaN where that would reach back before the column.
-fn whiten(column: &[f64], colour: &[f64]) -> Vec<f64> {
-    (0..column.len())
-        .map(|row| {
-            let past = colour.iter().enumerate().map(|(k, a)| match row.checked_sub(k + 1) {
-                Some(before) => a * column[before],
-                None => f64::NAN,
-            });
-            column[row] - past.sum::<f64>()
-        })
-        .collect()
 }
 
 fn report(

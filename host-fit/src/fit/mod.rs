@@ -4,6 +4,7 @@ pub mod axis;
 pub mod fos;
 mod householder;
 pub mod options;
+pub mod physical;
 pub mod refit;
 pub mod regressors;
 pub mod stop;

@@ -14,9 +14,8 @@
 
 use std::ops::Range;
 
-use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-use faer::{Mat, MatRef, Par};
 use fos_core::{Factor, y};
+use nalgebra::{DMatrix, DVectorViewMut};
 use thiserror::Error;
 
 use super::householder::{Block, Triangle};
@@ -109,26 +108,26 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
 
     let factor = triangular_factor(signals, rows, &columns);
-    let r = Mat::from_fn(parameters, parameters, |i, j| factor.at(i, j));
+    let r = DMatrix::from_fn(parameters, parameters, |i, j| factor.at(i, j));
     let z = |m: usize| factor.at(m, parameters);
     for j in 0..parameters {
-        if r[(j, j)].abs() <= RANK * r.col(j).norm_l2() {
+        if r[(j, j)].abs() <= RANK * r.column(j).norm() {
             // the constant's column cannot be dependent: it is first and not zero
             let term = j - 1;
             return Err(RefitError::Collinear { term, text: monomial_text(&terms[term]) });
         }
     }
 
-    let mut weights = Mat::from_fn(parameters, 1, |i, _| z(i));
-    solve_upper_triangular_in_place(r.as_ref(), weights.as_mut(), Par::Seq);
-    let weights: Vec<f64> = (0..parameters).map(|i| weights[(i, 0)]).collect();
+    let mut weights: Vec<f64> = (0..parameters).map(z).collect();
+    let solved = r.solve_upper_triangular_mut(&mut DVectorViewMut::from_slice(&mut weights, parameters));
+    debug_assert!(solved, "the diagonal was checked");
     let n = count as f64;
     let mse = residual_sum_of_squares(signals, rows, &columns, &weights) / n;
 
-    let mut inverse = Mat::<f64>::identity(parameters, parameters);
-    solve_upper_triangular_in_place(r.as_ref(), inverse.as_mut(), Par::Seq);
+    let mut inverse = DMatrix::<f64>::identity(parameters, parameters);
+    r.solve_upper_triangular_mut(&mut inverse);
     let sigma = (mse * n / (n - parameters as f64)).sqrt();
-    let error = |j: usize| sigma * inverse.row(j).norm_l2();
+    let error = |j: usize| sigma * inverse.row(j).norm();
     Ok(Refit {
         constant: weights[0],
         coefficients: weights[1..].to_vec(),
@@ -136,7 +135,7 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
         coefficient_errors: (1..parameters).map(error).collect(),
         mse_reductions: (1..parameters).map(|m| z(m) * z(m) / n).collect(),
         mse,
-        condition: condition(r.as_ref()),
+        condition: condition(&r),
         rows: count,
     })
 }
@@ -172,11 +171,11 @@ fn blocks(rows: &Rows, most: usize) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Largest over smallest singular value of R with unit columns.
-fn condition(r: MatRef<'_, f64>) -> f64 {
-    let norms: Vec<f64> = r.col_iter().map(|column| column.norm_l2()).collect();
-    let scaled = Mat::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / norms[j]);
-    // the iteration for singular values converges for every finite matrix; NaN says so if it ever does not
-    scaled.singular_values().map_or(f64::NAN, |s| s[0] / s[s.len() - 1])
+fn condition(r: &DMatrix<f64>) -> f64 {
+    let norms: Vec<f64> = r.column_iter().map(|column| column.norm()).collect();
+    let scaled = DMatrix::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / norms[j]);
+    let values = scaled.singular_values();
+    values.max() / values.min()
 }
 
 /// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.

@@ -102,13 +102,13 @@ fn mse_reductions_are_those_of_a_cholesky_factor() {
     let terms = selection.candidates().map(|i| pool.monomials()[i].clone());
     let columns: Vec<Monomial> = std::iter::once(vec![]).chain(terms).chain([vec![y(0)]]).collect();
     let size = columns.len();
-    let design = faer::Mat::from_fn(rows.count(), size, |n, j| {
+    let design = nalgebra::DMatrix::from_fn(rows.count(), size, |n, j| {
         value(&[&output], &columns[j], rows.ranges()[0].start + n)
     });
-    let matrix = design.transpose() * &design * faer::Scale(1.0 / rows.count() as f64);
-    let factor = matrix.llt(faer::Side::Lower).unwrap();
+    let matrix = design.transpose() * &design / rows.count() as f64;
+    let factor = matrix.cholesky().unwrap().l();
     for (m, step) in selection.steps.iter().enumerate() {
-        let root = factor.L()[(size - 1, m + 1)];
+        let root = factor[(size - 1, m + 1)];
         assert!((root * root / step.mse_reduction - 1.0).abs() < 1e-7, "{root} {step:?}");
     }
 }

@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use arrow::array::{Array, ArrayRef, Float64Array, Int64Array, StringArray};
-use arrow::compute::cast;
-use arrow::datatypes::{DataType, TimeUnit};
-use arrow::error::ArrowError;
+use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, StringArray};
+use arrow_cast::cast;
+use arrow_schema::{ArrowError, DataType, TimeUnit};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::errors::ParquetError;
@@ -156,8 +155,7 @@ fn downcast<T: 'static>(array: &ArrayRef) -> Result<&T, ArrowError> {
 mod tests {
     use std::sync::Arc;
 
-    use arrow::array::{BooleanArray, Float32Array, Int16Array, TimestampNanosecondArray};
-    use arrow::record_batch::RecordBatch;
+    use arrow_array::{BooleanArray, Float32Array, Int16Array, RecordBatch, TimestampNanosecondArray};
     use parquet::arrow::ArrowWriter;
 
     use super::super::{Boundary, LoadOptions, Unit, load};

@@ -33,7 +33,7 @@ pub fn block_means(stretches: &[&[f64]], samples_per_block: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Slow error: variance of the means of blocks lasting `block_s`, unit² (DESIGN §3 takes 1 s).
+/// Slow error: variance of the means of blocks lasting `block_s`, unit² (1 s in every comparison).
 ///
 /// The block is the whole number of samples nearest to `block_s`, at least one. `None` where fewer than two
 /// blocks fit.
