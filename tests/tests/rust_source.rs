@@ -7,6 +7,7 @@ use fos_core::{
 use host_fit::export::{image, rust_source};
 use host_fit::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
+#[allow(unreachable_pub, reason = "exported to be used from anywhere in a firmware")]
 mod exported {
     include!("../golden/model.rs");
 }

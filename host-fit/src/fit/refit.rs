@@ -2,7 +2,7 @@
 //!
 //! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen
 //! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are reduced to triangular form by
-//! Householder reflections, block of rows after block of rows ([`super::householder`]):
+//! Householder reflections, block of rows after block of rows (`householder`):
 //!
 //! ```text
 //!           [ R  z ]

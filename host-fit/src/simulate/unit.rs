@@ -81,8 +81,8 @@ pub fn simulate(simulation: &Simulation) -> SimulatedLog {
     let mut time_s = Vec::with_capacity(n);
     let mut temperature = Vec::with_capacity(n);
     let mut still = Vec::with_capacity(n);
-    let mut measured = vec![Vec::with_capacity(n); 6];
-    let mut truth = vec![Vec::with_capacity(n); 6];
+    let mut measured: [Vec<f64>; 6] = std::array::from_fn(|_| Vec::with_capacity(n));
+    let mut truth: [Vec<f64>; 6] = std::array::from_fn(|_| Vec::with_capacity(n));
     let mut thermometer = f64::NAN;
     for sample in 0..n {
         let t = sample as f64 * period_s;
