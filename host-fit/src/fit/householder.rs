@@ -14,14 +14,15 @@
 //! Own code because on blocks a dozen columns wide the QR of `faer`, the fastest library we know, took 7
 //! (unblocked) to 15 times (as it comes) as long; the tests hold it against that of `nalgebra`.
 
+use aligned_vec::{AVec, avec};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Lanes of the widest vector; columns are padded with zeros to a multiple of it. Rows of zeros change nothing.
 const LANES: usize = 8;
 
-/// A block of rows of a tall matrix, column after column.
+/// A block of rows of a tall matrix, column after column, each from the start of a cache line.
 pub(super) struct Block {
-    values: Vec<f64>,
+    values: AVec<f64>,
     width: usize,
     stride: usize,
     rows: usize,
@@ -32,7 +33,7 @@ impl Block {
     pub(super) fn new(rows: usize, width: usize) -> Self {
         // one cache line more, or columns a multiple of 4096 bytes apart would share cache sets
         let stride = rows.next_multiple_of(LANES) + LANES;
-        Self { values: vec![0.0; stride * width], width, stride, rows: 0 }
+        Self { values: avec![0.0; stride * width], width, stride, rows: 0 }
     }
 
     /// Takes `rows` rows, each column written by `fill(column index, its values)`.

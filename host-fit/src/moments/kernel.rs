@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use aligned_vec::{AVec, avec};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::layout::{Layout, Tile, TileShape};
@@ -30,18 +31,16 @@ pub(super) fn tile_shape() -> TileShape {
     }
 }
 
-/// Buffers of a pass: the half-products of one block of rows, and the running sums.
+/// Buffers of a pass, from the start of a cache line: the half-products of one block of rows, and the running sums.
 pub(super) struct Workspace {
     /// Half-products, one after the other, `stride` apart. Within each, `head` values lie before the block's
     /// first row.
-    half_products: Vec<f64>,
-    /// Where in `half_products` the first cache line starts.
-    aligned: usize,
+    half_products: AVec<f64>,
     head: usize,
     block_rows: usize,
     stride: usize,
     /// For each sum of each tile, one partial sum per vector lane.
-    lane_sums: Vec<f64>,
+    lane_sums: AVec<f64>,
 }
 
 impl Workspace {
@@ -51,11 +50,9 @@ impl Workspace {
         let block_rows = BLOCK_ROWS.max(4 * head);
         // one cache line more than needed, or columns a multiple of 4096 bytes apart would share cache sets
         let stride = head + block_rows + MAX_LANES;
-        let half_products = vec![0.0; layout.halves.len() * stride + MAX_LANES];
-        let aligned = half_products.as_ptr().align_offset(MAX_LANES * size_of::<f64>());
-        let aligned = if aligned < MAX_LANES { aligned } else { 0 };
-        let lane_sums = vec![0.0; layout.tile_sums() * MAX_LANES];
-        Self { half_products, aligned, head, block_rows, stride, lane_sums }
+        let half_products = avec![0.0; layout.halves.len() * stride];
+        let lane_sums = avec![0.0; layout.tile_sums() * MAX_LANES];
+        Self { half_products, head, block_rows, stride, lane_sums }
     }
 
     /// Bytes held.
@@ -87,8 +84,7 @@ impl WithSimd for Pass<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { layout, signals, rows, workspace } = self;
-        let Workspace { half_products, aligned, head, block_rows, stride, lane_sums } = workspace;
-        let half_products = &mut half_products[*aligned..];
+        let Workspace { half_products, head, block_rows, stride, lane_sums } = workspace;
         for start in rows.clone().step_by(*block_rows) {
             let count = (*block_rows).min(rows.end - start);
             let padded = count.next_multiple_of(MAX_LANES);

@@ -7,6 +7,8 @@
 //!    shift are entries of a matrix product LᵀR over the rows, L holding left halves, R right halves c samples
 //!    late. It is cut into tiles that keep their sums in registers; tiles nobody needs are left out.
 
+use ahash::AHashMap;
+
 use super::product::Product;
 use crate::candidates::Candidates;
 
@@ -14,7 +16,7 @@ use crate::candidates::Candidates;
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) pool: Candidates,
-    /// The distinct products, as (shape, shift), sorted: all shifts of one shape stand together.
+    /// The distinct products, as (shape, shift): all shifts of one shape stand together, ascending.
     pub(super) products: Vec<(Product, usize)>,
     /// Index into `products` of every average a Gram matrix holds; see [`product`](Self::product).
     places: Vec<usize>,
@@ -89,30 +91,34 @@ impl Layout {
             averages.push(Product::of(p, &target));
             averages.extend(monomials[..=i].iter().map(|q| Product::of(p, q)));
         }
-        // shape, shift and place in narrow types: sorting these is most of the cost of a layout
-        let numbered = |(place, product): (usize, Product)| {
+        let mut numbers: AHashMap<Product, usize> = AHashMap::new();
+        let mut shapes: Vec<Shape> = Vec::new();
+        let mut placed: Vec<(usize, usize)> = Vec::with_capacity(averages.len());
+        for product in averages {
             let (shape, shift) = product.normalised();
-            (shape, shift as u16, place as u32)
-        };
-        let mut averages: Vec<(Product, u16, u32)> = averages.into_iter().enumerate().map(numbered).collect();
-        averages.sort_unstable();
-
-        let mut products: Vec<(Product, usize)> = Vec::new();
-        let mut places = vec![0; averages.len()];
-        for (shape, shift, place) in averages {
-            let product = (shape, usize::from(shift));
-            if products.last() != Some(&product) {
-                products.push(product);
+            let number = *numbers.entry(shape).or_insert_with(|| {
+                shapes.push(Shape { product: shape, first: 0, end: 0, sum: 0 });
+                shapes.len() - 1
+            });
+            placed.push((number, shift));
+        }
+        // a table of shapes against shifts instead of a sort, which would be half the cost of a layout
+        let shifts = Shifts::of(pool);
+        let mut index = vec![0; shapes.len() * shifts.len()];
+        for (shape, shift) in &placed {
+            index[shape * shifts.len() + shifts.rank[*shift]] = 1;
+        }
+        let mut products = Vec::new();
+        for (shape, row) in shapes.iter_mut().zip(index.chunks_exact_mut(shifts.len())) {
+            shape.first = products.len();
+            for (place, shift) in row.iter_mut().zip(&shifts.ascending).filter(|(place, _)| **place == 1) {
+                *place = products.len();
+                products.push((shape.product, *shift));
             }
-            places[place as usize] = products.len() - 1;
+            shape.end = products.len();
         }
-        let mut shapes = Vec::new();
-        let mut first = 0;
-        for copies in products.chunk_by(|a, b| a.0 == b.0) {
-            let end = first + copies.len();
-            shapes.push(Shape { product: copies[0].0, first, end, sum: 0 });
-            first = end;
-        }
+        let place = |(shape, shift): &(usize, usize)| index[shape * shifts.len() + shifts.rank[*shift]];
+        let places = placed.iter().map(place).collect();
         let (halves, tiles) = tile(&mut shapes, tile_shape);
         Self { pool: pool.clone(), products, places, shapes, halves, tiles, max_lag: pool.max_lag() }
     }
@@ -132,6 +138,29 @@ impl Layout {
     /// How many sums the tiles form; at least one per shape.
     pub(super) fn tile_sums(&self) -> usize {
         self.tiles.last().map_or(0, |tile| tile.first_sum + tile.len())
+    }
+}
+
+/// The shifts that a product can have: the lags of the pool's factors, and none.
+struct Shifts {
+    ascending: Vec<usize>,
+    /// Place of a shift among them.
+    rank: Vec<usize>,
+}
+
+impl Shifts {
+    fn of(pool: &Candidates) -> Self {
+        let mut ascending = vec![0];
+        ascending.extend(pool.factors().map(|factor| usize::from(factor.lag)));
+        ascending.sort_unstable();
+        ascending.dedup();
+        let mut rank = vec![0; pool.max_lag() + 1];
+        ascending.iter().enumerate().for_each(|(place, shift)| rank[*shift] = place);
+        Self { ascending, rank }
+    }
+
+    fn len(&self) -> usize {
+        self.ascending.len()
     }
 }
 

@@ -30,9 +30,9 @@ const _: () = assert!((MAX_INPUT as u32) + 2 < 1 << CHANNEL_BITS);
 
 /// A product of delayed samples, sorted by lag, then channel, packed from the lowest bits up.
 ///
-/// One number rather than a list: ten lags to degree 2 make 2,279 products, and sorting and finding them is
+/// One number rather than a list: ten lags to degree 2 make 2,279 products, and finding the equal ones is
 /// part of every fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Product(u128);
 
 impl Product {
