@@ -23,3 +23,6 @@ pub mod rest;
 pub mod signal;
 pub mod simulate;
 pub mod study;
+
+#[cfg(test)]
+mod reference;

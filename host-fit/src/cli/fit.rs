@@ -9,8 +9,9 @@ use super::error_table::error_table;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::compare::study_of;
 use crate::evaluate::ModelErrors;
-use crate::fit::{AxisReport, FitOptions, InputSpec, Stop, Train, fit_axis};
+use crate::fit::{AxisReport, FitOptions, InputSpec, Method, Search, Stop, Train, fit_axis};
 use crate::rest;
+use crate::signal::wavelet::Denoising;
 use crate::study::Study;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
@@ -25,7 +26,16 @@ pub(super) struct Fit {
     /// The study to write
     #[arg(short, long, default_value = "study.json")]
     output: PathBuf,
-    /// L: output lags 1 … L are candidates
+    /// How the stochastic part is found: fos, or all lags by yule-walker, covariance, modified-covariance, burg
+    #[arg(long, default_value = "fos")]
+    method: Method,
+    /// De-noise the training data first, for methods other than fos: WAVELET:LEVELS:KIND, as db4:4:soft, db4:3:approximation
+    #[arg(long, value_name = "WAVELET:LEVELS:KIND")]
+    denoise: Option<Denoising>,
+    /// How fos searches: exchange (terms are swapped until nothing improves) or greedy (the paper's)
+    #[arg(long, default_value = "exchange")]
+    search: Search,
+    /// L: output lags 1 … L are candidates; the order of the other methods
     #[arg(long, default_value_t = FitOptions::default().max_lag)]
     max_lag: u16,
     /// Cross-product degree (CP): 1, 2 or 3
@@ -80,7 +90,13 @@ impl Fit {
                 })
                 .collect::<Result<_, _>>()?,
         };
+        if self.denoise.is_some() && self.method == Method::Fos {
+            return Err("--denoise goes with --method yule-walker, covariance, modified-covariance or burg: fos is fitted to the data as measured".into());
+        }
         Ok(FitOptions {
+            method: self.method,
+            denoising: self.denoise,
+            search: self.search,
             max_lag: self.max_lag,
             degree: self.degree,
             memory_s,
@@ -146,21 +162,30 @@ pub(super) fn print_study(study: &Study) {
 
 fn print_selection(report: &AxisReport) {
     println!(
-        "\n{}: {} candidates over {} rows; {}; condition number {}",
+        "\n{}: {}, {} candidates over {} rows; {}; condition number {}",
         report.column,
+        report.method,
         report.candidates,
         report.rows,
         report.stopped,
         number(report.condition_number)
     );
-    let mut steps = table(&["  term", "MSE reduction", "ERR", "MSE after"]);
-    for step in &report.steps {
-        steps.add_row(vec![
-            format!("  {}", step.monomial),
-            number(step.mse_reduction),
-            number(step.error_reduction_ratio),
-            number(step.mse),
-        ]);
+    if !report.steps.is_empty() {
+        let mut steps = table(&["  term", "MSE reduction", "ERR", "MSE after"]);
+        for step in &report.steps {
+            steps.add_row(vec![
+                format!("  {}", step.monomial),
+                number(step.mse_reduction),
+                number(step.error_reduction_ratio),
+                number(step.mse),
+            ]);
+        }
+        println!("{steps}");
     }
-    println!("{steps}");
+    if !report.ties.is_empty() {
+        println!("  as good, as far as these data tell (n·ln of the MSE ratio):");
+        for tie in &report.ties {
+            println!("    {} for {}: {:.2}", tie.enters.join(", "), tie.leaves.join(", "), tie.deviance);
+        }
+    }
 }

@@ -3,18 +3,18 @@
 use std::ops::Range;
 
 use fos_core::{
-    Axis, AxisParameters, Factor, InnovationStatistics, Input, ModelError, Range as Fitted, Source, Transform,
+    Axis, AxisParameters, InnovationStatistics, Input, ModelError, Range as Fitted, Source, Transform,
 };
-use serde::{Deserialize, Serialize};
 
+use super::autoregression::AutoregressionError;
 use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
 use super::physical;
 use super::regressors::Regressors;
-use super::stop::{StopRule, Stopped};
-use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
+use super::stochastic::{self, AxisReport};
+use crate::candidates::CandidatesError;
 use crate::evaluate;
 use crate::feed::Feed;
-use crate::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
+use crate::model::{FittedAxis, LoggedQuantity, NamedInput, UnitModel};
 use crate::recording::{Recording, RecordingError, Reference};
 use crate::rest::Rest;
 use crate::signal::{self, autocorrelation::autocorrelation};
@@ -25,9 +25,6 @@ const ANY: Fitted<f64> = Fitted { low: -1e12, high: 1e12 };
 /// Logged quantities further than this many standard deviations from their mean are limited before the transform.
 const SOURCE_LIMIT: f64 = 100.0;
 
-/// Fewest rows per candidate: below that a coefficient is mostly noise.
-const ROWS_PER_CANDIDATE: usize = 5;
-
 /// A missing sample or two is coasted; after this long the lags no longer say much, s.
 const GAP_LIMIT_S: f64 = 0.1;
 
@@ -37,46 +34,6 @@ const STUCK_AT_LEAST: usize = 20;
 
 /// The validated coast where not even the shortest horizon does better than the mean, s.
 const SHORTEST_COAST_S: f64 = 1.0;
-
-/// How one axis was fitted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AxisReport {
-    /// The column.
-    pub column: String,
-    /// The reference column that was subtracted; none if the log is taken as static.
-    pub reference_column: Option<String>,
-    /// Candidates searched.
-    pub candidates: usize,
-    /// Rows that counted.
-    pub rows: usize,
-    /// Every term in the order of its selection.
-    pub steps: Vec<SelectionStep>,
-    /// Why the search stopped, in words.
-    pub stopped: String,
-    /// Condition number of the final terms, columns scaled.
-    pub condition_number: f64,
-    /// Mean square of the residual on the training data, scaled units.
-    pub mse: f64,
-    /// Mean square of the remainder on the training data, scaled units.
-    pub mean_square: f64,
-    /// Lag-1 autocorrelation of the remainder on the training data.
-    pub lag_1: f64,
-}
-
-/// One step of the search.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SelectionStep {
-    /// The monomial, in words.
-    pub monomial: String,
-    /// Its factors.
-    pub factors: Vec<Factor>,
-    /// Q: drop of the mean square error, scaled units.
-    pub mse_reduction: f64,
-    /// ERR: the same over the mean square of the remainder.
-    pub error_reduction_ratio: f64,
-    /// Mean square error after the step, scaled units.
-    pub mse: f64,
-}
 
 /// Why an axis cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -123,6 +80,14 @@ pub enum AxisError {
         column: String,
         /// Why.
         source: super::FitError,
+    },
+    /// An autoregression cannot be estimated.
+    #[error("{column}: {source}")]
+    Autoregression {
+        /// The column.
+        column: String,
+        /// Why.
+        source: AutoregressionError,
     },
     /// fos-core refuses the model.
     #[error("{column}: {source}")]
@@ -192,22 +157,16 @@ pub fn fit_axis(
         model.axes[0].physical = physical::fit(&regressors, inputs).map_err(of_column)?;
     }
     let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
-    let pool = candidates(&model, options)
-        .map_err(|source| AxisError::Candidates { column: column.clone(), source })?;
-    let rows: usize = regressors.stretches.iter().map(Range::len).sum();
-    let needed = ROWS_PER_CANDIDATE * (pool.len() + 1);
-    if rows < needed {
-        return Err(AxisError::TooShort { column, rows, needed, candidates: pool.len() });
-    }
-    let rule = StopRule { max_terms: options.max_terms, mse_ratio: None, noise: options.stop.rule() };
-    let fit = super::fit(&regressors.columns(), &regressors.stretches, &pool, &rule).map_err(of_column)?;
-    model.axes[0].parameters.constant = fit.refit.constant;
-    model.axes[0].stochastic = FittedTerm::of(&fit.terms, &fit.refit);
-    let reference_column = match &series.reference {
-        Reference::Constant => None,
-        Reference::Channel(name) => Some(name.clone()),
+    let part = stochastic::fit(&model, &regressors, options)?;
+    model.axes[0].parameters.constant = part.constant;
+    model.axes[0].stochastic = part.terms;
+    let report = AxisReport {
+        reference_column: match &series.reference {
+            Reference::Constant => None,
+            Reference::Channel(name) => Some(name.clone()),
+        },
+        ..part.report
     };
-    let report = report(&model, &pool, &fit, &regressors, reference_column);
     set_ranges(&mut model, &regressors);
     model.drop_unused();
     let feed = Feed::new(recording, &model, &rest.still)?;
@@ -327,60 +286,6 @@ fn stuck_after(recording: &Recording, column: &str) -> u16 {
     let values = recording.channel(column).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let longest = values.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
     u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
-}
-
-/// The pool: output lags up to the cross-product degree, inputs and long memory as they are.
-fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, CandidatesError> {
-    let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
-    for index in options.physical.len()..model.inputs.len() {
-        pool = pool.input(index as u8, 0..=0, 1);
-    }
-    pool.build()
-}
-
-fn report(
-    model: &UnitModel,
-    pool: &Candidates,
-    fit: &super::Fit,
-    regressors: &Regressors,
-    reference_column: Option<String>,
-) -> AxisReport {
-    let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
-    let known = regressors.known_remainder();
-    let mean_square =
-        known.iter().copied().flatten().map(|r| r * r).sum::<f64>() / signal::sample_count(&known) as f64;
-    let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
-    let mut mse = fit.selection.initial_mse;
-    let steps = fit.terms.iter().zip(&fit.refit.mse_reductions).map(|(factors, reduction)| {
-        mse -= reduction;
-        SelectionStep {
-            monomial: name(factors),
-            factors: factors.clone(),
-            mse_reduction: *reduction,
-            error_reduction_ratio: reduction / mean_square,
-            mse,
-        }
-    });
-    let stopped = match fit.selection.stopped {
-        Stopped::Noise { candidate, mse_reduction, needed } => format!(
-            "stopped: the best candidate left, {}, reduces the MSE by {mse_reduction:.2e}; noise alone does so up to {needed:.2e}",
-            name(&pool.monomials()[candidate])
-        ),
-        Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
-        other => format!("stopped: {other:?}"),
-    };
-    AxisReport {
-        column: model.axes[0].column.clone(),
-        reference_column,
-        candidates: pool.len(),
-        rows: fit.refit.rows,
-        steps: steps.collect(),
-        stopped,
-        condition_number: fit.refit.condition,
-        mse: fit.refit.mse,
-        mean_square,
-        lag_1: autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
-    }
 }
 
 /// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.

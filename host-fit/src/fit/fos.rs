@@ -31,7 +31,7 @@ use crate::moments::Gram;
 pub const COLLINEAR: f64 = 1e-12;
 
 /// Smallest MSE/⟨y²⟩ that (7) can tell from zero.
-const EXACT: f64 = 1e-13;
+pub(super) const EXACT: f64 = 1e-13;
 
 /// One term chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,14 +76,14 @@ impl Selection {
 }
 
 /// A candidate not yet chosen, with its part of the recursion.
-struct Open {
-    candidate: usize,
+pub(super) struct Open {
+    pub(super) candidate: usize,
     /// D(m,0), D(m,1), … for the terms so far.
     d: Vec<f64>,
     /// D(m,m) if it were chosen next.
-    dmm: f64,
+    pub(super) dmm: f64,
     /// C(m).
-    c: f64,
+    pub(super) c: f64,
 }
 
 impl Open {
@@ -98,7 +98,7 @@ impl Open {
     }
 
     /// Q of (6).
-    fn mse_reduction(&self) -> f64 {
+    pub(super) fn mse_reduction(&self) -> f64 {
         self.c * self.c / self.dmm
     }
 }
@@ -107,19 +107,23 @@ impl Open {
 ///
 /// Equal Q go to the candidate that comes first in the pool.
 pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
-    run(gram, rule).0
+    Expansion::of_constant(gram).run(rule)
 }
 
-fn run(gram: &Gram, rule: &StopRule) -> (Selection, Factorisation) {
-    let initial_mse = gram.target_variance();
-    let exact = EXACT * gram.target_mean_square();
-    let noise = rule.noise.threshold(gram.rows(), gram.size());
+/// Terms chosen so far, with everything needed to choose the next.
+pub(super) struct Expansion<'g> {
+    gram: &'g Gram,
+    factor: Factorisation,
+    steps: Vec<Step>,
+    open: Vec<Open>,
+    collinear: Vec<usize>,
+}
 
-    let mut factor = Factorisation::of_constant(gram);
-    let mut steps: Vec<Step> = Vec::new();
-    let mut collinear = Vec::new();
-    let mut open: Vec<Open> = (0..gram.size())
-        .map(|candidate| {
+impl<'g> Expansion<'g> {
+    /// The constant alone.
+    pub(super) fn of_constant(gram: &'g Gram) -> Self {
+        let factor = Factorisation::of_constant(gram);
+        let open = (0..gram.size()).map(|candidate| {
             let mut open = Open {
                 candidate,
                 d: vec![],
@@ -128,11 +132,102 @@ fn run(gram: &Gram, rule: &StopRule) -> (Selection, Factorisation) {
             };
             factor.orthogonalise(&mut open, gram.mean(candidate));
             open
-        })
-        .collect();
+        });
+        let mut expansion =
+            Self { gram, open: open.collect(), factor, steps: Vec::new(), collinear: Vec::new() };
+        expansion.leave_out_collinear();
+        expansion
+    }
 
-    let stopped = loop {
-        let mse = steps.last().map_or(initial_mse, |step| step.mse);
+    /// The constant and `terms`, taken in the order of their Q; those collinear with others are left out.
+    pub(super) fn of_terms(gram: &'g Gram, terms: &[usize]) -> Self {
+        let mut expansion = Self::of_constant(gram);
+        while let Some(best) = expansion.best(|candidate| terms.contains(&candidate)) {
+            expansion.take(best);
+        }
+        expansion
+    }
+
+    /// Mean square error by (7).
+    pub(super) fn mse(&self) -> f64 {
+        self.steps.last().map_or(self.gram.target_variance(), |step| step.mse)
+    }
+
+    /// The candidates that are neither chosen nor collinear with what is.
+    pub(super) fn open(&self) -> &[Open] {
+        &self.open
+    }
+
+    /// ⟨p_a p_b⟩ when all that is chosen is taken out of both.
+    pub(super) fn residual_product(&self, a: &Open, b: &Open) -> f64 {
+        let taken = a.d.iter().zip(&b.d).zip(&self.factor.diagonal).map(|((a, b), d_rr)| a * b / d_rr);
+        self.gram.product(a.candidate, b.candidate) - taken.sum::<f64>()
+    }
+
+    /// Chooses more terms until `rule` stops.
+    pub(super) fn run(mut self, rule: &StopRule) -> Selection {
+        let exact = EXACT * self.gram.target_mean_square();
+        let initial_mse = self.gram.target_variance();
+        let noise = rule.noise.threshold(self.gram.rows(), self.gram.size());
+        let stopped = loop {
+            let mse = self.mse();
+            if mse <= exact {
+                break Stopped::Exact;
+            }
+            if rule.mse_ratio.is_some_and(|ratio| mse <= ratio * initial_mse) {
+                break Stopped::MseRatio;
+            }
+            if self.steps.len() >= rule.max_terms {
+                break Stopped::MaxTerms;
+            }
+            let Some(best) = self.best(|_| true) else {
+                break Stopped::NothingLeft;
+            };
+            let (candidate, mse_reduction) = (self.open[best].candidate, self.open[best].mse_reduction());
+            let needed = noise * mse;
+            // NaN: products of the signals overflow
+            if mse_reduction < needed || mse_reduction.is_nan() {
+                break Stopped::Noise { candidate, mse_reduction, needed };
+            }
+            self.take(best);
+        };
+        self.collinear.sort_unstable();
+        let mut weights = self.factor.weights();
+        let constant = weights.remove(0);
+        Selection {
+            steps: self.steps,
+            stopped,
+            collinear: self.collinear,
+            initial_mse,
+            constant,
+            coefficients: weights,
+        }
+    }
+
+    /// Which of the open candidates that are `offered` has the largest Q; the first of equals.
+    fn best(&self, offered: impl Fn(usize) -> bool) -> Option<usize> {
+        let larger = |best: usize, i: usize| {
+            if self.open[i].mse_reduction() > self.open[best].mse_reduction() { i } else { best }
+        };
+        (0..self.open.len()).filter(|i| offered(self.open[*i].candidate)).reduce(larger)
+    }
+
+    /// Makes an open candidate the next term.
+    fn take(&mut self, index: usize) {
+        let mse = self.mse();
+        let chosen = self.open.remove(index);
+        let (candidate, mse_reduction) = (chosen.candidate, chosen.mse_reduction());
+        self.factor.push(chosen);
+        for m in &mut self.open {
+            self.factor.orthogonalise(m, self.gram.product(m.candidate, candidate));
+        }
+        let err = mse_reduction / self.gram.target_mean_square();
+        self.steps.push(Step { candidate, mse_reduction, err, mse: mse - mse_reduction });
+        self.leave_out_collinear();
+    }
+
+    fn leave_out_collinear(&mut self) {
+        let Self { open, collinear, gram, .. } = self;
         open.retain(|m| {
             let free = m.dmm > COLLINEAR * gram.product(m.candidate, m.candidate);
             if !free {
@@ -140,42 +235,7 @@ fn run(gram: &Gram, rule: &StopRule) -> (Selection, Factorisation) {
             }
             free
         });
-        if mse <= exact {
-            break Stopped::Exact;
-        }
-        if rule.mse_ratio.is_some_and(|ratio| mse <= ratio * initial_mse) {
-            break Stopped::MseRatio;
-        }
-        if steps.len() == rule.max_terms {
-            break Stopped::MaxTerms;
-        }
-        // first of equals: replaced only by a larger one
-        let larger = |best: usize, i: usize| {
-            if open[i].mse_reduction() > open[best].mse_reduction() { i } else { best }
-        };
-        let Some(best) = (0..open.len()).reduce(larger) else {
-            break Stopped::NothingLeft;
-        };
-        let mse_reduction = open[best].mse_reduction();
-        let candidate = open[best].candidate;
-        let needed = noise * mse;
-        // NaN: products of the signals overflow
-        if mse_reduction < needed || mse_reduction.is_nan() {
-            break Stopped::Noise { candidate, mse_reduction, needed };
-        }
-
-        factor.push(open.remove(best));
-        for m in &mut open {
-            factor.orthogonalise(m, gram.product(m.candidate, candidate));
-        }
-        let err = mse_reduction / gram.target_mean_square();
-        steps.push(Step { candidate, mse_reduction, err, mse: mse - mse_reduction });
-    };
-    collinear.sort_unstable();
-    let mut weights = factor.weights();
-    let constant = weights.remove(0);
-    let selection = Selection { steps, stopped, collinear, initial_mse, constant, coefficients: weights };
-    (selection, factor)
+    }
 }
 
 /// The recursion's numbers of the terms chosen so far, the constant first.
@@ -241,9 +301,9 @@ mod tests {
         let rows = Rows::usable(&[&output], &[0..900], pool.factors()).unwrap();
         let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
         let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
-        let (selection, recursion) = run(&gram, &rule);
+        let chosen: Vec<usize> = search(&gram, &rule).candidates().collect();
+        let recursion = Expansion::of_terms(&gram, &chosen).factor;
 
-        let chosen: Vec<usize> = selection.candidates().collect();
         let entry = |i: usize, j: usize| match (i.checked_sub(1), j.checked_sub(1)) {
             (None, None) => 1.0,
             (Some(m), None) | (None, Some(m)) => gram.mean(chosen[m]),

@@ -7,11 +7,19 @@ use fos_core::{Axis, FittedOn, Quantity, Transform};
 use serde::{Deserialize, Serialize};
 
 use super::stop::NoiseRule;
+use super::{Search, autoregression};
+use crate::signal::wavelet::Denoising;
 
 /// How to fit an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitOptions {
-    /// L: output lags 1 … L are candidates. Default 10, as in the paper.
+    /// How the stochastic part is found. Default: Fast Orthogonal Search.
+    pub method: Method,
+    /// What is done to the training data before an autoregression is estimated, as in the paper; FOS needs none.
+    pub denoising: Option<Denoising>,
+    /// How FOS searches. Default: with exchanges.
+    pub search: Search,
+    /// L: output lags 1 … L are candidates; the order of an autoregression. Default 10, as in the paper.
     pub max_lag: u16,
     /// Cross-product degree (CP), 1 … 3. Default 2.
     pub degree: usize,
@@ -42,6 +50,9 @@ pub struct FitOptions {
 impl Default for FitOptions {
     fn default() -> Self {
         Self {
+            method: Method::Fos,
+            denoising: None,
+            search: Search::Exchange,
             max_lag: 10,
             degree: 2,
             memory_s: vec![0.1, 1.0, 10.0, 100.0],
@@ -55,6 +66,59 @@ impl Default for FitOptions {
             full_scale: 0.0,
             fitted_on: FittedOn::Raw,
         }
+    }
+}
+
+/// How the stochastic part is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Method {
+    /// Fast Orthogonal Search among lags, their products, inputs and low-passes.
+    Fos,
+    /// All lags up to an order, by a classical method.
+    Linear(autoregression::Method),
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Linear(autoregression::Method::YuleWalker),
+        Self::Linear(autoregression::Method::Covariance),
+        Self::Linear(autoregression::Method::ModifiedCovariance),
+        Self::Linear(autoregression::Method::Burg),
+        Self::Fos,
+    ];
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fos => f.write_str("fos"),
+            Self::Linear(method) => method.fmt(f),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|method| method.to_string() == text);
+        found.ok_or_else(|| {
+            format!("{text:?} is not one of {}", Self::ALL.map(|method| method.to_string()).join(", "))
+        })
+    }
+}
+
+impl TryFrom<String> for Method {
+    type Error = String;
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Method> for String {
+    fn from(method: Method) -> String {
+        method.to_string()
     }
 }
 

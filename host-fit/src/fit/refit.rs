@@ -1,34 +1,14 @@
 //! Coefficients of a chosen set of terms, from an orthogonal factorisation of the data.
 //!
 //! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen
-//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are reduced to triangular form by
-//! Householder reflections, block of rows after block of rows (`householder`):
-//!
-//! ```text
-//!           [ R  z ]
-//!   [X y] = Q        ,      R a = z,    n·Q_m = z_m²,    n·MSE = ρ²
-//!           [ 0  ρ ]
-//! ```
-//!
-//! so memory is one block, and nothing squared is ever solved.
-
-use std::ops::Range;
+//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are solved for (`least_squares`).
 
 use fos_core::{Factor, y};
-use nalgebra::{DMatrix, DVectorViewMut};
 use thiserror::Error;
 
-use super::householder::{Block, Triangle};
+use super::least_squares::{self, System};
 use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG, Monomial, is_candidate, monomial_text};
 use crate::moments::{Product, Rows, SignalsError};
-
-/// Rows taken in at a time: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
-const BLOCK_ROWS: usize = 512;
-
-/// Smallest share of a column's norm that must be left when the columns before it are taken out. Householder
-/// reflections leave some 10⁻¹⁵ of a column that is an exact sum of others, a little more after thousands of
-/// blocks; a candidate the search may choose leaves 10⁻⁶ at least.
-const RANK: f64 = 1e-12;
 
 /// A least-squares fit of given terms.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,79 +87,28 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
         std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
     let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
 
-    let factor = triangular_factor(signals, rows, &columns);
-    let r = DMatrix::from_fn(parameters, parameters, |i, j| factor.at(i, j));
-    let z = |m: usize| factor.at(m, parameters);
-    for j in 0..parameters {
-        if r[(j, j)].abs() <= RANK * r.column(j).norm() {
-            // the constant's column cannot be dependent: it is first and not zero
-            let term = j - 1;
-            return Err(RefitError::Collinear { term, text: monomial_text(&terms[term]) });
-        }
-    }
-
-    let mut weights: Vec<f64> = (0..parameters).map(z).collect();
-    let solved = r.solve_upper_triangular_mut(&mut DVectorViewMut::from_slice(&mut weights, parameters));
-    debug_assert!(solved, "the diagonal was checked");
+    let system = System { signals, ranges: rows.ranges(), columns };
+    let solution = least_squares::solve(&[system]).map_err(|column| {
+        // the constant's column cannot be dependent: it is first and not zero
+        let term = column - 1;
+        RefitError::Collinear { term, text: monomial_text(&terms[term]) }
+    })?;
     let n = count as f64;
-    let mse = residual_sum_of_squares(signals, rows, &columns, &weights) / n;
-
-    let mut inverse = DMatrix::<f64>::identity(parameters, parameters);
-    r.solve_upper_triangular_mut(&mut inverse);
-    let sigma = (mse * n / (n - parameters as f64)).sqrt();
-    let error = |j: usize| sigma * inverse.row(j).norm();
+    let mse = solution.residual_sum_of_squares / n;
+    let errors = solution.standard_errors();
     Ok(Refit {
-        constant: weights[0],
-        coefficients: weights[1..].to_vec(),
-        constant_error: error(0),
-        coefficient_errors: (1..parameters).map(error).collect(),
-        mse_reductions: (1..parameters).map(|m| z(m) * z(m) / n).collect(),
+        constant: solution.weights[0],
+        coefficients: solution.weights[1..].to_vec(),
+        constant_error: errors[0],
+        coefficient_errors: errors[1..].to_vec(),
+        mse_reductions: solution.reductions[1..].iter().map(|reduction| reduction / n).collect(),
         mse,
-        condition: condition(&r),
+        condition: solution.condition,
         rows: count,
     })
 }
 
-/// The triangular factor of [X y] over all rows.
-fn triangular_factor(signals: &[&[f64]], rows: &Rows, columns: &[Product]) -> Triangle {
-    let mut triangle = Triangle::new(columns.len());
-    let mut block = Block::new(BLOCK_ROWS, columns.len());
-    for rows in blocks(rows, BLOCK_ROWS) {
-        block.fill(rows.len(), |j, column| columns[j].fill(signals, rows.clone(), column));
-        triangle.take_in(&mut block);
-    }
-    triangle
-}
-
-/// Σ (y − X a)² with every residual formed.
-fn residual_sum_of_squares(signals: &[&[f64]], rows: &Rows, columns: &[Product], weights: &[f64]) -> f64 {
-    let mut block = Block::new(BLOCK_ROWS, columns.len());
-    let of_rows = |rows: Range<usize>| {
-        block.fill(rows.len(), |j, column| columns[j].fill(signals, rows.clone(), column));
-        block.residual_sum_of_squares(weights)
-    };
-    blocks(rows, BLOCK_ROWS).map(of_rows).sum()
-}
-
-/// The rows in pieces of at most `most`.
-fn blocks(rows: &Rows, most: usize) -> impl Iterator<Item = Range<usize>> {
-    let pieces = move |range: &Range<usize>| {
-        let end = range.end;
-        range.clone().step_by(most).map(move |start| start..end.min(start + most))
-    };
-    rows.ranges().iter().flat_map(pieces)
-}
-
-/// Largest over smallest singular value of R with unit columns.
-fn condition(r: &DMatrix<f64>) -> f64 {
-    let norms: Vec<f64> = r.column_iter().map(|column| column.norm()).collect();
-    let scaled = DMatrix::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / norms[j]);
-    let values = scaled.singular_values();
-    values.max() / values.min()
-}
-
 /// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.
 pub(crate) fn working_bytes(terms: usize) -> usize {
-    let width = terms + 2;
-    (BLOCK_ROWS * (width + 2) + 4 * width * width) * size_of::<f64>()
+    least_squares::working_bytes(terms + 2)
 }

@@ -62,7 +62,7 @@ fn residuals_are_orthogonal_to_every_term_and_no_other_weights_do_better() {
     let input = gaussian(3000, 2);
     let signals = [&output[..], &input];
     let pool = Candidates::builder().output(1..=5, 2).input(0, 0..=2, 1).cross_products(2).build().unwrap();
-    let fit = fit(&signals, &[0..1000, 1003..3000], &pool, &at_most(8)).unwrap();
+    let fit = fit(&signals, &[0..1000, 1003..3000], &pool, &at_most(8), Search::Greedy).unwrap();
     let rows = Rows::usable(&signals, &[0..1000, 1003..3000], pool.factors()).unwrap();
     let e = residuals(&signals, &rows, &fit.terms, &fit.refit);
     let n = e.len() as f64;
@@ -148,10 +148,10 @@ fn the_unit_of_the_data_does_not_matter() {
     let output = autoregressive(20_000, 9, &AR4, 0.02);
     let segments = &[0..20_000];
     let pool = pool_65();
-    let unit = fit(&[&output], segments, &pool, &at_most(8)).unwrap();
+    let unit = fit(&[&output], segments, &pool, &at_most(8), Search::Greedy).unwrap();
     for scale in [1e-6, 1e6] {
         let scaled: Vec<f64> = output.iter().map(|x| scale * x).collect();
-        let fit = fit(&[&scaled], segments, &pool, &at_most(8)).unwrap();
+        let fit = fit(&[&scaled], segments, &pool, &at_most(8), Search::Greedy).unwrap();
         assert_eq!(fit.terms, unit.terms);
         assert_eq!(fit.selection.collinear, unit.selection.collinear);
         for (m, term) in fit.terms.iter().enumerate() {
@@ -174,7 +174,7 @@ fn names_collinear_candidates_and_goes_on() {
     let signals = [&driven[..], &input, &copy, &flat];
     let builder = Candidates::builder().output(1..=4, 1);
     let pool = builder.input(0, 0..=0, 1).input(1, 0..=0, 1).input(2, 0..=0, 1).build().unwrap();
-    let fit = fit(&signals, &[0..2000], &pool, &at_most(20)).unwrap();
+    let fit = fit(&signals, &[0..2000], &pool, &at_most(20), Search::Greedy).unwrap();
     assert_eq!(fit.selection.stopped, Stopped::NothingLeft);
     let constant = pool.position(&[u(2, 0)]).unwrap();
     assert!(fit.selection.collinear.contains(&constant));
@@ -240,7 +240,7 @@ fn stops_at_each_rule() {
 
     let flat = vec![3.0; 100];
     let pool = Candidates::builder().output(1..=2, 1).build().unwrap();
-    let fit = fit(&[&flat], &[0..100], &pool, &StopRule::default()).unwrap();
+    let fit = fit(&[&flat], &[0..100], &pool, &StopRule::default(), Search::Greedy).unwrap();
     assert_eq!((fit.selection.stopped, fit.terms.len()), (Stopped::Exact, 0));
     assert!((fit.refit.constant - 3.0).abs() < 1e-14);
 }
@@ -248,7 +248,7 @@ fn stops_at_each_rule() {
 #[test]
 fn says_when_nothing_can_be_fitted() {
     let short = vec![1.0; 8];
-    let none = fit(&[&short], &[0..8], &pool_65(), &StopRule::default());
+    let none = fit(&[&short], &[0..8], &pool_65(), &StopRule::default(), Search::Greedy);
     assert_eq!(none.unwrap_err(), FitError::Gram(GramError::NoRows));
     let rows = Rows::usable(&[&short], &[0..8], &[y(6)]).unwrap();
     let refused = refit::refit(&[&short], &rows, &[vec![y(1)]]).unwrap_err();

@@ -105,6 +105,7 @@ fn equivalent_degrees_of_freedom(points: usize, m: usize) -> f64 {
 mod tests {
     use super::super::simulated::{random_walk, white_noise};
     use super::*;
+    use crate::reference;
 
     /// The 1000-point test suite of NIST SP 1065, section 12.4.
     fn nist_1000() -> Vec<f64> {
@@ -130,13 +131,8 @@ mod tests {
 
     #[test]
     fn agrees_with_the_reference_file() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/reference/allan_nbs1000.json");
-        let Ok(text) = std::fs::read_to_string(path) else {
-            println!("skipped: reference/allan_nbs1000.json is not here");
-            return;
-        };
-        let reference: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let series: Vec<f64> = serde_json::from_value(reference["series"].clone()).unwrap();
+        let Some(reference) = reference::json("allan_nbs1000") else { return };
+        let series = reference::numbers(&reference["series"]);
         assert_eq!(series.len(), 1000);
         for (tau, expected) in reference["published"]["oadev"].as_object().unwrap() {
             let found = allan_deviation(&[&series], 1.0, &[tau.parse().unwrap()])[0].deviation;

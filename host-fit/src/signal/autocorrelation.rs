@@ -77,6 +77,7 @@ pub fn autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Autocorre
 mod tests {
     use super::super::simulated::{autoregression, white_noise};
     use super::*;
+    use crate::reference;
 
     /// The definition, product by product.
     fn direct(stretches: &[&[f64]], lag: usize) -> f64 {
@@ -106,16 +107,8 @@ mod tests {
 
     #[test]
     fn agrees_with_statsmodels() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/reference");
-        let (Ok(answers), Ok(bytes)) = (
-            std::fs::read_to_string(format!("{folder}/residual_tests_shared.json")),
-            std::fs::read(format!("{folder}/residual_tests_shared.f64")),
-        ) else {
-            println!("skipped: reference/residual_tests_shared is not here");
-            return;
-        };
-        let answers: serde_json::Value = serde_json::from_str(&answers).unwrap();
-        let series: Vec<f64> = bytes.as_chunks().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect();
+        let Some(answers) = reference::json("residual_tests_shared") else { return };
+        let series = reference::samples("residual_tests_shared");
         let squares: Vec<f64> = series.iter().map(|x| x * x).collect();
         for (key, series) in [("acf_0_20", series), ("acf_of_squares_0_10", squares)] {
             let expected: Vec<f64> = serde_json::from_value(answers[key].clone()).unwrap();

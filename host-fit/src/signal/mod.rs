@@ -16,6 +16,7 @@
 //! | `autocorrelation` | does the series remember? with the bound for white noise |
 //! | `allan` | Allan deviation with its confidence interval |
 //! | `noise_floor` | what no causal linear predictor can beat |
+//! | `wavelet` | what is left when the noise of single samples is taken out |
 //! | `quantisation` | step of the converter, seen from the data |
 
 pub mod allan;
@@ -24,6 +25,7 @@ pub mod blocks;
 pub mod noise_floor;
 pub mod quantisation;
 pub mod spectrum;
+pub mod wavelet;
 
 #[cfg(test)]
 mod simulated;

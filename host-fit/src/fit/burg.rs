@@ -1,0 +1,80 @@
+//! Burg's method: a lattice, one reflection coefficient after the other.
+//!
+//! Paper eq. 12, 13; Burg 1967. From f_0 = b_0 = r, over all n whose lags were measured,
+//!
+//! ```text
+//!   γ_k = −2 Σ f_{k−1}(n) b_{k−1}(n−1)* / Σ (|f_{k−1}(n)|² + |b_{k−1}(n−1)|²)    (13)
+//!   f_k(n) = f_{k−1}(n) + γ_k b_{k−1}(n−1)                                       (12a)
+//!   b_k(n) = b_{k−1}(n−1) + γ_k* f_{k−1}(n)                                      (12b)
+//! ```
+//!
+//! and the coefficients by (9d). Real or complex; a star is the conjugate.
+
+use nalgebra::ComplexField;
+
+use super::autoregression::{Autoregression, AutoregressionError, Method, TRUSTED, inner_product, step_up};
+
+pub(super) fn estimate<T: ComplexField<RealField = f64>>(
+    stretches: &[&[T]],
+    order: usize,
+) -> Result<Autoregression<T>, AutoregressionError> {
+    let refused = |order| AutoregressionError::IllConditioned { method: Method::Burg, order };
+    let power = |series: &[T]| inner_product(series, series).real();
+    let samples: usize = stretches.iter().map(|stretch| stretch.len()).sum();
+    let mut innovation_variance =
+        stretches.iter().map(|stretch| power(stretch)).sum::<f64>() / samples as f64;
+    let variance = innovation_variance;
+    let mut lattices: Vec<Lattice<T>> = stretches.iter().map(|stretch| Lattice::new(stretch)).collect();
+    let (mut coefficients, mut reflection) = (Vec::with_capacity(order), Vec::with_capacity(order));
+    for k in 1..=order {
+        // f and b are differences of numbers of the size of r: their rounding error, relative, grows as they shrink
+        let rounding = f64::EPSILON * (variance / innovation_variance).sqrt();
+        if rounding > TRUSTED || rounding.is_nan() {
+            return Err(refused(k));
+        }
+        let (mut products, mut squares) = (T::zero(), 0.0);
+        for lattice in &lattices {
+            let (forward, backward) = lattice.errors(k);
+            products += inner_product(forward, backward);
+            squares += power(forward) + power(backward);
+        }
+        let gamma = products.scale(-2.0 / squares);
+        lattices.iter_mut().for_each(|lattice| lattice.advance(k, gamma.clone()));
+        step_up(&mut coefficients, gamma.clone());
+        innovation_variance *= 1.0 - gamma.clone().modulus_squared();
+        reflection.push(gamma);
+    }
+    Ok(Autoregression { coefficients, reflection, innovation_variance })
+}
+
+/// Forward and backward errors of one stretch.
+struct Lattice<T> {
+    /// f(n), at n.
+    forward: Vec<T>,
+    /// b(n), at n minus the stages so far, so that it meets f(n + 1) where it is.
+    backward: Vec<T>,
+}
+
+impl<T: ComplexField> Lattice<T> {
+    fn new(stretch: &[T]) -> Self {
+        Self { forward: stretch.to_vec(), backward: stretch.to_vec() }
+    }
+
+    /// f_{k−1}(n) and b_{k−1}(n−1), n from k on.
+    fn errors(&self, k: usize) -> (&[T], &[T]) {
+        let left = self.forward.len().saturating_sub(k);
+        (&self.forward[self.forward.len() - left..], &self.backward[..left])
+    }
+
+    /// Stage k, in place.
+    fn advance(&mut self, k: usize, gamma: T) {
+        let left = self.forward.len().saturating_sub(k);
+        let first = self.forward.len() - left;
+        let conjugate = gamma.clone().conjugate();
+        for (f, b) in self.forward[first..].iter_mut().zip(&mut self.backward[..left]) {
+            let forward = f.clone();
+            *f += gamma.clone() * b.clone();
+            *b += conjugate.clone() * forward;
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The stochastic part of an axis: which terms of the remainder predict it, by any of the methods.
+
+use std::ops::Range;
+
+use fos_core::{Factor, y};
+use serde::{Deserialize, Serialize};
+
+use super::autoregression;
+use super::axis::AxisError;
+use super::options::{FitOptions, Method};
+use super::refit;
+use super::regressors::Regressors;
+use super::stop::{StopRule, Stopped};
+use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
+use crate::model::{FittedTerm, UnitModel};
+use crate::moments::Rows;
+use crate::signal::{self, autocorrelation::autocorrelation};
+
+/// Fewest rows per candidate: below that a coefficient is mostly noise.
+const ROWS_PER_CANDIDATE: usize = 5;
+
+/// How one axis was fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisReport {
+    /// The column.
+    pub column: String,
+    /// The reference column that was subtracted; none if the log is taken as static.
+    pub reference_column: Option<String>,
+    /// By which method.
+    pub method: Method,
+    /// Candidates searched, or lags of an autoregression.
+    pub candidates: usize,
+    /// Rows that counted.
+    pub rows: usize,
+    /// Every term in the order of its selection; none for an autoregression, which has all lags.
+    pub steps: Vec<SelectionStep>,
+    /// Models of the same size that the data cannot tell from this one.
+    pub ties: Vec<TiedModel>,
+    /// Why the search stopped, or what was done instead, in words.
+    pub stopped: String,
+    /// Condition number of the final terms, columns scaled.
+    pub condition_number: f64,
+    /// Mean square of the residual on the training data as measured, scaled units.
+    pub mse: f64,
+    /// Mean square of the remainder on the training data, scaled units.
+    pub mean_square: f64,
+    /// Lag-1 autocorrelation of the remainder on the training data.
+    pub lag_1: f64,
+}
+
+/// One step of the search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SelectionStep {
+    /// The monomial, in words.
+    pub monomial: String,
+    /// Its factors.
+    pub factors: Vec<Factor>,
+    /// Q: drop of the mean square error, scaled units.
+    pub mse_reduction: f64,
+    /// ERR: the same over the mean square of the remainder.
+    pub error_reduction_ratio: f64,
+    /// Mean square error after the step, scaled units.
+    pub mse: f64,
+}
+
+/// A model of the same size that the data cannot tell from the chosen one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TiedModel {
+    /// Monomials of the chosen model that it lacks, in words.
+    pub leaves: Vec<String>,
+    /// Monomials that it has instead.
+    pub enters: Vec<String>,
+    /// n·ln(MSE of it / MSE of the chosen model); a parameter that does nothing lowers it by 1 on average.
+    pub deviance: f64,
+}
+
+/// A stochastic part, scaled units.
+pub(super) struct StochasticPart {
+    pub(super) constant: f64,
+    pub(super) terms: Vec<FittedTerm>,
+    pub(super) report: AxisReport,
+}
+
+/// Fits the stochastic part of the only axis of `model`, whose inputs after those of the physical part are offered.
+pub(super) fn fit(
+    model: &UnitModel,
+    regressors: &Regressors,
+    options: &FitOptions,
+) -> Result<StochasticPart, AxisError> {
+    let column = &model.axes[0].column;
+    let enough = |candidates: usize| {
+        let rows: usize = regressors.stretches.iter().map(Range::len).sum();
+        let needed = ROWS_PER_CANDIDATE * (candidates + 1);
+        match rows < needed {
+            true => Err(AxisError::TooShort { column: column.clone(), rows, needed, candidates }),
+            false => Ok(()),
+        }
+    };
+    match options.method {
+        Method::Fos => {
+            let pool = candidates(model, options)
+                .map_err(|source| AxisError::Candidates { column: column.clone(), source })?;
+            enough(pool.len())?;
+            search(model, regressors, options, &pool)
+        }
+        Method::Linear(method) => {
+            enough(usize::from(options.max_lag))?;
+            autoregress(model, regressors, options, method)
+        }
+    }
+}
+
+/// The pool: output lags up to the cross-product degree, inputs and long memory as they are.
+fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, CandidatesError> {
+    let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
+    for index in options.physical.len()..model.inputs.len() {
+        pool = pool.input(index as u8, 0..=0, 1);
+    }
+    pool.build()
+}
+
+fn search(
+    model: &UnitModel,
+    regressors: &Regressors,
+    options: &FitOptions,
+    pool: &Candidates,
+) -> Result<StochasticPart, AxisError> {
+    let rule = StopRule { max_terms: options.max_terms, mse_ratio: None, noise: options.stop.rule() };
+    let fit = super::fit(&regressors.columns(), &regressors.stretches, pool, &rule, options.search)
+        .map_err(|source| AxisError::Search { column: model.axes[0].column.clone(), source })?;
+    let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
+    let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
+    let named = |candidates: &[usize]| candidates.iter().map(|i| name(&pool.monomials()[*i])).collect();
+    let shared = AxisReport {
+        candidates: pool.len(),
+        rows: fit.refit.rows,
+        condition_number: fit.refit.condition,
+        mse: fit.refit.mse,
+        ..about(model, regressors, options)
+    };
+    let mut mse = fit.selection.initial_mse;
+    let steps = fit.terms.iter().zip(&fit.refit.mse_reductions).map(|(factors, reduction)| {
+        mse -= reduction;
+        SelectionStep {
+            monomial: name(factors),
+            factors: factors.clone(),
+            mse_reduction: *reduction,
+            error_reduction_ratio: reduction / shared.mean_square,
+            mse,
+        }
+    });
+    let ties = fit.ties.iter().map(|tie| TiedModel {
+        leaves: named(&tie.leaves),
+        enters: named(&tie.enters),
+        deviance: tie.deviance,
+    });
+    let stopped = match fit.selection.stopped {
+        Stopped::Noise { candidate, mse_reduction, needed } => format!(
+            "stopped: the best candidate left, {}, reduces the MSE by {mse_reduction:.2e}; noise alone does so up to {needed:.2e}",
+            name(&pool.monomials()[candidate])
+        ),
+        Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
+        other => format!("stopped: {other:?}"),
+    };
+    Ok(StochasticPart {
+        constant: fit.refit.constant,
+        terms: FittedTerm::of(&fit.terms, &fit.refit),
+        report: AxisReport { steps: steps.collect(), ties: ties.collect(), stopped, ..shared },
+    })
+}
+
+/// All lags up to L, by a classical method, from the remainder as it is or de-noised.
+fn autoregress(
+    model: &UnitModel,
+    regressors: &Regressors,
+    options: &FitOptions,
+    method: autoregression::Method,
+) -> Result<StochasticPart, AxisError> {
+    let column = &model.axes[0].column;
+    let failed = |source| AxisError::Autoregression { column: column.clone(), source };
+    let order = usize::from(options.max_lag);
+    let known = regressors.known_remainder();
+    let mean = signal::mean(&known);
+    let centred = known.iter().map(|stretch| stretch.iter().map(|r| r - mean).collect::<Vec<f64>>());
+    let (prepared, how): (Vec<Vec<f64>>, String) = match &options.denoising {
+        None => (centred.collect(), format!("all lags to {order}")),
+        Some(denoising) => {
+            let long = centred.filter(|stretch| stretch.len() >= denoising.shortest());
+            let band = denoising.band_hz(1.0 / model.period_s);
+            (
+                long.map(|stretch| denoising.denoise(&stretch)).collect(),
+                format!(
+                    "all lags to {order}, from samples de-noised by {denoising}, which keeps 0 to {band:.4} Hz"
+                ),
+            )
+        }
+    };
+    let prepared: Vec<&[f64]> = prepared.iter().map(Vec::as_slice).collect();
+    let estimate = autoregression::estimate(method, &prepared, order).map_err(failed)?;
+
+    // judged on the samples as measured, like every other model
+    let monomials: Vec<Monomial> = (1..=options.max_lag).map(|lag| vec![y(lag)]).collect();
+    let constant = mean * (1.0 - estimate.coefficients.iter().sum::<f64>());
+    let remainder: &[f64] = &regressors.remainder;
+    let search_error = |source: super::FitError| AxisError::Search { column: column.clone(), source };
+    let rows = Rows::usable(&[remainder], &regressors.stretches, monomials.iter().flatten())
+        .map_err(|source| search_error(source.into()))?;
+    let raw = refit::refit(&[remainder], &rows, &monomials).map_err(|source| search_error(source.into()))?;
+    let squares = rows.ranges().iter().cloned().flatten().map(|n| {
+        let predicted = estimate.coefficients.iter().enumerate().map(|(k, a)| a * remainder[n - 1 - k]);
+        (remainder[n] - constant - predicted.sum::<f64>()).powi(2)
+    });
+    let mse = squares.sum::<f64>() / rows.count() as f64;
+    let terms = monomials.iter().zip(&estimate.coefficients).zip(&raw.coefficient_errors);
+    let terms = terms.map(|((factors, coefficient), error)| FittedTerm {
+        coefficient: *coefficient,
+        // all four have the same errors in long records; those of de-noised samples are not known
+        standard_error: options.denoising.is_none().then_some(*error),
+        factors: factors.clone(),
+    });
+    Ok(StochasticPart {
+        constant,
+        terms: terms.collect(),
+        report: AxisReport {
+            candidates: order,
+            rows: rows.count(),
+            stopped: how,
+            condition_number: raw.condition,
+            mse,
+            ..about(model, regressors, options)
+        },
+    })
+}
+
+/// What is known of an axis before its terms are.
+fn about(model: &UnitModel, regressors: &Regressors, options: &FitOptions) -> AxisReport {
+    let known = regressors.known_remainder();
+    let power: f64 = known.iter().copied().flatten().map(|r| r * r).sum();
+    AxisReport {
+        column: model.axes[0].column.clone(),
+        reference_column: None,
+        method: options.method,
+        candidates: 0,
+        rows: 0,
+        steps: Vec::new(),
+        ties: Vec::new(),
+        stopped: String::new(),
+        condition_number: f64::NAN,
+        mse: f64::NAN,
+        mean_square: power / signal::sample_count(&known) as f64,
+        lag_1: autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
+    }
+}
