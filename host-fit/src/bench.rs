@@ -13,8 +13,10 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use crate::candidates::{Candidates, CandidatesError, Monomial};
-use crate::fit::{FitError, NoiseRule, StopRule, fos, refit, textbook};
+use crate::fit::autoregression::{self, Method};
+use crate::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, fit, fos, refit, textbook};
 use crate::moments::{Moments, Rows};
+use crate::signal::wavelet::Denoising;
 
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +43,7 @@ impl Default for Settings {
 }
 
 /// What a fit costs. Times in seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timings {
     /// Samples of the record.
     pub samples: usize,
@@ -70,6 +72,8 @@ pub struct Timings {
     /// Bytes held besides the data: sums, buffers, Gram matrix and its factor. Added up from the sizes of what
     /// is allocated, not measured.
     pub working_bytes: usize,
+    /// Each method on the same record at order L, s: its name and the time of a whole fit.
+    pub methods_s: Vec<(String, f64)>,
 }
 
 /// Why there are no timings.
@@ -81,6 +85,9 @@ pub enum BenchError {
     /// The record could not be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// Nor by an autoregression.
+    #[error(transparent)]
+    Autoregression(#[from] AutoregressionError),
 }
 
 /// Times a fit of a simulated record, y(n) = 1.6 y(n−1) − 0.95 y(n−2) + 0.42 y(n−3) − 0.13 y(n−4) + e(n).
@@ -133,7 +140,36 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
         peak_multiply_adds_per_s: peak,
         moments_over_limit: moments_s / limit_s,
         working_bytes: moments.bytes() + gram_bytes + refit::working_bytes(chosen.len()),
+        methods_s: time_methods(&signal, settings)?,
     })
+}
+
+/// The paper's comparison of computing times: the classical methods alone and after de-noising, and FOS of CP 1 and 2.
+fn time_methods(signal: &[f64], settings: &Settings) -> Result<Vec<(String, f64)>, BenchError> {
+    let Settings { samples, max_lag, terms, repeats, .. } = *settings;
+    let order = usize::from(max_lag);
+    let denoising = Denoising::of_the_paper();
+    let mut times = Vec::new();
+    let (denoise_s, denoised) = least_time(repeats, || denoising.denoise(signal));
+    times.push((format!("de-noising, {denoising}"), denoise_s));
+    for method in [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg] {
+        let (raw_s, raw) = least_time(repeats, || autoregression::estimate(method, &[signal], order));
+        raw?;
+        let (after_s, after) = least_time(repeats, || autoregression::estimate(method, &[&denoised], order));
+        after?;
+        times.push((method.to_string(), raw_s));
+        times.push((format!("de-noising and {method}"), denoise_s + after_s));
+    }
+    let rule = StopRule { max_terms: terms, mse_ratio: None, noise: NoiseRule::Off };
+    for degree in [1, 2] {
+        let pool = Candidates::builder().output(1..=max_lag, degree).build()?;
+        let whole = 0..samples;
+        let run = || fit(&[signal], std::slice::from_ref(&whole), &pool, &rule, Search::Greedy);
+        let (time_s, fitted) = least_time(repeats, run);
+        fitted?;
+        times.push((format!("fos, CP {degree}"), time_s));
+    }
+    Ok(times)
 }
 
 /// Multiply-adds per second of one thread, with operands in registers and no result waited for.

@@ -16,6 +16,7 @@ pub mod file;
 pub mod fit;
 pub mod model;
 pub mod moments;
+pub mod paper;
 pub mod plots;
 pub mod recording;
 pub mod replay;

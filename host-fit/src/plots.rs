@@ -58,14 +58,24 @@ pub fn write_all(
     trace: &Trace,
     recording: &Recording,
 ) -> Result<(), PlotError> {
+    for (index, axis) in comparison.axes.iter().enumerate() {
+        write(folder, &axis.column, &figures(axis, trace, index, recording))?;
+    }
+    Ok(())
+}
+
+/// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.
+///
+/// # Errors
+///
+/// The folder cannot be made, or a file in it cannot be written.
+pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<(), PlotError> {
     std::fs::create_dir_all(folder)
         .map_err(|source| PlotError::Folder { path: folder.to_owned(), source })?;
-    for (index, axis) in comparison.axes.iter().enumerate() {
-        for (name, figure) in figures(axis, trace, index, recording) {
-            let path = folder.join(format!("{}_{name}", axis.column));
-            write_svg(&figure, &path.with_extension("svg"))?;
-            write_png(&figure, &path.with_extension("png"))?;
-        }
+    for (name, figure) in figures {
+        let path = folder.join(format!("{column}_{name}"));
+        write_svg(figure, &path.with_extension("svg"))?;
+        write_png(figure, &path.with_extension("png"))?;
     }
     Ok(())
 }
@@ -144,7 +154,7 @@ fn mean_of(series: &[f64]) -> f64 {
 }
 
 /// A column in words.
-fn in_words(column: &str) -> &str {
+pub(crate) fn in_words(column: &str) -> &str {
     match column {
         "ax_mps2" => "accelerometer x",
         "ay_mps2" => "accelerometer y",

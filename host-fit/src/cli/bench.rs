@@ -70,6 +70,12 @@ impl Bench {
         add("peak multiply-adds", &|t| format!("{:.1} G/s", t.peak_multiply_adds_per_s * 1e-9));
         add("  moments over that limit", &|t| format!("{:.2}", t.moments_over_limit));
         add("memory beyond the data", &|t| format!("{:.2} MB", t.working_bytes as f64 * 1e-6));
+        add("", &|_| String::new());
+        for (i, (name, _)) in
+            timings.first().map(|t| t.methods_s.as_slice()).unwrap_or_default().iter().enumerate()
+        {
+            add(name, &|t| t.methods_s.get(i).map_or("–".into(), |(_, time_s)| milliseconds(*time_s)));
+        }
         println!("{rows}");
         Ok(())
     }

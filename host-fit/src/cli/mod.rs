@@ -2,10 +2,8 @@
 
 mod arguments;
 mod bench;
-
 mod compare;
 mod demo;
-
 mod error_table;
 mod export;
 mod fit;
@@ -13,6 +11,7 @@ mod inspect;
 mod output;
 mod replay;
 mod simulate;
+mod table;
 
 use std::process::ExitCode;
 
@@ -33,6 +32,7 @@ struct Cli {
 enum Command {
     Demo(demo::Demo),
     Simulate(simulate::Simulate),
+    Table(table::Table),
     Fit(fit::Fit),
     Compare(compare::Compare),
     Export(export::Export),
@@ -45,8 +45,8 @@ enum Command {
 pub fn run() -> ExitCode {
     let done: Result<(), Failure> = match Cli::parse().command {
         Command::Demo(command) => command.run(),
-
         Command::Simulate(command) => command.run(),
+        Command::Table(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Export(command) => command.run(),

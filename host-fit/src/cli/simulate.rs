@@ -1,11 +1,12 @@
 //! `simulate`: a log with known truth.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::output::Failure;
 use crate::recording::write_columns;
+use crate::simulate::band_limited::band_limited;
 use crate::simulate::{Simulation, simulate};
 
 /// Write a simulated log: six axes and temperature, every number from the seed
@@ -29,6 +30,10 @@ pub(super) struct Simulate {
     /// Never move the unit; else it is moved for 30 s out of every 90 s in the last third
     #[arg(long)]
     at_rest: bool,
+    /// In place of a unit: band-limited nonlinear error of an accelerometer and a gyro, innovation 10⁻⁴ of its size,
+    /// as the paper's methods are compared on
+    #[arg(long, conflicts_with_all = ["rate", "temperature", "at_rest", "truth"])]
+    band_limited: bool,
     /// Add the true values as columns ref_ax_mps2 … ref_gz_rads
     #[arg(long)]
     truth: bool,
@@ -39,6 +44,9 @@ impl Simulate {
         if !(self.minutes > 0.0 && self.rate > 0.0) {
             return Err("--minutes and --rate must be positive".into());
         }
+        if self.band_limited {
+            return write(&self.log, &band_limited(self.minutes * 60.0, self.seed));
+        }
         let log = simulate(&Simulation {
             duration_s: self.minutes * 60.0,
             rate_hz: self.rate,
@@ -46,15 +54,15 @@ impl Simulate {
             temperature: self.temperature,
             motion: !self.at_rest,
         });
-        let truth = if self.truth { log.truth.as_slice() } else { &[] };
-        let columns: Vec<(&str, &[f64])> = log
-            .columns
-            .iter()
-            .chain(truth)
-            .map(|(name, values)| (name.as_str(), values.as_slice()))
-            .collect();
-        write_columns(&self.log, &columns)?;
-        println!("{}: {} rows, {} columns", self.log.display(), columns[0].1.len(), columns.len());
-        Ok(())
+        let truth = if self.truth { log.truth } else { Vec::new() };
+        write(&self.log, &log.columns.into_iter().chain(truth).collect::<Vec<_>>())
     }
+}
+
+fn write(log: &Path, columns: &[(String, Vec<f64>)]) -> Result<(), Failure> {
+    let borrowed: Vec<(&str, &[f64])> =
+        columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+    write_columns(log, &borrowed)?;
+    println!("{}: {} rows, {} columns", log.display(), columns[0].1.len(), columns.len());
+    Ok(())
 }

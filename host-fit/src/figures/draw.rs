@@ -40,6 +40,10 @@ const KEY_WIDTH: f64 = 56.0;
 const LINE_WIDTH: f64 = 1.5;
 const HAIRLINE: f64 = 0.75;
 
+/// The other palette of Okabe and Ito, for methods side by side.
+const METHODS: [u32; 7] =
+    [0x00_72_B2, 0x56_B4_E9, 0x00_9E_73, 0xCC_79_A7, 0xE6_9F_00, 0xD5_5E_00, 0x22_22_22];
+
 fn colour(ink: Ink) -> Colour {
     Colour(
         match ink {
@@ -49,6 +53,7 @@ fn colour(ink: Ink) -> Colour {
             Ink::Floor => 0x22_22_22,
             Ink::Bound => 0x6B_72_7B,
             Ink::Other => 0xCC_79_A7,
+            Ink::Method(number) => METHODS[number % METHODS.len()],
         },
         1.0,
     )

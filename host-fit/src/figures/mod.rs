@@ -120,6 +120,8 @@ pub enum Ink {
     Bound,
     /// Anything else (purple).
     Other,
+    /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
+    Method(usize),
 }
 
 /// Shaded ranges of x with one legend entry for all of them.

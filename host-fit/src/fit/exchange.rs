@@ -45,7 +45,11 @@ pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
     loop {
         let before: Vec<usize> = selection.candidates().collect();
         let mut terms = before.clone();
-        while exchange(gram, &mut terms, exact) || prune(gram, &mut terms, threshold, exact) {}
+        // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
+        while exchange(gram, &mut terms, exact, for_each_single)
+            || prune(gram, &mut terms, threshold, exact)
+            || exchange(gram, &mut terms, exact, for_each_pair)
+        {}
         let mut same = (terms.clone(), before);
         same.0.sort_unstable();
         same.1.sort_unstable();
@@ -64,7 +68,7 @@ pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
     }
     let rows = gram.rows() as f64;
     let mut found: Vec<Tie> = Vec::new();
-    for_each_swap(gram, terms, |leaves, enters, swapped_mse| {
+    let mut list = |leaves: &[usize], enters: &[usize], swapped_mse: f64| {
         let deviance = rows * (swapped_mse / mse).ln();
         if deviance < TIED {
             let (mut leaves, mut enters) = (leaves.to_vec(), enters.to_vec());
@@ -72,21 +76,29 @@ pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
             enters.sort_unstable();
             found.push(Tie { leaves, enters, deviance });
         }
-    });
+    };
+    for_each_single(gram, terms, &mut list);
+    for_each_pair(gram, terms, &mut list);
     found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     found.truncate(MOST_TIES);
     found
 }
 
-/// Makes the best swap, if one is worth it.
-fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64) -> bool {
+/// Takes a swap: what leaves, what enters, the MSE then.
+type Visit<'v> = &'v mut dyn FnMut(&[usize], &[usize], f64);
+
+/// Visits every swap of a kind.
+type ForEachSwap = fn(&Gram, &[usize], Visit<'_>);
+
+/// Makes the best swap of a kind, if one is worth it.
+fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForEachSwap) -> bool {
     let mse = Expansion::of_terms(gram, terms).mse();
     if mse <= exact {
         return false;
     }
     let mut best = mse * (1.0 - WORTH);
     let mut swap = None;
-    for_each_swap(gram, terms, |leaves, enters, swapped_mse| {
+    for_each_swap(gram, terms, &mut |leaves, enters, swapped_mse| {
         if swapped_mse < best {
             best = swapped_mse;
             swap = Some((leaves.to_vec(), enters.to_vec()));
@@ -101,12 +113,8 @@ fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64) -> bool {
 /// Takes out the least term, if the rule would not have taken it.
 fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> bool {
     let mse = Expansion::of_terms(gram, terms).mse();
-    let without = |i: usize| {
-        let mut fewer = terms.clone();
-        fewer.remove(i);
-        Expansion::of_terms(gram, &fewer).mse()
-    };
-    let least = (0..terms.len()).map(|i| (i, without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
+    let mse_without = |i: usize| Expansion::of_terms(gram, &without(terms, &[terms[i]])).mse();
+    let least = (0..terms.len()).map(|i| (i, mse_without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
     match least {
         Some((i, mse_without))
             if mse_without - mse < (threshold * mse_without).max(exact) && threshold > 0.0 =>
@@ -118,18 +126,22 @@ fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> boo
     }
 }
 
-/// Calls `visit(leaves, enters, mse)` for every swap of one term for one candidate, and of two for two.
-fn for_each_swap(gram: &Gram, terms: &[usize], mut visit: impl FnMut(&[usize], &[usize], f64)) {
-    for (i, &first) in terms.iter().enumerate() {
-        let kept: Vec<usize> = terms.iter().copied().filter(|term| *term != first).collect();
-        let base = Expansion::of_terms(gram, &kept);
-        for open in base.open().iter().filter(|open| open.candidate != first) {
-            visit(&[first], &[open.candidate], base.mse() - open.mse_reduction());
+/// Every swap of one term for one candidate.
+fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
+    for &leaves in terms {
+        let base = Expansion::of_terms(gram, &without(terms, &[leaves]));
+        for open in base.open().iter().filter(|open| open.candidate != leaves) {
+            visit(&[leaves], &[open.candidate], base.mse() - open.mse_reduction());
         }
+    }
+}
+
+/// Every swap of two terms for two candidates.
+fn for_each_pair(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
+    for (i, &first) in terms.iter().enumerate() {
         for &second in &terms[i + 1..] {
-            let kept: Vec<usize> = kept.iter().copied().filter(|term| *term != second).collect();
-            let base = Expansion::of_terms(gram, &kept);
             let leaves = [first, second];
+            let base = Expansion::of_terms(gram, &without(terms, &leaves));
             let open: Vec<&Open> =
                 base.open().iter().filter(|open| !leaves.contains(&open.candidate)).collect();
             for (place, a) in open.iter().enumerate() {
@@ -141,6 +153,10 @@ fn for_each_swap(gram: &Gram, terms: &[usize], mut visit: impl FnMut(&[usize], &
             }
         }
     }
+}
+
+fn without(terms: &[usize], leaves: &[usize]) -> Vec<usize> {
+    terms.iter().copied().filter(|term| !leaves.contains(term)).collect()
 }
 
 /// What two candidates take off the MSE together; `None` if they are collinear.

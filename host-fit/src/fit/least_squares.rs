@@ -107,7 +107,7 @@ fn triangular_factor(systems: &[System<'_>]) -> Triangle {
 }
 
 /// Σ (y − X a)² with every residual formed.
-fn residual_sum_of_squares(systems: &[System<'_>], weights: &[f64]) -> f64 {
+pub(super) fn residual_sum_of_squares(systems: &[System<'_>], weights: &[f64]) -> f64 {
     let mut block = Block::new(BLOCK_ROWS, weights.len() + 1);
     let of_rows = |(system, rows): (&System<'_>, Range<usize>)| {
         block.fill(rows.len(), |j, column| system.columns[j].fill(system.signals, rows.clone(), column));

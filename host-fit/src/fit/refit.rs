@@ -81,13 +81,7 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     if count <= parameters {
         return Err(RefitError::TooFewRows { rows: count, parameters });
     }
-    // the columns of [X y]
-    let target = [y(0)];
-    let monomials =
-        std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
-    let columns: Vec<Product> = monomials.map(|m| Product::of(m, &[])).collect();
-
-    let system = System { signals, ranges: rows.ranges(), columns };
+    let system = System { signals, ranges: rows.ranges(), columns: columns(terms) };
     let solution = least_squares::solve(&[system]).map_err(|column| {
         // the constant's column cannot be dependent: it is first and not zero
         let term = column - 1;
@@ -111,4 +105,29 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
 /// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.
 pub(crate) fn working_bytes(terms: usize) -> usize {
     least_squares::working_bytes(terms + 2)
+}
+
+/// Mean of e² with given weights, every residual formed; NaN where there are no rows. Unit of y².
+///
+/// # Errors
+/// Signals that do not fit the terms.
+pub fn mean_square_error(
+    signals: &[&[f64]],
+    rows: &Rows,
+    constant: f64,
+    terms: &[Monomial],
+    coefficients: &[f64],
+) -> Result<f64, RefitError> {
+    rows.check(signals, terms.iter().flatten())?;
+    let weights: Vec<f64> = std::iter::once(constant).chain(coefficients.iter().copied()).collect();
+    let system = System { signals, ranges: rows.ranges(), columns: columns(terms) };
+    Ok(least_squares::residual_sum_of_squares(&[system], &weights) / rows.count() as f64)
+}
+
+/// The columns of [X y]: the constant, the terms, the target.
+fn columns(terms: &[Monomial]) -> Vec<Product> {
+    let target = [y(0)];
+    let monomials =
+        std::iter::once(&[] as &[Factor]).chain(terms.iter().map(Vec::as_slice)).chain([&target[..]]);
+    monomials.map(|m| Product::of(m, &[])).collect()
 }

@@ -206,11 +206,8 @@ fn autoregress(
     let rows = Rows::usable(&[remainder], &regressors.stretches, monomials.iter().flatten())
         .map_err(|source| search_error(source.into()))?;
     let raw = refit::refit(&[remainder], &rows, &monomials).map_err(|source| search_error(source.into()))?;
-    let squares = rows.ranges().iter().cloned().flatten().map(|n| {
-        let predicted = estimate.coefficients.iter().enumerate().map(|(k, a)| a * remainder[n - 1 - k]);
-        (remainder[n] - constant - predicted.sum::<f64>()).powi(2)
-    });
-    let mse = squares.sum::<f64>() / rows.count() as f64;
+    let mse = refit::mean_square_error(&[remainder], &rows, constant, &monomials, &estimate.coefficients)
+        .map_err(|source| search_error(source.into()))?;
     let terms = monomials.iter().zip(&estimate.coefficients).zip(&raw.coefficient_errors);
     let terms = terms.map(|((factors, coefficient), error)| FittedTerm {
         coefficient: *coefficient,

@@ -226,6 +226,12 @@ impl Decomposition {
 }
 
 impl Denoising {
+    /// Daubechies 4, four levels, soft: the paper's as far as it says.
+    pub fn of_the_paper() -> Self {
+        let (name, scaling) = SCALING_FILTERS[DB4];
+        Self { wavelet: Wavelet { name, scaling }, levels: 4, details: Details::Soft }
+    }
+
     /// The band that the approximation keeps, from 0 to this, Hz. Each level halves it.
     pub fn band_hz(&self, rate_hz: f64) -> f64 {
         rate_hz / 2.0 / f64::from(1_u32 << self.levels)
@@ -297,6 +303,9 @@ impl From<Denoising> for String {
         denoising.to_string()
     }
 }
+
+/// Place of db4 among them.
+const DB4: usize = 3;
 
 /// Scaling filters by name, computed to the last digit by PyWavelets 1.9 from Daubechies, Ten Lectures on Wavelets
 /// (1992), tables 6.1 and 6.3; Σ h = √2 and Σ h(n) h(n − 2k) = δ(k) are tested.

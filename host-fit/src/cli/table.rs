@@ -1,0 +1,178 @@
+//! `table`: the paper's tables and figures, on any log.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use comfy_table::presets;
+
+use super::arguments::{Reading, axes, describe};
+use super::output::{Failure, number, optional, print_json, progress, table};
+use crate::fit::Search;
+use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
+use crate::plots;
+use crate::rest;
+use crate::signal::wavelet::Denoising;
+
+/// Compare FOS with Yule-Walker, covariance and Burg as in the paper, and on fair terms: tables and figures
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: host-fit simulate hour.parquet --band-limited --minutes 60 && host-fit table hour.parquet --axis ay,gy"
+)]
+pub(super) struct Table {
+    /// The log: CSV, gzip'd CSV or Parquet
+    log: PathBuf,
+    /// gx, a column, several with commas, or all
+    #[arg(long, default_value = "all")]
+    axis: String,
+    /// Train on so many seconds at rest, from the start
+    #[arg(long, value_name = "SECONDS", default_value_t = 180.0)]
+    train: f64,
+    /// Choose a model on so many seconds after those; the rest is predicted
+    #[arg(long, value_name = "SECONDS", default_value_t = 180.0)]
+    evaluate: f64,
+    /// Model orders 1 … this
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=50))]
+    max_order: u16,
+    /// Cross-product degrees 1 … this
+    #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=3))]
+    degree: usize,
+    /// De-noising before the autoregressions: WAVELET:LEVELS:KIND, as db4:4:soft, db4:3:approximation
+    #[arg(long, default_value_t = Denoising::of_the_paper(), value_name = "WAVELET:LEVELS:KIND")]
+    denoise: Denoising,
+    /// How fos searches: greedy (the paper's) or exchange (terms are swapped until nothing improves)
+    #[arg(long, default_value = "greedy")]
+    search: Search,
+    /// Fits that each time is the median of
+    #[arg(long, default_value_t = 5)]
+    repeats: usize,
+    /// Draw autocorrelation, samples and error against order into this folder, as SVG and PNG
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
+    /// Print the tables as Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print every method at every order as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Table {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        if !(self.train > 0.0 && self.evaluate > 0.0) {
+            return Err("--train and --evaluate must be positive".into());
+        }
+        let settings = Settings {
+            train_s: self.train,
+            evaluate_s: self.evaluate,
+            max_order: self.max_order,
+            max_degree: self.degree,
+            denoising: self.denoise,
+            repeats: self.repeats,
+            search: self.search,
+        };
+        let recording = self.reading.read(&self.log)?;
+        let rest = rest::find(&recording);
+        if !self.json {
+            println!("{}", describe(&recording));
+        }
+        let mut comparisons = Vec::new();
+        for axis in axes(&recording, &self.axis)? {
+            let entries = 8 + self.degree;
+            let bar = progress((entries * usize::from(self.max_order)) as u64, &axis);
+            let (comparison, split) = compare(&recording, &rest, &axis, &settings, |_| bar.inc(1))?;
+            bar.finish_and_clear();
+            if let Some(folder) = &self.figures {
+                let values = recording.error_series(&axis)?.values;
+                plots::write(folder, &comparison.column, &figures(&comparison, &recording, &values, &split))?;
+            }
+            if !self.json {
+                print(&comparison, &settings, self.markdown);
+            }
+            comparisons.push(comparison);
+        }
+        if self.json {
+            return print_json(&serde_json::json!({ "settings": settings, "axes": comparisons }));
+        }
+        if let Some(folder) = &self.figures {
+            println!("\nfigures written to {}", folder.display());
+        }
+        Ok(())
+    }
+}
+
+fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
+    let [train, evaluate, predict] = comparison.samples;
+    println!(
+        "\n{}: {train} samples to train, {evaluate} to evaluate, {predict} to predict; squares in ({})²",
+        comparison.column, comparison.unit
+    );
+    println!(
+        "  de-noised by {}: the low band left is 0 to {} Hz",
+        settings.denoising,
+        number(comparison.band_hz)
+    );
+    for order in [1, settings.max_order] {
+        println!("\n  model order (largest output lag) {order}");
+        let mut lines = table(&[
+            "  method",
+            "terms",
+            "MSE as in the paper",
+            "position, m",
+            "MSE same target",
+            "position, m",
+            "time, ms",
+        ]);
+        for cell in comparison.cells.iter().filter(|cell| cell.order == order) {
+            lines.add_row(line(cell));
+        }
+        if markdown {
+            lines.load_style(presets::ASCII_MARKDOWN);
+            println!();
+        }
+        println!("{lines}");
+        for cell in comparison.cells.iter().filter(|cell| cell.order == order) {
+            if let Err(reason) = &cell.result {
+                println!("  {}: {reason}", cell.entry);
+            }
+        }
+    }
+    println!("\n  predicting the mean: {}", number(comparison.variance));
+    if let Some((floor, (low, high))) = comparison.noise_floor {
+        println!(
+            "  noise floor of linear predictors: {} (95 %: {} … {}); * marks what lies below it: another target, or a nonlinear predictor",
+            number(floor),
+            number(low),
+            number(high)
+        );
+    }
+    if let Some(Cell { entry: Entry::Fos(degree), order, result: Ok(judged) }) =
+        comparison.chosen.map(|index| &comparison.cells[index])
+    {
+        println!(
+            "  chosen by the least MSE on the evaluation part: fos, L = {order}, CP {degree}, {} terms, same-target MSE {}",
+            judged.terms,
+            number(judged.mse_same_target)
+        );
+    }
+}
+
+fn line(cell: &Cell) -> Vec<String> {
+    let name = format!("  {}", cell.entry);
+    match &cell.result {
+        Err(_) => vec![name, "–".into(), "–".into(), "–".into(), "–".into(), "–".into(), "–".into()],
+        Ok(judged) => {
+            let marked = |mse, below| format!("{}{}", number(mse), if below { "*" } else { " " });
+            vec![
+                name,
+                judged.terms.to_string(),
+                marked(judged.mse_as_fitted, judged.as_fitted_below_floor),
+                optional(judged.position_error_as_fitted_m),
+                marked(judged.mse_same_target, judged.same_target_below_floor),
+                optional(judged.position_error_same_target_m),
+                number(judged.time_s * 1e3),
+            ]
+        }
+    }
+}

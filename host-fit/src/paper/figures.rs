@@ -1,0 +1,152 @@
+//! The paper's Figures 2, 5, 6 and 7 for one axis.
+
+use super::split::Split;
+use super::{Cell, Comparison, Entry, Judged};
+use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
+use crate::fit::autoregression::Method;
+use crate::plots::in_words;
+use crate::recording::Recording;
+use crate::signal::autocorrelation::autocorrelation;
+use crate::signal::blocks::envelope;
+
+/// Longest lag of the autocorrelation, s.
+const LONGEST_LAG_S: f64 = 5.0;
+
+/// Columns of pixels over time.
+const BUCKETS: usize = 1000;
+
+/// Length of the moving mean, s.
+const MEAN_S: f64 = 1.0;
+
+/// The figures with their names; the autocorrelation is left out where there is none.
+pub fn figures(
+    comparison: &Comparison,
+    recording: &Recording,
+    values: &[f64],
+    split: &Split,
+) -> Vec<(&'static str, Figure)> {
+    let mut figures = Vec::new();
+    let everything: Vec<&[f64]> = split.parts().flatten().map(|range| &values[range.clone()]).collect();
+    let period_s = 1.0 / comparison.rate_hz;
+    let lags = (LONGEST_LAG_S * comparison.rate_hz).round() as usize;
+    if let Some(correlation) = autocorrelation(&everything, lags) {
+        figures.push(("autocorrelation", against_gauss_markov(comparison, &correlation.values, period_s)));
+    }
+    figures.push(("samples", samples(comparison, recording, values, split)));
+    figures.push(("mse_by_order", mse_by_order(comparison)));
+    figures
+}
+
+/// Figure 2 over Figure 1: is it a first-order Gauss-Markov process?
+fn against_gauss_markov(comparison: &Comparison, values: &[f64], period_s: f64) -> Figure {
+    let at = |lag: usize| lag as f64 * period_s;
+    let measured = values.iter().enumerate().map(|(lag, value)| (at(lag), *value)).collect();
+    let first = values.get(1).copied().unwrap_or(0.0);
+    let gauss_markov = (0..values.len()).map(|lag| (at(lag), first.powi(lag as i32))).collect();
+    let line = |label: &str, ink, points| Series { label: label.into(), ink, shape: Shape::Line(points) };
+    Figure {
+        title: format!("{}: autocorrelation against a first-order Gauss-Markov process", name(comparison)),
+        panels: vec![Panel {
+            x: Axis::linear("Lag (s)"),
+            y: Axis::linear("Autocorrelation (1)"),
+            series: vec![
+                line("first-order Gauss-Markov, same at lag 1", Ink::Bound, gauss_markov),
+                line("measured", Ink::Measured, measured),
+            ],
+            ..Panel::default()
+        }],
+    }
+}
+
+/// Figure 5: the samples, split in three.
+fn samples(comparison: &Comparison, recording: &Recording, values: &[f64], split: &Split) -> Figure {
+    let total: usize = comparison.samples.iter().sum();
+    let first = split.train.first().map_or(0, |range| range.start);
+    let origin = values.get(first).copied().unwrap_or(0.0);
+    let parts = [
+        ("train", Ink::Predicted, &split.train),
+        ("evaluate", Ink::Other, &split.evaluate),
+        ("predict", Ink::Measured, &split.predict),
+    ];
+    let series = parts.into_iter().flat_map(|(label, ink, ranges)| {
+        ranges.iter().map(move |range| {
+            let stretch: Vec<f64> = values[range.clone()].iter().map(|value| value - origin).collect();
+            let buckets = (BUCKETS * stretch.len()).div_ceil(total.max(1)).max(1);
+            let outline =
+                envelope(&stretch, recording.time_s[range.start], 1.0 / comparison.rate_hz, buckets, MEAN_S);
+            let edges = outline.time_s.iter().zip(&outline.low).zip(&outline.high);
+            let edges = edges.map(|((time, low), high)| (*time, *low, *high)).collect();
+            Series { label: format!("{label}, lowest to highest"), ink, shape: Shape::Band(edges) }
+        })
+    });
+    Figure {
+        title: format!("{}: the samples, less the first", name(comparison)),
+        panels: vec![Panel {
+            x: Axis::linear("Time (s)"),
+            y: Axis::linear(format!("{} ({})", name(comparison), comparison.unit)),
+            series: series.collect(),
+            ..Panel::default()
+        }],
+    }
+}
+
+/// Figures 6 and 7: mean square error against model order.
+fn mse_by_order(comparison: &Comparison) -> Figure {
+    let panel = |title: &str, mse: fn(&Judged) -> f64, with_raw: bool| {
+        let mut series: Vec<Series> = Vec::new();
+        for cells in comparison.cells.chunk_by(|a, b| a.entry == b.entry) {
+            let entry = cells[0].entry;
+            let points = cells.iter().filter_map(|cell| point(cell, mse)).collect();
+            let (is_raw, ink) = (matches!(entry, Entry::Raw(_)), Ink::Method(place(entry)));
+            let shape = if is_raw { Shape::Points(points) } else { Shape::Line(points) };
+            if !is_raw || with_raw {
+                // explained by the title: thirteen entries are too many for a legend
+                let label = if is_raw { String::new() } else { entry.to_string() };
+                series.push(Series { label, ink, shape });
+            }
+        }
+        let level = |label: &str, ink, value| Series { label: label.into(), ink, shape: Shape::Level(value) };
+        series.push(level("predicting the mean", Ink::Bound, comparison.variance));
+        if let Some((floor, _)) = comparison.noise_floor {
+            series.push(level("noise floor of linear predictors", Ink::Floor, floor));
+        }
+        Panel {
+            title: title.into(),
+            x: Axis::linear("Model order, largest output lag (1)"),
+            y: Axis::log(format!("Mean square error (({})²)", comparison.unit)),
+            series,
+            ..Panel::default()
+        }
+    };
+    Figure {
+        title: format!("{}: one-step error against model order", name(comparison)),
+        panels: vec![
+            panel("As in the paper: what each was fitted to", |judged| judged.mse_as_fitted, false),
+            panel(
+                "Same target: samples as measured (dots: fitted to them)",
+                |judged| judged.mse_same_target,
+                true,
+            ),
+        ],
+    }
+}
+
+fn point(cell: &Cell, mse: fn(&Judged) -> f64) -> Option<(f64, f64)> {
+    cell.result.as_ref().ok().map(|judged| (f64::from(cell.order), mse(judged)))
+}
+
+/// The colour of a method: the same on samples as measured and de-noised.
+fn place(entry: Entry) -> usize {
+    match entry {
+        Entry::Raw(Method::YuleWalker) | Entry::Denoised(Method::YuleWalker) => 0,
+        Entry::Raw(Method::Covariance) | Entry::Denoised(Method::Covariance) => 1,
+        Entry::Raw(Method::ModifiedCovariance) | Entry::Denoised(Method::ModifiedCovariance) => 2,
+        Entry::Raw(Method::Burg) | Entry::Denoised(Method::Burg) => 3,
+        Entry::Fos(degree) => 3 + degree,
+    }
+}
+
+fn name(comparison: &Comparison) -> String {
+    let words = in_words(&comparison.column);
+    words.chars().take(1).flat_map(char::to_uppercase).chain(words.chars().skip(1)).collect()
+}

@@ -1,0 +1,93 @@
+use crate::fit::{FitOptions, Method as FitMethod, Train, fit_axis};
+use crate::recording::{LoadOptions, Source};
+use crate::rest;
+use crate::simulate::band_limited::{band_limited, innovation_variance};
+
+use super::*;
+
+fn settings() -> Settings {
+    Settings {
+        train_s: 180.0,
+        evaluate_s: 60.0,
+        max_order: 10,
+        max_degree: 2,
+        denoising: "db4:4:soft".parse().unwrap(),
+        repeats: 1,
+        search: Search::Greedy,
+    }
+}
+
+fn recording() -> Recording {
+    Recording::from_columns(Source::made_by("test"), band_limited(600.0, 1), &LoadOptions::default()).unwrap()
+}
+
+fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
+    let found = comparison.cells.iter().find(|cell| cell.entry == entry && cell.order == order);
+    found.unwrap().result.as_ref().unwrap()
+}
+
+#[test]
+fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do_not() {
+    let recording = recording();
+    let rest = rest::find(&recording);
+    for axis in ["ay", "gy"] {
+        let (comparison, split) = compare(&recording, &rest, axis, &settings(), |_| {}).unwrap();
+        assert_eq!(split.samples(), [36_000, 12_000, 72_000]);
+        let at_ten = |entry| judged(&comparison, entry, 10).mse_same_target;
+        let (linear, quadratic) = (at_ten(Entry::Fos(1)), at_ten(Entry::Fos(2)));
+        let innovation = innovation_variance(&comparison.column).unwrap();
+        // 72,000 squares of normal numbers: 0.5 % of scatter, four of them
+        assert!((quadratic / innovation - 1.0).abs() < 0.02, "{quadratic} for {innovation}");
+        let methods = [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg];
+        for method in methods {
+            assert!(at_ten(Entry::Raw(method)) > 100.0 * quadratic, "{method}");
+            assert!(at_ten(Entry::Denoised(method)) > 100.0 * quadratic, "{method}");
+            assert!(at_ten(Entry::Denoised(method)) > linear, "{method}");
+        }
+        let chosen = &comparison.cells[comparison.chosen.unwrap()];
+        assert_eq!((chosen.entry, chosen.order), (Entry::Fos(2), 10));
+    }
+}
+
+#[test]
+fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
+    let recording = recording();
+    let rest = rest::find(&recording);
+    let (comparison, _) = compare(&recording, &rest, "ay", &settings(), |_| {}).unwrap();
+    let fos = judged(&comparison, Entry::Fos(1), 10);
+    let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
+    assert_eq!(fos.terms, 10);
+    // the mean of the training part was taken off: an intercept has next to nothing to do
+    assert!((fos.mse_same_target / covariance.mse_same_target - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn the_residuals_are_those_of_fos_core() {
+    let recording = recording();
+    let rest = rest::find(&recording);
+    let (comparison, split) = compare(&recording, &rest, "gy", &settings(), |_| {}).unwrap();
+    let options = FitOptions {
+        method: FitMethod::Linear(Method::Burg),
+        train: Train::Seconds(180.0),
+        ..FitOptions::default()
+    };
+    let fit = fit_axis(&recording, &rest, "gy", &options).unwrap();
+    let feed = crate::feed::Feed::new(&recording, &fit.model, &rest.still).unwrap();
+    let rows = split.predict[0].clone();
+    let trace = crate::evaluate::trace::<f64>(&fit.model, &feed, rows.clone(), |_| {}).unwrap();
+    // the same rows: those with ten samples of the prediction part before them
+    let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
+    let mse = signal::mean(&[&squares]);
+    let ours = judged(&comparison, Entry::Raw(Method::Burg), 10).mse_same_target;
+    // the same sums in another order, 10⁵ rows
+    assert!((mse / ours - 1.0).abs() < 1e-9, "{mse} for {ours}");
+}
+
+#[test]
+fn a_log_too_short_for_three_parts_is_refused() {
+    let recording = recording();
+    let rest = rest::find(&recording);
+    let long = Settings { train_s: 500.0, ..settings() };
+    let refused = compare(&recording, &rest, "ay", &long, |_| {}).unwrap_err().to_string();
+    assert!(refused.contains("600 s at rest") && refused.contains("620 s"), "{refused}");
+}
