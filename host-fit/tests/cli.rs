@@ -166,3 +166,53 @@ fn a_file_is_replaced_whole_or_not_at_all() {
     let left = std::fs::read_dir(folder).expect("readable").count();
     assert_eq!(left, 2, "nothing half-written is left beside it");
 }
+
+#[test]
+fn the_classical_methods_take_the_same_path_as_fos() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "hour.parquet", "--band-limited", "--minutes", "2", "--seed", "3"]);
+    for method in ["yule-walker", "covariance", "modified-covariance", "burg"] {
+        let arguments = ["fit", "hour.parquet", "--axis", "ay", "--method", method, "--max-lag", "4"];
+        let fitted = done(folder, &[&arguments[..], &["-o", "study.json"]].concat());
+        assert!(fitted.contains(method) && fitted.contains("all lags to 4"), "{fitted}");
+        done(folder, &["export", "study.json", "--image", "unit.fosm"]);
+        let inspected = done(folder, &["inspect", "unit.fosm"]);
+        assert!(inspected.contains("r(n-4)") && !inspected.contains("r(n-5)"), "{inspected}");
+        done(folder, &["replay", "unit.fosm", "hour.parquet", "-o", "corrected.parquet"]);
+    }
+    let arguments = ["fit", "hour.parquet", "--axis", "ay", "-o", "study.json", "--denoise", "db4:3:soft"];
+    let denoised = done(folder, &[&arguments[..], &["--method", "burg"]].concat());
+    assert!(denoised.contains("0 to 12.5"), "three levels at 200 Hz leave 12.5 Hz: {denoised}");
+    let refused = fails(folder, 1, &arguments);
+    assert!(refused.contains("fos is fitted to the data as measured"), "{refused}");
+    let refused = fails(folder, 2, &["fit", "hour.parquet", "--method", "burgh"]);
+    assert!(refused.contains("yule-walker") && refused.contains("burg"), "{refused}");
+}
+
+#[test]
+fn the_papers_tables_and_figures_come_from_any_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "hour.parquet", "--band-limited", "--minutes", "2"]);
+    let arguments = ["table", "hour.parquet", "--axis", "ay", "--train", "40", "--evaluate", "20"];
+    let tables = done(folder, &[&arguments[..], &["--degree", "2", "--figures", "figures"]].concat());
+    for text in
+        ["largest output lag) 1", "largest output lag) 10", "de-noised, burg", "fos, CP 2", "0 to 6.25"]
+    {
+        assert!(tables.contains(text), "{text}: {tables}");
+    }
+    for figure in ["autocorrelation", "samples", "mse_by_order"] {
+        for format in ["svg", "png"] {
+            let path = folder.join(format!("figures/ay_mps2_{figure}.{format}"));
+            assert!(path.metadata().is_ok_and(|file| file.len() > 1000), "{}", path.display());
+        }
+    }
+    let markdown = done(folder, &[&arguments[..], &["--degree", "1", "--markdown"]].concat());
+    assert!(markdown.contains("|---"), "{markdown}");
+    let json = done(folder, &[&arguments[..], &["--degree", "1", "--max-order", "2", "--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON and nothing else");
+    assert_eq!(json["axes"][0]["cells"].as_array().expect("cells").len(), 9 * 2);
+    let refused = fails(folder, 1, &["table", "hour.parquet", "--axis", "ay"]);
+    assert!(refused.contains("--train"), "{refused}");
+}
