@@ -145,7 +145,7 @@ pub fn study_of(
         schema: SCHEMA.to_owned(),
         tool: Tool::this(),
         data: Data {
-            source: recording.source.clone(),
+            sources: recording.sources.clone(),
             columns,
             rows: recording.n_rows(),
             trained_rows,

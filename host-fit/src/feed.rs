@@ -16,7 +16,7 @@ pub struct Feed<'a> {
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
     /// Ticks missing before the rows that do not follow the row before them.
-    breaks: HashMap<usize, u32>,
+    breaks: HashMap<usize, Break>,
 }
 
 enum Reference<'a> {
@@ -39,6 +39,15 @@ impl Reference<'_> {
 /// A still accelerometer further than this from the reference, in scaled units (standard deviations of the training
 /// data), lies in another pose: 20 are a tilt of 2° for a noise of 0.02 m/s², and a bias drifts by less.
 const OTHER_POSE: f64 = 20.0;
+
+/// What lies before a row that does not follow the row before it.
+#[derive(Debug, Clone, Copy)]
+enum Break {
+    /// So many ticks.
+    Missing(u32),
+    /// Everything: the unit was switched on anew.
+    Recording,
+}
 
 /// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
 const UNKNOWN_TICKS: u64 = 256;
@@ -72,14 +81,16 @@ impl<'a> Feed<'a> {
             .segments
             .iter()
             .filter_map(|segment| {
-                let missing = match segment.boundary {
+                let missing = |ticks| Break::Missing(u32::try_from(ticks).unwrap_or(u32::MAX));
+                let before = match segment.boundary {
                     Boundary::Start => return None,
-                    Boundary::Gap => segment.missing_before,
+                    Boundary::Recording => Break::Recording,
+                    Boundary::Gap => missing(segment.missing_before),
                     Boundary::SegmentColumn | Boundary::ClockBack => {
-                        segment.missing_before.max(UNKNOWN_TICKS)
+                        missing(segment.missing_before.max(UNKNOWN_TICKS))
                     }
                 };
-                Some((segment.rows.start, u32::try_from(missing).unwrap_or(u32::MAX)))
+                Some((segment.rows.start, before))
             })
             .collect();
         let mut feed = Self { measured, reference, has_reference: false, quantities, still, breaks };
@@ -120,9 +131,25 @@ impl<'a> Feed<'a> {
         self.still[row]
     }
 
-    /// Ticks missing just before `row`; 0 if it follows the row before it.
+    /// Ticks missing just before `row`; 0 if it follows the row before it. A new recording counts as so many that
+    /// histories restart.
     pub fn missing_before(&self, row: usize) -> u32 {
-        self.breaks.get(&row).copied().unwrap_or(0)
+        match self.breaks.get(&row) {
+            None => 0,
+            Some(Break::Missing(ticks)) => *ticks,
+            Some(Break::Recording) => UNKNOWN_TICKS as u32,
+        }
+    }
+
+    /// Takes `predictor` over what lies before `row`.
+    pub fn catch_up<R: Real>(&self, predictor: &mut HostPredictor<R>, row: usize) {
+        match self.breaks.get(&row) {
+            None => {}
+            Some(Break::Missing(ticks)) => {
+                let _ = predictor.skip(*ticks);
+            }
+            Some(Break::Recording) => predictor.reset(),
+        }
     }
 
     /// The row as a device gets it: measured values, reference values, quantities.
@@ -148,10 +175,7 @@ impl<'a> Feed<'a> {
     /// One row: what is missing before it is skipped, then it is tracked where still, else coasted.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
-        let missing = self.missing_before(row);
-        if missing > 0 {
-            let _ = predictor.skip(missing);
-        }
+        self.catch_up(predictor, row);
         let row_sample = self.sample(row);
         let sample = row_sample.sample();
         if !self.still[row] {

@@ -45,8 +45,8 @@ pub struct Tool {
 /// The recording behind a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Data {
-    /// File, size and digest.
-    pub source: Source,
+    /// File, size and digest, of every log.
+    pub sources: Vec<Source>,
     /// Column map specifications that it was read with.
     pub columns: Vec<String>,
     /// Rows read.
@@ -148,11 +148,15 @@ impl Study {
 
     /// In a few lines: where the model comes from.
     pub fn provenance(&self) -> String {
-        let Source { path, sha256, .. } = &self.data.source;
-        let file =
-            Path::new(path).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let data = self.data.sources.iter().map(|Source { path, sha256, .. }| {
+            let file = Path::new(path)
+                .file_name()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            format!("data {file}, sha256 {sha256}")
+        });
+        let data = data.collect::<Vec<_>>().join("\n");
         format!(
-            "{} {}\ndata {file}, sha256 {sha256}\nfitted to {} of {} rows at {:.3} Hz",
+            "{} {}\n{data}\nfitted to {} of {} rows at {:.3} Hz",
             self.tool.name, self.tool.version, self.data.trained_rows, self.data.rows, self.data.true_rate_hz
         )
     }

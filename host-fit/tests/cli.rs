@@ -216,3 +216,22 @@ fn the_papers_tables_and_figures_come_from_any_log() {
     let refused = fails(folder, 1, &["table", "hour.parquet", "--axis", "ay"]);
     assert!(refused.contains("--train"), "{refused}");
 }
+
+#[test]
+fn several_logs_are_fitted_as_one_and_not_spliced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for (log, seed) in [("a.parquet", "1"), ("b.parquet", "2")] {
+        done(folder, &["simulate", log, "--band-limited", "--minutes", "1", "--seed", seed]);
+    }
+    let arguments = ["fit", "a.parquet", "b.parquet", "--axis", "ay", "--memory", "none", "--train", "90s"];
+    let fitted = done(folder, &[&arguments[..], &["-o", "study.json"]].concat());
+    // 60 s and 30 s at 200 Hz, the first ten rows of each without their lags
+    assert!(fitted.contains("2 segments") && fitted.contains("over 17980 rows"), "{fitted}");
+    let compared = done(folder, &["compare", "study.json"]);
+    assert!(compared.contains("ay_mps2"), "{compared}");
+    // a log that is not the one that was fitted is not taken for it
+    done(folder, &["simulate", "b.parquet", "--band-limited", "--minutes", "1", "--seed", "3"]);
+    let refused = fails(folder, 1, &["compare", "study.json"]);
+    assert!(refused.contains("not the log that was fitted"), "{refused}");
+}

@@ -37,6 +37,12 @@ impl Reading {
         }
         Ok(load(log, &LoadOptions { columns, rate_hz: self.rate, strict: self.strict })?)
     }
+
+    /// Reads several logs of one unit as one recording, never spliced.
+    pub(super) fn read_all(&self, logs: &[PathBuf]) -> Result<Recording, Failure> {
+        let recordings = logs.iter().map(|log| self.read(log)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Recording::join(recordings)?)
+    }
 }
 
 /// The axes that `--axis` names: one, several with commas, or all that the log has.
@@ -65,7 +71,7 @@ pub(super) fn describe(recording: &Recording) -> String {
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
         "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
-        recording.source.path,
+        recording.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", "),
         recording.n_rows(),
         duration_s,
         recording.segments.len(),

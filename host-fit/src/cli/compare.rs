@@ -11,6 +11,7 @@ use crate::compare::{AxisComparison, Comparison, compare};
 use crate::evaluate::ModelErrors;
 
 use crate::plots;
+use crate::recording::Source;
 use crate::rest;
 use crate::study::Study;
 
@@ -39,15 +40,21 @@ impl Compare {
         if reading.map.is_empty() && reading.map_file.is_none() {
             reading.map = study.data.columns.clone();
         }
-        let log = self.log.clone().unwrap_or_else(|| PathBuf::from(&study.data.source.path));
-        let recording = reading.read(&log)?;
-        let same = recording.source.sha256 == study.data.source.sha256;
+        let logs: Vec<PathBuf> = match &self.log {
+            Some(log) => vec![log.clone()],
+            None => study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect(),
+        };
+        let recording = reading.read_all(&logs)?;
+        let digests = |sources: &[Source]| -> Vec<String> {
+            sources.iter().map(|source| source.sha256.clone()).collect()
+        };
+        let same = digests(&recording.sources) == digests(&study.data.sources);
         if self.log.is_none() && !same {
             return Err(format!(
                 "{}: not the log that was fitted: its digest is {}, the study's is {}\nhelp: give the log to compare with as an argument",
-                log.display(),
-                recording.source.sha256,
-                study.data.source.sha256
+                logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
+                digests(&recording.sources).join(", "),
+                digests(&study.data.sources).join(", ")
             )
             .into());
         }

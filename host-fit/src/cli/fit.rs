@@ -18,8 +18,9 @@ use crate::study::Study;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit fit quiet.csv.gz --axis all -o unit.json")]
 pub(super) struct Fit {
-    /// The log: CSV, gzip'd CSV or Parquet
-    log: PathBuf,
+    /// The log: CSV, gzip'd CSV or Parquet. Several of one unit are taken one after the other and never spliced
+    #[arg(required = true)]
+    log: Vec<PathBuf>,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
     axis: String,
@@ -117,7 +118,7 @@ impl Fit {
 
     pub(super) fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
-        let recording = self.reading.read(&self.log)?;
+        let recording = self.reading.read_all(&self.log)?;
         let rest = rest::find(&recording);
         if !self.json {
             println!("{}", describe(&recording));

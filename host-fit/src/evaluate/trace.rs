@@ -100,10 +100,7 @@ pub fn trace<R: Real>(
                 axes[axis].coast[at] = feed.error(axis, row) - correction.predicted.to_f64();
             }
         }
-        let missing = feed.missing_before(row);
-        if missing > 0 {
-            let _ = whole.skip(missing);
-        }
+        feed.catch_up(&mut whole, row);
         for (axis, correction) in feed.coast(&mut whole, row).iter().enumerate() {
             if feed.is_still(row) {
                 axes[axis].coast_whole[at] = feed.error(axis, row) - correction.predicted.to_f64();

@@ -43,19 +43,22 @@ pub fn fit(regressors: &Regressors, inputs: Range<u8>) -> Result<Vec<FittedTerm>
             .collect();
         let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;
         let colour = refit::refit(&[&residual], &rows, &lags)?.coefficients;
-        whitened = regressors.columns().iter().map(|column| whiten(column, &colour)).collect();
+        whitened = regressors
+            .columns()
+            .iter()
+            .map(|column| whiten(column, &regressors.stretches, &colour))
+            .collect();
     }
 }
 
-/// x(n) − Σ a_k·x(n−k); NaN where that would reach back before the column.
-fn whiten(column: &[f64], colour: &[f64]) -> Vec<f64> {
-    (0..column.len())
-        .map(|row| {
-            let past = colour.iter().enumerate().map(|(k, a)| match row.checked_sub(k + 1) {
-                Some(before) => a * column[before],
-                None => f64::NAN,
-            });
-            column[row] - past.sum::<f64>()
-        })
-        .collect()
+/// x(n) − Σ a_k·x(n−k); NaN where that would reach back before its stretch.
+fn whiten(column: &[f64], stretches: &[Range<usize>], colour: &[f64]) -> Vec<f64> {
+    let mut whitened = vec![f64::NAN; column.len()];
+    for stretch in stretches {
+        for row in (stretch.start + colour.len()).min(stretch.end)..stretch.end {
+            let past = colour.iter().enumerate().map(|(k, a)| a * column[row - k - 1]);
+            whitened[row] = column[row] - past.sum::<f64>();
+        }
+    }
+    whitened
 }

@@ -21,6 +21,29 @@ pub enum RecordingError {
         /// The system's answer.
         source: io::Error,
     },
+    /// No recording to make one of.
+    #[error("no log was given")]
+    NothingToJoin,
+    /// Recordings of different sample rates.
+    #[error(
+        "{path} runs at {rate_hz:.3} Hz, the logs before it at {expected_hz:.3} Hz: the lags of one model cannot serve both\nhelp: fit them one by one"
+    )]
+    RatesDiffer {
+        /// The log.
+        path: String,
+        /// Its rate, Hz.
+        rate_hz: f64,
+        /// That of the others, Hz.
+        expected_hz: f64,
+    },
+    /// Recordings without a channel in common.
+    #[error("{path} and {others} have no channel in common\nhelp: map their columns with --map")]
+    NothingInCommon {
+        /// The log.
+        path: String,
+        /// The logs before it.
+        others: String,
+    },
     /// Parquet that cannot be read or written.
     #[error("{}: Parquet: {source}; if it was cut short while being written, export it again", path.display())]
     Parquet {

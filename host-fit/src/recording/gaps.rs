@@ -90,6 +90,8 @@ pub enum Boundary {
     SegmentColumn,
     /// Time goes back; it is not known how many samples are missing (`missing_before` is 0).
     ClockBack,
+    /// Another recording starts.
+    Recording,
 }
 
 /// A boundary known without looking at stamps.

@@ -165,7 +165,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     quality.clock_back = grid.clock_back;
     quality.gaps = grid.segments.iter().filter(|segment| segment.missing_before > 0).count() as u64;
     quality.samples_missing = grid.segments.iter().map(|segment| segment.missing_before).sum();
-    Ok(Recording { source, time_s, channels, segments: grid.segments, rate, still, quality })
+    Ok(Recording { sources: vec![source], time_s, channels, segments: grid.segments, rate, still, quality })
 }
 
 /// Refuses a map that names columns the log does not have.

@@ -59,9 +59,9 @@ fn csv_gzip_and_parquet_are_told_apart_by_content_not_by_name() {
         assert_eq!(other.time_s, plain.time_s);
         assert_eq!(other.channels()[0].values, plain.channels()[0].values);
         assert_eq!(other.channels()[0].unit, Unit::RadianPerSecond);
-        assert_ne!(other.source.sha256, plain.source.sha256);
+        assert_ne!(other.sources[0].sha256, plain.sources[0].sha256);
     }
-    assert_eq!(plain.source.bytes, text.len() as u64);
+    assert_eq!(plain.sources[0].bytes, text.len() as u64);
 }
 
 #[test]

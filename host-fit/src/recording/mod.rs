@@ -25,6 +25,7 @@ mod csv_file;
 mod error;
 mod error_series;
 mod gaps;
+mod join;
 mod load;
 mod parquet_file;
 mod quality;
@@ -58,8 +59,8 @@ pub use write::write_columns;
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Where it came from.
-    pub source: Source,
+    /// Where it came from: one file, or those it was joined of.
+    pub sources: Vec<Source>,
     /// Time of every row as stamped, s.
     pub time_s: Vec<f64>,
     channels: Vec<Channel>,

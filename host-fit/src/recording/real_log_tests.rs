@@ -39,7 +39,7 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
     assert_eq!(log.segments.len(), 1);
     assert_eq!(log.rate.stamps, Stamps::Regular);
     assert!((log.rate.true_hz - 100.0).abs() < 1e-6);
-    assert_eq!(log.source.sha256, "c6b8c031ed6695f07d537f22286664760dc8f0672770a0d9552f52fb5d93637a");
+    assert_eq!(log.sources[0].sha256, "c6b8c031ed6695f07d537f22286664760dc8f0672770a0d9552f52fb5d93637a");
 }
 
 #[test]
@@ -146,6 +146,6 @@ fn how_long_an_hour_at_200_hz_takes() {
         let log = load(&path, &LoadOptions::default()).unwrap();
         let loaded = start.elapsed();
         assert_eq!((log.n_rows(), log.segments.len()), (n as usize, 1));
-        println!("{name}: {} bytes, written in {written:.2?}, loaded in {loaded:.2?}", log.source.bytes);
+        println!("{name}: {} bytes, written in {written:.2?}, loaded in {loaded:.2?}", log.sources[0].bytes);
     }
 }

@@ -1,0 +1,128 @@
+//! Several recordings of one unit as one, never spliced: between two of them everything starts anew.
+
+use super::{Boundary, Quality, Recording, RecordingError};
+
+/// Rates further apart than this are not of one model, relative. A model's lags are samples: at 2 % they are as far off
+/// in time as a model can bear.
+const SAME_RATE: f64 = 0.02;
+
+impl Recording {
+    /// One recording of several, one after the other: the channels that all have, a segment boundary between any two.
+    /// Times go on from one to the next.
+    ///
+    /// # Errors
+    /// None is given, they were sampled at different rates, or no channel is in all of them.
+    pub fn join(recordings: Vec<Self>) -> Result<Self, RecordingError> {
+        let mut rest = recordings.into_iter();
+        let mut joined = rest.next().ok_or(RecordingError::NothingToJoin)?;
+        for next in rest {
+            joined.append(next)?;
+        }
+        Ok(joined)
+    }
+
+    fn append(&mut self, next: Self) -> Result<(), RecordingError> {
+        let path = |recording: &Self| {
+            recording.sources.iter().map(|source| source.path.clone()).collect::<Vec<_>>().join(", ")
+        };
+        let (here, there) = (self.rate.true_hz, next.rate.true_hz);
+        if (there / here - 1.0).abs() > SAME_RATE {
+            return Err(RecordingError::RatesDiffer { path: path(&next), rate_hz: there, expected_hz: here });
+        }
+        let rows = self.n_rows();
+        self.channels.retain(|channel| next.channels.iter().any(|other| same(channel, other)));
+        if self.channels.is_empty() {
+            return Err(RecordingError::NothingInCommon { path: path(&next), others: path(self) });
+        }
+        for channel in &mut self.channels {
+            let other = next.channels.iter().find(|other| same(channel, other));
+            channel.values.extend(other.into_iter().flat_map(|other| &other.values));
+        }
+        // rows count alike, wherever they were recorded
+        let weight = next.n_rows() as f64 / (rows + next.n_rows()) as f64;
+        self.rate.period_s += weight * (next.rate.period_s - self.rate.period_s);
+        self.rate.true_hz = 1.0 / self.rate.period_s;
+        self.rate.jitter_s = self.rate.jitter_s.max(next.rate.jitter_s);
+
+        let last_s = self.time_s.last().copied().unwrap_or(0.0);
+        let first_s = next.time_s.first().copied().unwrap_or(0.0);
+        self.time_s.extend(next.time_s.iter().map(|time_s| last_s + self.rate.period_s + time_s - first_s));
+        let tick = self.segments.last().map_or(0, |segment| segment.tick + segment.rows.len() as u64);
+        self.segments.extend(next.segments.into_iter().map(|mut segment| {
+            segment.rows = segment.rows.start + rows..segment.rows.end + rows;
+            segment.tick += tick;
+            if segment.boundary == Boundary::Start {
+                segment.boundary = Boundary::Recording;
+            }
+            segment
+        }));
+        self.still = match (self.still.take(), next.still) {
+            (Some(mut still), Some(more)) => {
+                still.extend(more);
+                Some(still)
+            }
+            _ => None,
+        };
+        self.quality.add(next.quality);
+        self.sources.extend(next.sources);
+        Ok(())
+    }
+}
+
+fn same(channel: &super::Channel, other: &super::Channel) -> bool {
+    channel.name == other.name && channel.unit == other.unit
+}
+
+impl Quality {
+    /// Counts of both; places are of the files they were found in and are kept of the first only.
+    fn add(&mut self, other: Self) {
+        self.rows_in_file += other.rows_in_file;
+        self.rows_unusable += other.rows_unusable;
+        self.rows_repeated += other.rows_repeated;
+        self.stamps_repeated += other.stamps_repeated;
+        self.clock_back += other.clock_back;
+        self.gaps += other.gaps;
+        self.samples_missing += other.samples_missing;
+        self.missing_cells.extend(other.missing_cells);
+        self.text_columns.extend(other.text_columns);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Source};
+    use super::*;
+
+    fn recording(rate_hz: f64, columns: &[(&str, usize)]) -> Recording {
+        let columns = columns.iter().map(|(name, rows)| ((*name).to_owned(), vec![1.5; *rows])).collect();
+        let options = LoadOptions { rate_hz: Some(rate_hz), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
+    }
+
+    #[test]
+    fn what_is_joined_has_a_boundary_where_it_was_joined() {
+        let first = recording(100.0, &[("gx_rads", 30), ("temp_c", 30)]);
+        let second = recording(101.0, &[("supply_v", 20), ("gx_rads", 20)]);
+        let joined = Recording::join(vec![first, second]).unwrap();
+        assert_eq!(joined.n_rows(), 50);
+        assert_eq!(joined.channels().iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["gx_rads"]);
+        assert_eq!(joined.channels()[0].values.len(), 50);
+        let boundaries: Vec<_> = joined.segments.iter().map(|s| (s.rows.clone(), s.boundary)).collect();
+        assert_eq!(boundaries, [(0..30, Boundary::Start), (30..50, Boundary::Recording)]);
+        assert!(joined.time_s.is_sorted());
+        assert_eq!(joined.sources.len(), 2);
+        // two fifths of the rows at the other period
+        let period_s = 0.6 / 100.0 + 0.4 / 101.0;
+        assert!((joined.rate.period_s - period_s).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_does_not_go_together_is_refused() {
+        let one = || recording(100.0, &[("gx_rads", 30)]);
+        let faster = Recording::join(vec![one(), recording(103.0, &[("gx_rads", 30)])]).unwrap_err();
+        assert!(faster.to_string().contains("103"), "{faster}");
+        let other = Recording::join(vec![one(), recording(100.0, &[("gy_rads", 30)])]).unwrap_err();
+        assert!(other.to_string().contains("no channel"), "{other}");
+        assert!(Recording::join(Vec::new()).is_err());
+    }
+}
