@@ -48,6 +48,9 @@ pub(super) struct Fit {
     /// Offer an input to the search: temp_c, temp_c:lowpass(60), clock:decay(200). May be repeated
     #[arg(long, value_name = "INPUT")]
     input: Vec<InputSpec>,
+    /// K: lags 0 … K of these inputs are candidates, and their products with output lags up to CP
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    input_lags: u16,
     /// Put an input into the physical part, which also holds in motion. May be repeated
     #[arg(long, value_name = "INPUT")]
     physical: Vec<InputSpec>,
@@ -102,6 +105,7 @@ impl Fit {
             degree: self.degree,
             memory_s,
             inputs: self.input.clone(),
+            input_lags: self.input_lags,
             physical: self.physical.clone(),
             max_terms: self.max_terms,
             stop: self.stop,

@@ -27,8 +27,10 @@ pub struct FitOptions {
     /// training data are left out. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and it is the long memory
     /// that carries a bias through a motion.
     pub memory_s: Vec<f64>,
-    /// Inputs offered to the stochastic part, beside the output.
+    /// Inputs offered to the stochastic part, beside the output and in products with it.
     pub inputs: Vec<InputSpec>,
+    /// K: lags 0 … K of these inputs are candidates. Default 0.
+    pub input_lags: u16,
     /// Inputs of the physical part: always in the model, estimated first, with coloured errors.
     pub physical: Vec<InputSpec>,
     /// Most terms that the search may take. Default 20.
@@ -57,6 +59,7 @@ impl Default for FitOptions {
             degree: 2,
             memory_s: vec![0.1, 1.0, 10.0, 100.0],
             inputs: Vec::new(),
+            input_lags: 0,
             physical: Vec::new(),
             max_terms: 20,
             stop: Stop::Multiplicity,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_core::{Factor, y};
+use fos_core::{Factor, u, y};
 use serde::{Deserialize, Serialize};
 
 use super::autoregression;
@@ -110,11 +110,19 @@ pub(super) fn fit(
     }
 }
 
-/// The pool: output lags up to the cross-product degree, inputs and long memory as they are.
+/// The pool (eq. 14): products of output lags and, where inputs are offered, of their lags too, up to the cross-product
+/// degree; the long memory as it is.
 fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, CandidatesError> {
     let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
-    for index in options.physical.len()..model.inputs.len() {
-        pool = pool.input(index as u8, 0..=0, 1);
+    let inputs = options.physical.len()..options.physical.len() + options.inputs.len();
+    if !inputs.is_empty() {
+        pool = pool.cross_products(options.degree);
+    }
+    for index in inputs.clone() {
+        pool = pool.input(index as u8, 0..=options.input_lags, options.degree);
+    }
+    for index in inputs.end..model.inputs.len() {
+        pool = pool.monomial(&[u(index as u8, 0)]);
     }
     pool.build()
 }
