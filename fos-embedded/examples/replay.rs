@@ -15,7 +15,7 @@ use platform::{File, Instructions, argument, fail, println};
 
 mod platform;
 
-/// Capacities for six axes, eight inputs, 128 terms in all, and 256 values of history.
+/// Capacities for six axes, 16 inputs, 128 terms in all, and 256 values of history.
 type Device = Predictor<f32, 6, 16, 128, 256>;
 
 /// The log is read in pieces of at most so many bytes.

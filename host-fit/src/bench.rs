@@ -152,7 +152,7 @@ fn time_methods(signal: &[f64], settings: &Settings) -> Result<Vec<(String, f64)
     let mut times = Vec::new();
     let (denoise_s, denoised) = least_time(repeats, || denoising.denoise(signal));
     times.push((format!("de-noising, {denoising}"), denoise_s));
-    for method in [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg] {
+    for method in Method::ALL {
         let (raw_s, raw) = least_time(repeats, || autoregression::estimate(method, &[signal], order));
         raw?;
         let (after_s, after) = least_time(repeats, || autoregression::estimate(method, &[&denoised], order));
@@ -201,18 +201,32 @@ pub fn peak_multiply_adds_per_second() -> f64 {
 
 /// The least wall-clock time of `repeats` runs (at least one), in seconds, and what the last returned.
 fn least_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
+    let (times, result) = times(repeats, &mut run);
+    (times[0], result)
+}
+
+/// The same with the median of the times.
+pub(crate) fn median_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
+    let (times, result) = times(repeats, &mut run);
+    (times[times.len() / 2], result)
+}
+
+/// The times of `repeats` runs (at least one), ascending, and what the last returned.
+fn times<T>(repeats: usize, run: &mut impl FnMut() -> T) -> (Vec<f64>, T) {
     let mut timed = || {
         let start = Instant::now();
         let result = black_box(run());
         (start.elapsed().as_secs_f64(), result)
     };
-    let (mut least, mut result) = timed();
+    let (first, mut result) = timed();
+    let mut times = vec![first];
     for _ in 1..repeats {
         let (time, again) = timed();
-        least = least.min(time);
+        times.push(time);
         result = again;
     }
-    (least, result)
+    times.sort_unstable_by(f64::total_cmp);
+    (times, result)
 }
 
 /// A seeded AR(4) record.

@@ -15,7 +15,7 @@ pub struct Feed<'a> {
     has_reference: bool,
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
-    /// Ticks missing before the rows that do not follow the row before them.
+    /// Rows that do not follow the row before them.
     breaks: HashMap<usize, Break>,
 }
 

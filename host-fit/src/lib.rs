@@ -24,6 +24,7 @@ pub mod rest;
 pub mod signal;
 pub mod simulate;
 pub mod study;
+mod text;
 
 #[cfg(test)]
 mod reference;

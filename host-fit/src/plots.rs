@@ -133,7 +133,7 @@ fn figures(
     figures
 }
 
-/// One envelope per stretch; each gets columns by its length.
+/// One envelope per stretch.
 fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelope> {
     let total: usize = trace.stretches.iter().map(ExactSizeIterator::len).sum();
     let known = |stretch: &std::ops::Range<usize>| {
@@ -142,10 +142,15 @@ fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelo
         let first = values.iter().position(|value| value.is_finite())?;
         let values: Vec<f64> =
             values[first..].iter().copied().take_while(|value| value.is_finite()).collect();
-        let buckets = (BUCKETS * values.len()).div_ceil(total.max(1)).max(1);
-        Some(envelope(&values, recording.time_s[stretch.start + first], trace.period_s, buckets, MEAN_S))
+        Some(outline(&values, total, recording.time_s[stretch.start + first], trace.period_s))
     };
     trace.stretches.iter().filter_map(known).collect()
+}
+
+/// The envelope of one of several stretches with `total` samples in all; it gets columns by its length.
+pub(crate) fn outline(stretch: &[f64], total: usize, start_s: f64, period_s: f64) -> Envelope {
+    let buckets = (BUCKETS * stretch.len()).div_ceil(total.max(1)).max(1);
+    envelope(stretch, start_s, period_s, buckets, MEAN_S)
 }
 
 fn mean_of(series: &[f64]) -> f64 {

@@ -71,7 +71,7 @@ pub(super) fn describe(recording: &Recording) -> String {
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
         "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
-        recording.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", "),
+        recording.paths(),
         recording.n_rows(),
         duration_s,
         recording.segments.len(),

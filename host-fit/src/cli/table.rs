@@ -81,11 +81,12 @@ impl Table {
         for axis in axes(&recording, &self.axis)? {
             let entries = 8 + self.degree;
             let bar = progress((entries * usize::from(self.max_order)) as u64, &axis);
-            let (comparison, split) = compare(&recording, &rest, &axis, &settings, |_| bar.inc(1))?;
+            let series = recording.error_series(&axis)?;
+            let (comparison, split) = compare(&recording, &rest, &series, &settings, |_| bar.inc(1))?;
             bar.finish_and_clear();
             if let Some(folder) = &self.figures {
-                let values = recording.error_series(&axis)?.values;
-                plots::write(folder, &comparison.column, &figures(&comparison, &recording, &values, &split))?;
+                let figures = figures(&comparison, &recording, &series.values, &split);
+                plots::write(folder, &comparison.column, &figures)?;
             }
             if !self.json {
                 print(&comparison, &settings, self.markdown);

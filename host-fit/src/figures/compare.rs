@@ -130,9 +130,8 @@ fn over_time(
 ) -> Figure {
     let bands = traces.iter().flat_map(|(name, ink, envelopes)| {
         envelopes.iter().map(move |envelope| {
-            let edges = envelope.time_s.iter().zip(&envelope.low).zip(&envelope.high);
-            let edges = edges.map(|((time, low), high)| (*time, *low, *high)).collect();
-            Series { label: format!("{name}, lowest to highest"), ink: *ink, shape: Shape::Band(edges) }
+            let label = format!("{name}, lowest to highest");
+            Series { label, ink: *ink, shape: Shape::Band(envelope.band()) }
         })
     });
     let means: Vec<Series> = traces
@@ -176,7 +175,8 @@ fn per_hertz(unit: &str) -> String {
     if unit.contains(['/', ' ', '·']) { format!("({unit})²/Hz") } else { format!("{unit}²/Hz") }
 }
 
-fn capitalised(text: &str) -> String {
+/// With its first letter large.
+pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

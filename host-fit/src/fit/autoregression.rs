@@ -33,22 +33,21 @@ pub enum Method {
     Burg,
 }
 
-impl Method {
+impl fmt::Display for Method {
     /// As on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             Self::YuleWalker => "yule-walker",
             Self::Covariance => "covariance",
             Self::ModifiedCovariance => "modified-covariance",
             Self::Burg => "burg",
-        }
+        })
     }
 }
 
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::YuleWalker, Self::Covariance, Self::ModifiedCovariance, Self::Burg];
 }
 
 /// An estimated autoregression of order p.

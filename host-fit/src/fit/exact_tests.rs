@@ -128,9 +128,6 @@ fn on_gravity() -> Vec<f64> {
         .collect()
 }
 
-const METHODS: [Method; 4] =
-    [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg];
-
 /// The largest error of the coefficients, relative to the largest of them; `None` if the method refuses.
 fn error(method: Method, series: &[f64]) -> Option<f64> {
     match estimate(method, &[series], ORDER) {
@@ -157,7 +154,7 @@ fn near_singular_records_give_the_exact_coefficients_or_a_refusal() {
         ("slow lines without noise", two_lines([0.02, 0.05], 0.0)),
         ("gravity and a noise of 1e-4", on_gravity()),
     ] {
-        for method in METHODS {
+        for method in Method::ALL {
             let error = error(method, &series);
             println!("{what}, {method}: {error:?}");
             // the refusals' own promise
@@ -176,7 +173,7 @@ fn what_need_not_be_refused_is_not() {
     assert!(error(Method::YuleWalker, &lines(1e-6)).is_some_and(|error| error < 1e-10));
     // centred, nothing is left of gravity
     let centred: Vec<f64> = on_gravity().iter().map(|a| a - 9.81).collect();
-    for method in METHODS {
+    for method in Method::ALL {
         assert!(error(method, &centred).is_some_and(|error| error < 1e-10), "{method}");
     }
 }

@@ -43,17 +43,16 @@ pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
     let exact = EXACT * gram.target_mean_square();
     let mut selection = greedy;
     loop {
-        let before: Vec<usize> = selection.candidates().collect();
-        let mut terms = before.clone();
+        let mut terms: Vec<usize> = selection.candidates().collect();
+        let mut changed = false;
         // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
         while exchange(gram, &mut terms, exact, for_each_single)
             || prune(gram, &mut terms, threshold, exact)
             || exchange(gram, &mut terms, exact, for_each_pair)
-        {}
-        let mut same = (terms.clone(), before);
-        same.0.sort_unstable();
-        same.1.sort_unstable();
-        if same.0 == same.1 {
+        {
+            changed = true;
+        }
+        if !changed {
             return selection;
         }
         selection = Expansion::of_terms(gram, &terms).run(rule);

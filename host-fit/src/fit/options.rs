@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::stop::NoiseRule;
 use super::{Search, autoregression};
 use crate::signal::wavelet::Denoising;
+use crate::text::stored_as_text;
 
 /// How to fit an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,8 +74,7 @@ impl Default for FitOptions {
 }
 
 /// How the stochastic part is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// Fast Orthogonal Search among lags, their products, inputs and low-passes.
     Fos,
@@ -112,18 +112,7 @@ impl FromStr for Method {
     }
 }
 
-impl TryFrom<String> for Method {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<Method> for String {
-    fn from(method: Method) -> String {
-        method.to_string()
-    }
-}
+stored_as_text!(Method);
 
 /// When the search stops before it has reached the most terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -189,8 +178,7 @@ impl FromStr for Train {
 }
 
 /// An input as written on the command line: `temp_c`, `temp_c:lowpass(60)`, `clock:decay(200)`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct InputSpec {
     /// The column, or `None` for the clock.
     pub column: Option<String>,
@@ -260,18 +248,7 @@ impl fmt::Display for InputSpec {
     }
 }
 
-impl TryFrom<String> for InputSpec {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<InputSpec> for String {
-    fn from(spec: InputSpec) -> String {
-        spec.to_string()
-    }
-}
+stored_as_text!(InputSpec);
 
 /// The axis of a column, by its name.
 pub fn axis_of(column: &str) -> Axis {

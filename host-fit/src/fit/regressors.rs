@@ -7,6 +7,7 @@ use fos_core::ModelError;
 
 use crate::feed::Feed;
 use crate::model::{HostPredictor, UnitModel};
+use crate::recording::runs;
 
 /// Remainder and inputs over some rows, scaled; NaN where the remainder is not known.
 #[derive(Debug, Clone)]
@@ -38,18 +39,8 @@ impl Regressors {
                 column.push(predictor.input(index).unwrap_or(f64::NAN));
             }
         }
-        let mut stretches: Vec<Range<usize>> = Vec::new();
-        for stretch in feed.still_stretches(0..n_rows) {
-            let mut start = stretch.start;
-            for row in stretch.clone() {
-                if !remainder[row].is_finite() {
-                    stretches.push(start..row);
-                    start = row + 1;
-                }
-            }
-            stretches.push(start..stretch.end);
-        }
-        stretches.retain(|stretch| !stretch.is_empty());
+        let known = |stretch| runs(stretch, |row| remainder[row].is_finite());
+        let stretches = feed.still_stretches(0..n_rows).into_iter().flat_map(known).collect();
         Ok(Self { remainder, inputs, stretches })
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::autoregression;
 use super::axis::AxisError;
 use super::options::{FitOptions, Method};
-use super::refit;
+use super::refit::{self, Refit};
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
 use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
@@ -139,13 +139,7 @@ fn search(
     let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
     let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
     let named = |candidates: &[usize]| candidates.iter().map(|i| name(&pool.monomials()[*i])).collect();
-    let shared = AxisReport {
-        candidates: pool.len(),
-        rows: fit.refit.rows,
-        condition_number: fit.refit.condition,
-        mse: fit.refit.mse,
-        ..about(model, regressors, options)
-    };
+    let shared = about(model, regressors, options, pool.len(), &fit.refit);
     let mut mse = fit.selection.initial_mse;
     let steps = fit.terms.iter().zip(&fit.refit.mse_reductions).map(|(factors, reduction)| {
         mse -= reduction;
@@ -226,32 +220,31 @@ fn autoregress(
     Ok(StochasticPart {
         constant,
         terms: terms.collect(),
-        report: AxisReport {
-            candidates: order,
-            rows: rows.count(),
-            stopped: how,
-            condition_number: raw.condition,
-            mse,
-            ..about(model, regressors, options)
-        },
+        report: AxisReport { stopped: how, mse, ..about(model, regressors, options, order, &raw) },
     })
 }
 
-/// What is known of an axis before its terms are.
-fn about(model: &UnitModel, regressors: &Regressors, options: &FitOptions) -> AxisReport {
+/// What every method reports; `refit` is the least-squares solution for the same terms.
+fn about(
+    model: &UnitModel,
+    regressors: &Regressors,
+    options: &FitOptions,
+    candidates: usize,
+    refit: &Refit,
+) -> AxisReport {
     let known = regressors.known_remainder();
     let power: f64 = known.iter().copied().flatten().map(|r| r * r).sum();
     AxisReport {
         column: model.axes[0].column.clone(),
         reference_column: None,
         method: options.method,
-        candidates: 0,
-        rows: 0,
+        candidates,
+        rows: refit.rows,
         steps: Vec::new(),
         ties: Vec::new(),
         stopped: String::new(),
-        condition_number: f64::NAN,
-        mse: f64::NAN,
+        condition_number: refit.condition,
+        mse: refit.mse,
         mean_square: power / signal::sample_count(&known) as f64,
         lag_1: autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
     }

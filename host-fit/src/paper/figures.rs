@@ -2,21 +2,15 @@
 
 use super::split::Split;
 use super::{Cell, Comparison, Entry, Judged};
+use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use crate::fit::autoregression::Method;
-use crate::plots::in_words;
+use crate::plots::{in_words, outline};
 use crate::recording::Recording;
 use crate::signal::autocorrelation::autocorrelation;
-use crate::signal::blocks::envelope;
 
 /// Longest lag of the autocorrelation, s.
 const LONGEST_LAG_S: f64 = 5.0;
-
-/// Columns of pixels over time.
-const BUCKETS: usize = 1000;
-
-/// Length of the moving mean, s.
-const MEAN_S: f64 = 1.0;
 
 /// The figures with their names; the autocorrelation is left out where there is none.
 pub fn figures(
@@ -71,12 +65,8 @@ fn samples(comparison: &Comparison, recording: &Recording, values: &[f64], split
     let series = parts.into_iter().flat_map(|(label, ink, ranges)| {
         ranges.iter().map(move |range| {
             let stretch: Vec<f64> = values[range.clone()].iter().map(|value| value - origin).collect();
-            let buckets = (BUCKETS * stretch.len()).div_ceil(total.max(1)).max(1);
-            let outline =
-                envelope(&stretch, recording.time_s[range.start], 1.0 / comparison.rate_hz, buckets, MEAN_S);
-            let edges = outline.time_s.iter().zip(&outline.low).zip(&outline.high);
-            let edges = edges.map(|((time, low), high)| (*time, *low, *high)).collect();
-            Series { label: format!("{label}, lowest to highest"), ink, shape: Shape::Band(edges) }
+            let outline = outline(&stretch, total, recording.time_s[range.start], 1.0 / comparison.rate_hz);
+            Series { label: format!("{label}, lowest to highest"), ink, shape: Shape::Band(outline.band()) }
         })
     });
     Figure {
@@ -147,6 +137,5 @@ fn place(entry: Entry) -> usize {
 }
 
 fn name(comparison: &Comparison) -> String {
-    let words = in_words(&comparison.column);
-    words.chars().take(1).flat_map(char::to_uppercase).chain(words.chars().skip(1)).collect()
+    capitalised(in_words(&comparison.column))
 }

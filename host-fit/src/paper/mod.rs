@@ -14,7 +14,6 @@ mod figures;
 mod split;
 
 use std::ops::Range;
-use std::time::Instant;
 
 use fos_core::y;
 use serde::Serialize;
@@ -22,15 +21,16 @@ use serde::Serialize;
 pub use figures::figures;
 pub use split::{Split, SplitError};
 
-use crate::candidates::{Candidates, CandidatesError, Monomial};
+use crate::bench::median_time;
+use crate::candidates::{Candidates, Monomial};
 use crate::evaluate::position_error_m;
 use crate::fit::autoregression::{self, Method};
-use crate::fit::{AutoregressionError, FitError, NoiseRule, RefitError, Search, StopRule, refit};
-use crate::moments::{Rows, SignalsError};
-use crate::recording::{Recording, RecordingError};
+use crate::fit::{NoiseRule, Search, StopRule, refit};
+use crate::moments::Rows;
+use crate::recording::{ErrorSeries, Recording};
 use crate::rest::Rest;
 use crate::signal;
-use crate::signal::noise_floor::noise_floor;
+use crate::signal::noise_floor::{NoiseFloor, noise_floor};
 use crate::signal::wavelet::Denoising;
 
 /// How the comparison is made.
@@ -137,9 +137,6 @@ pub struct Comparison {
 /// Why there is no comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum PaperError {
-    /// A column is not there.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
     /// The log cannot be split.
     #[error(transparent)]
     Split(#[from] SplitError),
@@ -148,20 +145,8 @@ pub enum PaperError {
     Constant(String),
 }
 
-/// Why a cell is empty.
-#[derive(Debug, thiserror::Error)]
-enum CellError {
-    #[error(transparent)]
-    Autoregression(#[from] AutoregressionError),
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    #[error(transparent)]
-    Candidates(#[from] CandidatesError),
-    #[error(transparent)]
-    Refit(#[from] RefitError),
-    #[error(transparent)]
-    Signals(#[from] SignalsError),
-}
+/// Why a cell is empty, on its way to words.
+type CellError = Box<dyn std::error::Error>;
 
 /// A fitted predictor, scaled units.
 struct Predictor {
@@ -170,25 +155,28 @@ struct Predictor {
     coefficients: Vec<f64>,
 }
 
-/// The samples of an axis, centred and scaled by the training part.
-struct Scaled {
+/// An axis, its samples centred and scaled by the training part.
+struct Prepared<'a> {
+    column: &'a str,
     samples: Vec<f64>,
     denoised: Vec<f64>,
+    /// The axis' unit per scaled unit.
+    scale: f64,
     split: Split,
+    floor: Option<NoiseFloor>,
 }
 
-/// Compares the methods on one axis; with the comparison, the split that it was made on.
+/// Compares the methods on the errors of one axis of `recording`; with the comparison, the split that it was made on.
 ///
 /// # Errors
-/// The column is missing, the log too short for three parts, or the axis stuck.
+/// The log is too short for three parts, or the axis stuck.
 pub fn compare(
     recording: &Recording,
     rest: &Rest,
-    axis: &str,
+    series: &ErrorSeries,
     settings: &Settings,
     mut progress: impl FnMut(&Cell),
 ) -> Result<(Comparison, Split), PaperError> {
-    let series = recording.error_series(axis)?;
     let rate_hz = recording.rate.true_hz;
     let split = split::split(recording, rest, &series.values, settings)?;
     let parts = |ranges: &[Range<usize>]| -> Vec<&[f64]> {
@@ -197,7 +185,7 @@ pub fn compare(
     let train = parts(&split.train);
     let (mean, scale) = (signal::mean(&train), signal::variance(&train).sqrt());
     if scale == 0.0 {
-        return Err(PaperError::Constant(series.channel));
+        return Err(PaperError::Constant(series.channel.clone()));
     }
     let samples: Vec<f64> = series.values.iter().map(|value| (value - mean) / scale).collect();
     // each part on its own: none sees another
@@ -207,34 +195,17 @@ pub fn compare(
     }
     let predicted = parts(&split.predict);
     let floor = noise_floor(&predicted);
-    let scaled = Scaled { samples, denoised, split };
+    let prepared = Prepared { column: &series.channel, samples, denoised, scale, split, floor };
 
-    let methods = [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg];
-    let entries = methods
+    let entries = Method::ALL
         .map(Entry::Denoised)
         .into_iter()
-        .chain(methods.map(Entry::Raw))
+        .chain(Method::ALL.map(Entry::Raw))
         .chain((1..=settings.max_degree).map(Entry::Fos));
     let mut cells = Vec::new();
     for entry in entries {
         for order in 1..=settings.max_order {
-            let judged = judge(&scaled, entry, order, settings).map(|judged| {
-                let unscaled = |mse: f64| mse * scale * scale;
-                let (as_fitted, same_target) =
-                    (unscaled(judged.mse_as_fitted), unscaled(judged.mse_same_target));
-                Judged {
-                    mse_as_fitted: as_fitted,
-                    mse_same_target: same_target,
-                    mse_evaluation: unscaled(judged.mse_evaluation),
-                    as_fitted_below_floor: floor.as_ref().is_some_and(|floor| floor.is_beaten_by(as_fitted)),
-                    same_target_below_floor: floor
-                        .as_ref()
-                        .is_some_and(|floor| floor.is_beaten_by(same_target)),
-                    position_error_as_fitted_m: position_error_m(&series.channel, as_fitted),
-                    position_error_same_target_m: position_error_m(&series.channel, same_target),
-                    ..judged
-                }
-            });
+            let judged = judge(&prepared, entry, order, settings);
             let cell = Cell { entry, order, result: judged.map_err(|error| error.to_string()) };
             progress(&cell);
             cells.push(cell);
@@ -250,59 +221,66 @@ pub fn compare(
         column: series.channel.clone(),
         unit: crate::model::unit_of(&series.channel).to_owned(),
         rate_hz,
-        samples: scaled.split.samples(),
+        samples: prepared.split.samples(),
         band_hz: settings.denoising.band_hz(rate_hz),
         variance: signal::variance(&predicted),
-        noise_floor: floor.map(|floor| (floor.variance, floor.interval)),
+        noise_floor: prepared.floor.map(|floor| (floor.variance, floor.interval)),
         cells,
         chosen,
     };
-    Ok((comparison, scaled.split))
+    Ok((comparison, prepared.split))
 }
 
-/// Fits and judges one model; scaled units, all flags down.
-fn judge(scaled: &Scaled, entry: Entry, order: u16, settings: &Settings) -> Result<Judged, CellError> {
-    let mut times = Vec::with_capacity(settings.repeats);
-    let mut predictor = None;
-    for _ in 0..settings.repeats.max(1) {
-        let start = Instant::now();
-        let fitted = fit(scaled, entry, order, settings)?;
-        times.push(start.elapsed().as_secs_f64());
-        predictor = Some(fitted);
-    }
-    times.sort_unstable_by(f64::total_cmp);
-    let Some(predictor) = predictor else { unreachable!("fitted at least once") };
-    let raw =
-        |ranges: &[Range<usize>]| mean_square_error(&scaled.samples, ranges, &predictor, settings.max_order);
-    let mse_same_target = raw(&scaled.split.predict)?;
+/// Fits and judges one model.
+fn judge(
+    prepared: &Prepared<'_>,
+    entry: Entry,
+    order: u16,
+    settings: &Settings,
+) -> Result<Judged, CellError> {
+    let (time_s, fitted) = median_time(settings.repeats, || fit(prepared, entry, order, settings));
+    let predictor = fitted?;
+    // over the rows that have the largest order of samples before them, the same for all orders; in the axis' unit
+    let mse = |samples: &[f64], ranges: &[Range<usize>]| -> Result<f64, CellError> {
+        let rows = Rows::usable(&[samples], ranges, &[y(settings.max_order)])?;
+        let Predictor { constant, terms, coefficients } = &predictor;
+        let mse = refit::mean_square_error(&[samples], &rows, *constant, terms, coefficients)?;
+        Ok(mse * prepared.scale * prepared.scale)
+    };
+    let Split { evaluate, predict, .. } = &prepared.split;
+    let mse_same_target = mse(&prepared.samples, predict)?;
     let mse_as_fitted = match entry {
-        Entry::Denoised(_) => {
-            mean_square_error(&scaled.denoised, &scaled.split.predict, &predictor, settings.max_order)?
-        }
+        Entry::Denoised(_) => mse(&prepared.denoised, predict)?,
         Entry::Raw(_) | Entry::Fos(_) => mse_same_target,
     };
+    let below_floor = |mse| prepared.floor.as_ref().is_some_and(|floor| floor.is_beaten_by(mse));
     Ok(Judged {
         terms: predictor.terms.len(),
         mse_as_fitted,
         mse_same_target,
-        mse_evaluation: raw(&scaled.split.evaluate)?,
-        as_fitted_below_floor: false,
-        same_target_below_floor: false,
-        position_error_as_fitted_m: None,
-        position_error_same_target_m: None,
-        time_s: times[times.len() / 2],
+        mse_evaluation: mse(&prepared.samples, evaluate)?,
+        as_fitted_below_floor: below_floor(mse_as_fitted),
+        same_target_below_floor: below_floor(mse_same_target),
+        position_error_as_fitted_m: position_error_m(prepared.column, mse_as_fitted),
+        position_error_same_target_m: position_error_m(prepared.column, mse_same_target),
+        time_s,
     })
 }
 
 /// Fits one model to the training part, all that it takes included.
-fn fit(scaled: &Scaled, entry: Entry, order: u16, settings: &Settings) -> Result<Predictor, CellError> {
-    let train = &scaled.split.train;
+fn fit(
+    prepared: &Prepared<'_>,
+    entry: Entry,
+    order: u16,
+    settings: &Settings,
+) -> Result<Predictor, CellError> {
+    let train = &prepared.split.train;
     let linear = |method, stretches: &[&[f64]]| -> Result<Predictor, CellError> {
         let estimate = autoregression::estimate(method, stretches, usize::from(order))?;
         let terms = (1..=order).map(|lag| vec![y(lag)]).collect();
         Ok(Predictor { constant: 0.0, terms, coefficients: estimate.coefficients })
     };
-    let raw = || train.iter().map(|range| &scaled.samples[range.clone()]);
+    let raw = || train.iter().map(|range| &prepared.samples[range.clone()]);
     match entry {
         Entry::Raw(method) => linear(method, &raw().collect::<Vec<_>>()),
         Entry::Denoised(method) => {
@@ -313,7 +291,7 @@ fn fit(scaled: &Scaled, entry: Entry, order: u16, settings: &Settings) -> Result
         Entry::Fos(degree) => {
             let pool = Candidates::builder().output(1..=order, degree).build()?;
             let rule = StopRule { noise: NoiseRule::ExtendedBic, ..StopRule::default() };
-            let fit = crate::fit::fit(&[&scaled.samples], train, &pool, &rule, settings.search)?;
+            let fit = crate::fit::fit(&[&prepared.samples], train, &pool, &rule, settings.search)?;
             Ok(Predictor {
                 constant: fit.refit.constant,
                 terms: fit.terms,
@@ -321,23 +299,6 @@ fn fit(scaled: &Scaled, entry: Entry, order: u16, settings: &Settings) -> Result
             })
         }
     }
-}
-
-/// One-step mean square error over the rows that have `max_order` samples before them, the same for all orders.
-fn mean_square_error(
-    samples: &[f64],
-    ranges: &[Range<usize>],
-    predictor: &Predictor,
-    max_order: u16,
-) -> Result<f64, CellError> {
-    let rows = Rows::usable(&[samples], ranges, &[y(max_order)])?;
-    Ok(refit::mean_square_error(
-        &[samples],
-        &rows,
-        predictor.constant,
-        &predictor.terms,
-        &predictor.coefficients,
-    )?)
 }
 
 #[cfg(test)]

@@ -51,19 +51,7 @@ pub(super) fn split(
     settings: &Settings,
 ) -> Result<Split, SplitError> {
     let rate_hz = recording.rate.true_hz;
-    let known = |row: usize| rest.still[row] && values[row].is_finite();
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for segment in &recording.segments {
-        let mut open = false;
-        for row in segment.rows.clone() {
-            match (known(row), open) {
-                (true, false) => stretches.push(row..row + 1),
-                (true, true) => stretches.last_mut().expect("one is open").end = row + 1,
-                (false, _) => {}
-            }
-            open = known(row);
-        }
-    }
+    let stretches = recording.stretches_where(|row| rest.still[row] && values[row].is_finite());
     let total: usize = stretches.iter().map(ExactSizeIterator::len).sum();
     let train = (settings.train_s * rate_hz).round() as usize;
     let both = train + (settings.evaluate_s * rate_hz).round() as usize;

@@ -21,6 +21,15 @@ fn recording() -> Recording {
     Recording::from_columns(Source::made_by("test"), band_limited(600.0, 1), &LoadOptions::default()).unwrap()
 }
 
+fn compared(
+    recording: &Recording,
+    rest: &Rest,
+    axis: &str,
+    settings: &Settings,
+) -> Result<(Comparison, Split), PaperError> {
+    compare(recording, rest, &recording.error_series(axis).unwrap(), settings, |_| {})
+}
+
 fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
     let found = comparison.cells.iter().find(|cell| cell.entry == entry && cell.order == order);
     found.unwrap().result.as_ref().unwrap()
@@ -31,15 +40,14 @@ fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do
     let recording = recording();
     let rest = rest::find(&recording);
     for axis in ["ay", "gy"] {
-        let (comparison, split) = compare(&recording, &rest, axis, &settings(), |_| {}).unwrap();
+        let (comparison, split) = compared(&recording, &rest, axis, &settings()).unwrap();
         assert_eq!(split.samples(), [36_000, 12_000, 72_000]);
         let at_ten = |entry| judged(&comparison, entry, 10).mse_same_target;
         let (linear, quadratic) = (at_ten(Entry::Fos(1)), at_ten(Entry::Fos(2)));
         let innovation = innovation_variance(&comparison.column).unwrap();
         // 72,000 squares of normal numbers: 0.5 % of scatter, four of them
         assert!((quadratic / innovation - 1.0).abs() < 0.02, "{quadratic} for {innovation}");
-        let methods = [Method::YuleWalker, Method::Covariance, Method::ModifiedCovariance, Method::Burg];
-        for method in methods {
+        for method in Method::ALL {
             assert!(at_ten(Entry::Raw(method)) > 100.0 * quadratic, "{method}");
             assert!(at_ten(Entry::Denoised(method)) > 100.0 * quadratic, "{method}");
             assert!(at_ten(Entry::Denoised(method)) > linear, "{method}");
@@ -53,7 +61,7 @@ fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do
 fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
     let recording = recording();
     let rest = rest::find(&recording);
-    let (comparison, _) = compare(&recording, &rest, "ay", &settings(), |_| {}).unwrap();
+    let (comparison, _) = compared(&recording, &rest, "ay", &settings()).unwrap();
     let fos = judged(&comparison, Entry::Fos(1), 10);
     let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
     assert_eq!(fos.terms, 10);
@@ -65,7 +73,7 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
 fn the_residuals_are_those_of_fos_core() {
     let recording = recording();
     let rest = rest::find(&recording);
-    let (comparison, split) = compare(&recording, &rest, "gy", &settings(), |_| {}).unwrap();
+    let (comparison, split) = compared(&recording, &rest, "gy", &settings()).unwrap();
     let options = FitOptions {
         method: FitMethod::Linear(Method::Burg),
         train: Train::Seconds(180.0),
@@ -88,6 +96,6 @@ fn a_log_too_short_for_three_parts_is_refused() {
     let recording = recording();
     let rest = rest::find(&recording);
     let long = Settings { train_s: 500.0, ..settings() };
-    let refused = compare(&recording, &rest, "ay", &long, |_| {}).unwrap_err().to_string();
+    let refused = compared(&recording, &rest, "ay", &long).unwrap_err().to_string();
     assert!(refused.contains("600 s at rest") && refused.contains("620 s"), "{refused}");
 }

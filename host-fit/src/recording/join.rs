@@ -22,17 +22,18 @@ impl Recording {
     }
 
     fn append(&mut self, next: Self) -> Result<(), RecordingError> {
-        let path = |recording: &Self| {
-            recording.sources.iter().map(|source| source.path.clone()).collect::<Vec<_>>().join(", ")
-        };
         let (here, there) = (self.rate.true_hz, next.rate.true_hz);
         if (there / here - 1.0).abs() > SAME_RATE {
-            return Err(RecordingError::RatesDiffer { path: path(&next), rate_hz: there, expected_hz: here });
+            return Err(RecordingError::RatesDiffer {
+                path: next.paths(),
+                rate_hz: there,
+                expected_hz: here,
+            });
         }
         let rows = self.n_rows();
         self.channels.retain(|channel| next.channels.iter().any(|other| same(channel, other)));
         if self.channels.is_empty() {
-            return Err(RecordingError::NothingInCommon { path: path(&next), others: path(self) });
+            return Err(RecordingError::NothingInCommon { path: next.paths(), others: self.paths() });
         }
         for channel in &mut self.channels {
             let other = next.channels.iter().find(|other| same(channel, other));

@@ -110,19 +110,28 @@ impl Recording {
 
     /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
     pub fn still_rows(&self) -> Vec<Range<usize>> {
-        let Some(still) = &self.still else {
-            return self.segments.iter().map(|segment| segment.rows.clone()).collect();
-        };
-        let mut stretches = Vec::new();
-        for segment in &self.segments {
-            let mut start = segment.rows.start;
-            for run in still[segment.rows.clone()].chunk_by(|a, b| a == b) {
-                if run[0] {
-                    stretches.push(start..start + run.len());
-                }
-                start += run.len();
-            }
-        }
-        stretches
+        self.stretches_where(|row| self.still.as_ref().is_none_or(|still| still[row]))
     }
+
+    /// Stretches of rows that all have what `holds` asks for, none across two segments.
+    pub fn stretches_where(&self, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+        self.segments.iter().flat_map(|segment| runs(segment.rows.clone(), &holds)).collect()
+    }
+
+    /// Where it came from, in words.
+    pub fn paths(&self) -> String {
+        self.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The longest ranges within `rows` in which `holds` for every row, in order.
+pub(crate) fn runs(rows: Range<usize>, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for row in rows.filter(|row| holds(*row)) {
+        match runs.last_mut() {
+            Some(last) if last.end == row => last.end += 1,
+            _ => runs.push(row..row + 1),
+        }
+    }
+    runs
 }

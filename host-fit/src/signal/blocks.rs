@@ -74,6 +74,14 @@ pub fn envelope(
     outline
 }
 
+impl Envelope {
+    /// (time, low, high) of every bucket.
+    pub fn band(&self) -> Vec<(f64, f64, f64)> {
+        let edges = self.time_s.iter().zip(&self.low).zip(&self.high);
+        edges.map(|((time, low), high)| (*time, *low, *high)).collect()
+    }
+}
+
 /// Whole number of samples nearest to a duration, at least one.
 fn samples_in(duration_s: f64, sample_period_s: f64) -> usize {
     ((duration_s / sample_period_s).round() as usize).max(1)

@@ -15,7 +15,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use crate::text::stored_as_text;
 
 /// How a series is thought to go on beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,8 +27,7 @@ pub enum Boundary {
 }
 
 /// What becomes of the details.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Details {
     /// Those beyond the threshold are drawn towards zero by it, the others are zero.
     Soft,
@@ -47,8 +46,7 @@ pub struct Wavelet {
 }
 
 /// How a series is de-noised, as on the command line: `db4:4:soft`, `db4:3:approximation`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Denoising {
     /// The wavelet.
     pub wavelet: Wavelet,
@@ -78,27 +76,23 @@ impl Wavelet {
         self.name
     }
 
-    /// Low-pass of the analysis, h(j).
-    fn low(&self, j: usize) -> f64 {
-        self.scaling[self.scaling.len() - 1 - j]
-    }
-
-    /// High-pass of the analysis, g(j): the quadrature mirror.
-    fn high(&self, j: usize) -> f64 {
-        if j.is_multiple_of(2) { -self.scaling[j] } else { self.scaling[j] }
+    /// Low-pass h(j) and high-pass g(j) of the analysis, tap by tap; the one is the quadrature mirror of the other.
+    fn analysis(&self) -> Vec<(f64, f64)> {
+        let low = self.scaling.iter().rev();
+        let high = self.scaling.iter().enumerate().map(|(j, h)| if j.is_multiple_of(2) { -h } else { *h });
+        low.copied().zip(high).collect()
     }
 }
 
 /// One level down: approximation and detail, each about half as long.
 fn analyse(wavelet: &Wavelet, boundary: Boundary, series: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let taps = wavelet.scaling.len();
-    let length = series.len();
-    let low: Vec<f64> = (0..taps).map(|j| wavelet.low(j)).collect();
-    let high: Vec<f64> = (0..taps).map(|j| wavelet.high(j)).collect();
+    let filters = wavelet.analysis();
+    let (taps, length) = (filters.len(), series.len());
     // approximation(k) = Σ_j low(j) x(2k + first − j), x beyond its ends by the boundary
-    let (count, first) = match boundary {
-        Boundary::Symmetric => ((length + taps - 1) / 2, 1),
-        Boundary::Periodic => (length.div_ceil(2), taps / 2),
+    let first = boundary.first(taps);
+    let count = match boundary {
+        Boundary::Symmetric => (length + taps - 1) / 2,
+        Boundary::Periodic => length.div_ceil(2),
     };
     // the series with all that the filters reach beyond its ends
     let before = taps;
@@ -110,7 +104,7 @@ fn analyse(wavelet: &Wavelet, boundary: Boundary, series: &[f64]) -> (Vec<f64>, 
         .map(|k| {
             let newest = 2 * k + first + before;
             let window = extended[newest + 1 - taps..=newest].iter().rev();
-            window.zip(low.iter().zip(&high)).fold((0.0, 0.0), |(a, d), (x, (l, h))| (a + l * x, d + h * x))
+            window.zip(&filters).fold((0.0, 0.0), |(a, d), (x, (l, h))| (a + l * x, d + h * x))
         })
         .unzip()
 }
@@ -123,19 +117,13 @@ fn synthesise(
     detail: &[f64],
     length: usize,
 ) -> Vec<f64> {
-    let taps = wavelet.scaling.len();
-    let count = approximation.len();
-    let low: Vec<f64> = (0..taps).map(|j| wavelet.low(j)).collect();
-    let high: Vec<f64> = (0..taps).map(|j| wavelet.high(j)).collect();
-    let first = match boundary {
-        Boundary::Symmetric => 1,
-        Boundary::Periodic => taps / 2,
-    };
+    let filters = wavelet.analysis();
+    let first = boundary.first(filters.len());
     // the transpose of the analysis: x(2k + first − j) += low(j) a(k) + high(j) d(k)
     let mut series = vec![0.0; length];
-    let period = 2 * count;
+    let period = 2 * approximation.len();
     for (k, (a, d)) in approximation.iter().zip(detail).enumerate() {
-        for (j, (l, h)) in low.iter().zip(&high).enumerate() {
+        for (j, (l, h)) in filters.iter().enumerate() {
             let place = (2 * k + first) as isize - j as isize;
             let place = match boundary {
                 Boundary::Symmetric => place,
@@ -150,6 +138,14 @@ fn synthesise(
 }
 
 impl Boundary {
+    /// The newest sample that the first coefficient is made of.
+    fn first(self, taps: usize) -> usize {
+        match self {
+            Self::Symmetric => 1,
+            Self::Periodic => taps / 2,
+        }
+    }
+
     /// The sample that stands at `place`, which may lie beyond the ends.
     fn inside(self, place: isize, length: usize) -> usize {
         let length = length as isize;
@@ -291,18 +287,7 @@ impl fmt::Display for Denoising {
     }
 }
 
-impl TryFrom<String> for Denoising {
-    type Error = String;
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<Denoising> for String {
-    fn from(denoising: Denoising) -> String {
-        denoising.to_string()
-    }
-}
+stored_as_text!(Denoising);
 
 /// Place of db4 among them.
 const DB4: usize = 3;
