@@ -1,8 +1,50 @@
-//! Logs with known truth: a six-axis unit with a thermometer, at rest and in motion, and a band-limited nonlinear hour;
-//! every number from a seed.
+//! Logs with known truth: a six-axis unit with a thermometer, at rest and in motion; a band-limited nonlinear hour; cases for
+//! the diagnosis with a planted effect; every number from a seed.
+//!
+//! | file | of a case |
+//! |---|---|
+//! | `part`, `coloured` | data sheets; the noise of a drawn unit |
+//! | `setup`, `thermal`, `motion`, `world` | how it is used; what is then true |
+//! | `effect`, `regressors`, `course` | what can be planted; its formula |
+//! | `plant`, `planting`, `strength`, `rivals` | what is planted; how large it is in the noise |
+//! | `recorder`, `case`, `case_folder` | what is logged; a whole case |
 
 pub mod band_limited;
-mod noise;
-mod unit;
 
+mod axis;
+mod case;
+mod case_folder;
+mod coloured;
+mod course;
+mod effect;
+mod motion;
+mod noise;
+mod part;
+mod plant;
+mod planting;
+mod random;
+mod recorder;
+mod regressors;
+mod rivals;
+mod setup;
+mod strength;
+mod thermal;
+mod unit;
+mod world;
+
+#[cfg(test)]
+mod case_tests;
+
+pub use axis::Axis;
+pub use case::{
+    CaseFiles, CaseMeta, CasePlan, Datasheet, Durations, Kind, Level, LogTruth, NOMINAL_RATE_HZ, PlanError,
+    SimulatedCase, Truth, simulate_case,
+};
+pub use case_folder::CaseFolderError;
+pub use coloured::{AxisNoise, Colour, GaussMarkov};
+pub use effect::{Band, Description, Effect, Outside};
+pub use part::{PARTS, Part};
+pub use plant::Plant;
+pub use planting::{Planted, assess};
+pub use setup::{Path, Setup};
 pub use unit::{SimulatedLog, Simulation, simulate};

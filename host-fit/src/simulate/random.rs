@@ -1,0 +1,84 @@
+//! Seeded random numbers: one stream for each purpose, so that what is drawn for one thing never moves another.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// The generator of the simulated cases.
+pub(super) type Random = ChaCha8Rng;
+
+/// Purposes, each a stream of one seed.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Stream {
+    /// The unit: noise levels, colour, bias, true rate.
+    Unit,
+    /// Which optional columns there are.
+    Columns,
+    /// The covariates of a log.
+    World(u64),
+    /// What the sensors and the recorder add in a log.
+    Recorder(u64),
+    /// The noise of one axis in a log.
+    Noise(u64, u64),
+    /// Shape of a planted effect (its parameter, its direction), and its course in a log.
+    Plant(u64),
+    /// The course of a planted effect in a log, where chance has a part in it.
+    Course(u64, u64),
+}
+
+/// The generator of one purpose.
+pub(super) fn random(seed: u64, stream: Stream) -> Random {
+    let number = match stream {
+        Stream::Unit => 1,
+        Stream::Columns => 2,
+        Stream::World(log) => 10 + log,
+        Stream::Recorder(log) => 20 + log,
+        Stream::Noise(log, axis) => 100 + 10 * log + axis,
+        Stream::Plant(effect) => 1000 + effect,
+        Stream::Course(log, effect) => 2000 + 100 * log + effect,
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    random
+}
+
+/// Standard normal.
+pub(super) fn normal(random: &mut Random) -> f64 {
+    StandardNormal.sample(random)
+}
+
+/// Log-normal about `median`, `deviation` being that of the logarithm.
+pub(super) fn log_normal(random: &mut Random, median: f64, deviation: f64) -> f64 {
+    median * (deviation * normal(random)).exp()
+}
+
+/// Uniform between `low` and `high`.
+pub(super) fn between(random: &mut Random, low: f64, high: f64) -> f64 {
+    low + (high - low) * random.random_range(0.0..1.0)
+}
+
+/// Uniform in the logarithm.
+pub(super) fn log_between(random: &mut Random, low: f64, high: f64) -> f64 {
+    between(random, low.ln(), high.ln()).exp()
+}
+
+/// True with this probability.
+pub(super) fn chance(random: &mut Random, probability: f64) -> bool {
+    random.random_range(0.0..1.0) < probability
+}
+
+/// Plus or minus one.
+pub(super) fn sign(random: &mut Random) -> f64 {
+    if chance(random, 0.5) { 1.0 } else { -1.0 }
+}
+
+/// A direction, uniform on the sphere.
+pub(super) fn direction(random: &mut Random) -> [f64; 3] {
+    loop {
+        let v = [normal(random), normal(random), normal(random)];
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length > 0.1 {
+            return v.map(|x| x / length);
+        }
+    }
+}

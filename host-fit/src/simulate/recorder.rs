@@ -1,0 +1,160 @@
+//! What a recorder makes of a world: noise, rounding, clipping, stamps, slow columns, faults of the data.
+
+use super::axis::Axis;
+use super::coloured::AxisNoise;
+use super::part::Part;
+use super::random::{Stream, normal, random};
+use super::regressors::Column;
+use super::world::World;
+
+/// The unit behind the logs.
+#[derive(Debug, Clone)]
+pub(super) struct Unit {
+    pub(super) part: Part,
+    pub(super) noise: [AxisNoise; 6],
+    pub(super) bias: [f64; 6],
+}
+
+/// Which optional columns a log has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Logged {
+    pub(super) temp: bool,
+    pub(super) supply: bool,
+    pub(super) load: bool,
+    pub(super) mag: bool,
+}
+
+impl Logged {
+    /// Their names.
+    pub(super) fn names(&self) -> Vec<&'static str> {
+        let all = [
+            (self.temp, &["temp_c"][..]),
+            (self.supply, &["supply_v"]),
+            (self.load, &["load_pct"]),
+            (self.mag, &["mag_x_ut", "mag_y_ut", "mag_z_ut"]),
+        ];
+        all.into_iter().filter(|(there, _)| *there).flat_map(|(_, names)| names.iter().copied()).collect()
+    }
+}
+
+/// What is wrong with the data of the target.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Faults {
+    /// Clips at ± this, unit of the axis.
+    pub(super) limit: Option<f64>,
+    /// Steps of this many LSB.
+    pub(super) step: Option<f64>,
+    /// Samples that are lost, in order.
+    pub(super) lost: Vec<usize>,
+}
+
+/// The target as it is before clipping and rounding: truth, bias, noise and planted error.
+pub(super) fn analog(
+    unit: &Unit,
+    world: &World,
+    target: Axis,
+    planted: &[f64],
+    (seed, log): (u64, u64),
+) -> Vec<f64> {
+    let axis = target as usize;
+    let random = &mut random(seed, Stream::Noise(log, axis as u64));
+    let noise = unit.noise[axis].series(world.len(), random);
+    let truth = world.truth(target);
+    (0..world.len()).map(|n| truth[n] + unit.bias[axis] + noise[n] + planted[n]).collect()
+}
+
+/// Clips and rounds as the part does, `faults` included.
+pub(super) fn convert(part: &Part, axis: Axis, faults: &Faults, value: f64) -> f64 {
+    let full_scale = part.full_scale(axis);
+    let limit = faults.limit.unwrap_or(full_scale);
+    let step = part.lsb(axis) * faults.step.unwrap_or(1.0);
+    let top = full_scale - part.lsb(axis);
+    ((value.clamp(-limit, limit) / step).round() * step).clamp(-full_scale, top)
+}
+
+/// The columns of a log, the target's analog values given.
+pub(super) fn record(
+    unit: &Unit,
+    world: &World,
+    (target, analog): (Axis, &[f64]),
+    (logged, faults): (&Logged, &Faults),
+    (seed, log): (u64, u64),
+) -> Vec<Column> {
+    let n = world.len();
+    let period_s = world.period_s;
+    let mut columns: Vec<Column> = Vec::new();
+    let mut add = |name: &str, values: Vec<f64>| columns.push((name.to_owned(), values));
+    let recorder = &mut random(seed, Stream::Recorder(log));
+    let rounded = |value: f64, step: f64| (value / step).round() * step;
+    let micro = |t: f64| (t * 1e6).round() / 1e6;
+    // stamped with 0.3 % of a period of jitter, the first at zero
+    add(
+        "t_s",
+        (0..n)
+            .map(|k| {
+                micro(k as f64 * period_s + if k == 0 { 0.0 } else { 0.003 * period_s * normal(recorder) })
+            })
+            .collect(),
+    );
+    for axis in Axis::ALL {
+        if axis == target {
+            add(axis.column(), analog.iter().map(|x| convert(&unit.part, axis, faults, *x)).collect());
+            continue;
+        }
+        let index = axis as usize;
+        let noise = unit.noise[index].plain_series(n, &mut random(seed, Stream::Noise(log, index as u64)));
+        let fine = Faults::default();
+        let truth = world.truth(axis);
+        let value = |k: usize| convert(&unit.part, axis, &fine, truth[k] + unit.bias[index] + noise[k]);
+        add(axis.column(), (0..n).map(value).collect());
+    }
+    let hold = (0.1 / period_s).round() as usize;
+    let mut held = |values: &[f64], deviation: f64, step: f64| -> Vec<f64> {
+        let mut last = 0.0;
+        let read = |(k, value): (usize, &f64)| {
+            if k % hold == 0 {
+                last = rounded(value + deviation * normal(recorder), step);
+            }
+            last
+        };
+        values.iter().enumerate().map(read).collect()
+    };
+    let temp = held(&world.temp_c, 0.03, 1.0 / 512.0);
+    let load: Vec<f64> = held(&world.load_pct, 0.6, 0.1).into_iter().map(|x| x.clamp(0.0, 100.0)).collect();
+    if logged.temp {
+        add("temp_c", temp);
+    }
+    let supply = world.supply_v.iter().map(|v| rounded(v + 4e-4 * normal(recorder), 1e-4)).collect();
+    if logged.supply {
+        add("supply_v", supply);
+    }
+    if logged.load {
+        add("load_pct", load);
+    }
+    if logged.mag {
+        for (name, field) in ["mag_x_ut", "mag_y_ut", "mag_z_ut"].iter().zip(&world.field_ut) {
+            add(name, field.iter().map(|b| rounded(b + 0.35 * normal(recorder), 0.01)).collect());
+        }
+    }
+    for axis in Axis::ALL.into_iter().filter(|axis| world.has_reference(*axis)) {
+        add(&format!("ref_{}", axis.column()), world.truth(axis).iter().map(|x| rounded(*x, 1e-6)).collect());
+    }
+    if let Some(still) = &world.still {
+        add("still", still.iter().map(|still| f64::from(u8::from(*still))).collect());
+    }
+    for (_, values) in &mut columns {
+        drop_lost(values, &faults.lost);
+    }
+    columns
+}
+
+/// Takes the lost samples out.
+pub(super) fn drop_lost(values: &mut Vec<f64>, lost: &[usize]) {
+    let mut lost = lost.iter().copied().peekable();
+    let mut row = 0;
+    values.retain(|_| {
+        let gone = lost.next_if_eq(&row).is_some();
+        row += 1;
+        !gone
+    });
+}

@@ -1,0 +1,93 @@
+//! What the other slow effects of the library leave of a planted one.
+
+use nalgebra::DVector;
+
+use super::axis::Axis;
+use super::effect::{Band, Effect};
+use super::regressors::{Anchor, Column, regressors};
+use super::setup::Setup;
+use super::strength::{Blocks, Whitener};
+use super::world::World;
+
+/// Samples in a cell of the covariates that rivals are made of: 10 Hz of 200 Hz will do for what is slow.
+pub(super) const CELL: usize = 20;
+
+/// The rival that leaves least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Best {
+    pub(super) effect: Effect,
+    pub(super) parameter: f64,
+    pub(super) left: f64,
+}
+
+/// Every rival at every point of its grid, made white.
+pub(super) struct Rivals(Vec<(Effect, f64, Vec<DVector<f64>>)>);
+
+impl Rivals {
+    /// Of the effects that this set-up can show and the log's columns reveal.
+    pub(super) fn new(
+        (setup, target): (Setup, Axis),
+        logged: &[&str],
+        field: &World,
+        (blocks, whitener): (&Blocks, &Whitener),
+    ) -> Self {
+        let world = field.decimated(CELL);
+        let blocks = blocks.decimated(CELL);
+        let anchor = Anchor::of(field, target);
+        let white = |columns: Vec<Column>| -> Vec<DVector<f64>> {
+            columns.iter().map(|(_, column)| whitener.whiten(&blocks.means(column))).collect()
+        };
+        let mut all = Vec::new();
+        for effect in Effect::LIBRARY {
+            let description = effect.description();
+            let shown = description.needs.iter().all(|column| logged.contains(column));
+            if description.band != Band::Slow || !shown || !effect.suits(setup, target) {
+                continue;
+            }
+            for parameter in grid(effect, world.len() as f64 * world.period_s) {
+                all.push((effect, parameter, white(regressors(effect, parameter, &world, target, &anchor))));
+            }
+        }
+        Self(all)
+    }
+
+    /// The best rival of `effect`, whose whitened error is `error`, `known` being explained already. More general effects
+    /// that contain it are none.
+    pub(super) fn best(
+        &self,
+        effect: Effect,
+        error: &DVector<f64>,
+        known: &[(Effect, DVector<f64>)],
+    ) -> Option<Best> {
+        let ours = |rival: Effect| rival == effect || known.iter().any(|(effect, _)| *effect == rival);
+        let left = |columns: &Vec<DVector<f64>>| {
+            let others = known.iter().map(|(_, error)| error).chain(columns).cloned();
+            Whitener::left(error, &others.collect::<Vec<_>>())
+        };
+        self.0
+            .iter()
+            .filter(|(rival, ..)| !ours(*rival) && !contains(*rival, effect))
+            .map(|(effect, parameter, columns)| Best {
+                effect: *effect,
+                parameter: *parameter,
+                left: left(columns),
+            })
+            .min_by(|a, b| a.left.total_cmp(&b.left))
+    }
+}
+
+/// `general` has every error that `special` has.
+fn contains(general: Effect, special: Effect) -> bool {
+    matches!((general, special), (Effect::TempPoly, Effect::TempLinear) | (Effect::SfTemp, Effect::SfError))
+}
+
+fn grid(effect: Effect, duration_s: f64) -> Vec<f64> {
+    let logarithmic = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
+        (0..n).map(|k| low * (high / low).powf(k as f64 / (n - 1) as f64)).collect()
+    };
+    match (effect, effect.description().parameter) {
+        (Effect::BiasStep, _) => (1..25).map(|k| duration_s * f64::from(k) / 25.0).collect(),
+        (_, Some((_, range))) => logarithmic(range, 8),
+        (_, None) => vec![0.0],
+    }
+}
