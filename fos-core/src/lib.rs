@@ -32,6 +32,7 @@ mod real;
 mod stillness;
 mod term;
 mod transform;
+mod transformer;
 mod validity;
 
 pub use axis::Correction;
@@ -47,4 +48,5 @@ pub use real::Real;
 pub use stillness::{StillnessDetector, StillnessLimits};
 pub use term::{Channel, Factor, MAX_DEGREE, Term, u, y};
 pub use transform::Transform;
+pub use transformer::Transformer;
 pub use validity::Validity;

@@ -4,10 +4,14 @@
 //! → [`export`], [`replay`], [`cli`]. What is fitted here runs on fos-core, also where it is judged.
 #![forbid(unsafe_code)]
 
+pub mod batch;
 pub mod bench;
 pub mod candidates;
+pub mod case;
 pub mod cli;
 pub mod compare;
+pub mod diagnose;
+pub mod effects;
 pub mod evaluate;
 pub mod export;
 pub mod feed;

@@ -1,9 +1,12 @@
 //! The command line: each subcommand parses, runs, prints.
 
 mod arguments;
+mod batch;
 mod bench;
 mod compare;
 mod demo;
+mod diagnose;
+mod effects;
 mod error_table;
 mod export;
 mod fit;
@@ -35,6 +38,9 @@ enum Command {
     Table(table::Table),
     Fit(fit::Fit),
     Compare(compare::Compare),
+    Diagnose(diagnose::Diagnose),
+    Effects(effects::Effects),
+    Batch(batch::Batch),
     Export(export::Export),
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
@@ -49,6 +55,9 @@ pub fn run() -> ExitCode {
         Command::Table(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Diagnose(command) => command.run(),
+        Command::Effects(command) => command.run(),
+        Command::Batch(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),

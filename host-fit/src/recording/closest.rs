@@ -1,7 +1,7 @@
 //! The name nearest to one that was not found, for messages.
 
 /// The name among `names` that differs from `wanted` in the fewest letters, unless more than half would differ.
-pub(super) fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     names
         .into_iter()
         .map(|name| (edits(&wanted.to_lowercase(), &name.to_lowercase()), name))

@@ -45,6 +45,7 @@ mod real_log_tests;
 use std::ops::Range;
 
 pub use channel::Channel;
+pub(crate) use closest::closest;
 pub use column_map::{ColumnMap, MapError};
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
@@ -92,7 +93,7 @@ impl Recording {
     pub fn channel(&self, name: &str) -> Result<&Channel, RecordingError> {
         self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
             let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
-            let closest = closest::closest(name, available.iter().map(String::as_str)).map(str::to_owned);
+            let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);
             RecordingError::NoChannel { name: name.to_owned(), closest, available }
         })
     }

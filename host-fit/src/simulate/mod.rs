@@ -37,8 +37,8 @@ mod case_tests;
 
 pub use axis::Axis;
 pub use case::{
-    CaseFiles, CaseMeta, CasePlan, Datasheet, Durations, Kind, Level, LogTruth, NOMINAL_RATE_HZ, PlanError,
-    SimulatedCase, Truth, simulate_case,
+    CasePlan, Durations, Kind, Level, LogTruth, NOMINAL_RATE_HZ, PlanError, SimulatedCase, Truth,
+    simulate_case,
 };
 pub use case_folder::CaseFolderError;
 pub use coloured::{AxisNoise, Colour, GaussMarkov};

@@ -1,0 +1,59 @@
+//! `batch`: a folder of cases.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::output::{Failure, number, print_json, progress, table};
+use crate::batch;
+use crate::effects::Library;
+
+/// Diagnose and correct every case in a folder; what is done is kept, and a broken run goes on where it was
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit batch cases -o answers")]
+pub(super) struct Batch {
+    /// The folder: one folder per case, with meta.json and its logs
+    folder: PathBuf,
+    /// Where answers.json and the corrections go; made if it is not there
+    #[arg(short, long, default_value = "answers")]
+    output: PathBuf,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE")]
+    effects: Vec<PathBuf>,
+    /// Print the answers as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Batch {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
+        let bar = progress(0, "diagnosing");
+        let answers = batch::run(&self.folder, &self.output, &library, |done, all, case| {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+            bar.set_message(case.to_owned());
+        })?;
+        bar.finish_and_clear();
+        if self.json {
+            return print_json(&answers);
+        }
+        let mut rows = table(&["case", "verdict", "findings", "s"]);
+        for answer in &answers.cases {
+            let (verdict, findings) = match (&answer.diagnosis, &answer.error) {
+                (Some(diagnosis), _) => (
+                    format!("{:?}", diagnosis.verdict),
+                    diagnosis.findings.iter().map(|f| f.effect.clone()).collect::<Vec<_>>().join(", "),
+                ),
+                (None, error) => ("error".to_owned(), error.clone().unwrap_or_default()),
+            };
+            rows.add_row(vec![answer.case.clone(), verdict, findings, number(answer.seconds)]);
+        }
+        println!("{rows}");
+        println!("\nanswers written to {}", self.output.join("answers.json").display());
+        if answers.cases.iter().any(|answer| answer.error.is_some()) {
+            return Err("some cases could not be diagnosed; their reason is in the table".into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,153 @@
+//! `diagnose`: what is missing from a model, or from none, on a log.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::Reading;
+use super::output::{Failure, number, print_json, table};
+use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose};
+use crate::effects::Library;
+
+/// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx")]
+pub(super) struct Diagnose {
+    /// The log to explain
+    log: PathBuf,
+    /// A quiet log of the same unit, in which nothing is missing: the noise is learnt from it
+    #[arg(long, value_name = "LOG")]
+    quiet: Option<PathBuf>,
+    /// The log that a correction is to be judged on; its inputs say how much should fall there
+    #[arg(long, value_name = "LOG")]
+    judged: Option<PathBuf>,
+    /// gx, a column, or several with commas
+    #[arg(long)]
+    axis: String,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE")]
+    effects: Vec<PathBuf>,
+    /// Full scale of the axis, in its SI unit
+    #[arg(long)]
+    full_scale: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print the answer as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Diagnose {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
+        let field = self.reading.read(&self.log)?;
+        let quiet = self.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let judged = self.judged.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let mut answers = Vec::new();
+        for axis in super::arguments::axes(&field, &self.axis)? {
+            answers.push(diagnose(&Question {
+                field: &field,
+                quiet: quiet.as_ref(),
+                judged: judged.as_ref(),
+                target: &axis,
+                sheet: None,
+                full_scale: self.full_scale,
+                lsb: None,
+                library: &library,
+                given: &[],
+            })?);
+        }
+        if self.json {
+            return print_json(&answers);
+        }
+        answers.iter().for_each(print_diagnosis);
+        Ok(())
+    }
+}
+
+/// A diagnosis for people.
+pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
+    println!("{}: {}", diagnosis.target, diagnosis.sentence);
+    for caution in &diagnosis.cautions {
+        println!("  caution: {caution}");
+    }
+    if !diagnosis.findings.is_empty() {
+        println!();
+        let mut rows = table(&["  effect", "score", "size", "parameter", "expected fall"]);
+        for finding in &diagnosis.findings {
+            rows.add_row(row(finding));
+        }
+        println!("{rows}");
+        for finding in &diagnosis.findings {
+            print_evidence(finding);
+        }
+    }
+    if diagnosis.verdict == Verdict::Unexplained {
+        println!("\n  leads, what the rest follows (not findings):");
+        for lead in diagnosis.leads.iter().take(5) {
+            println!("    {} (score {})", lead.follows, number(lead.score));
+        }
+    }
+    let rejected: Vec<String> = diagnosis
+        .rejected
+        .iter()
+        .take(6)
+        .map(|rejected| format!("{} ({:.0})", rejected.effect, rejected.score))
+        .collect();
+    if !rejected.is_empty() {
+        println!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
+    }
+    for untested in &diagnosis.untested {
+        println!("  not tested: {}, it needs {}", untested.effect, untested.needs.join(", "));
+    }
+    println!(
+        "  noise learnt from {}; {} blocks of {:.2} s",
+        diagnosis.noise.learnt_from, diagnosis.noise.blocks, diagnosis.noise.block_s
+    );
+}
+
+fn row(finding: &Finding) -> Vec<String> {
+    let sizes: Vec<String> = finding
+        .sizes
+        .iter()
+        .map(|size| {
+            let half = 0.5 * (size.interval[1] - size.interval[0]);
+            format!("{} ± {} {}", number(size.value), number(half), size.unit)
+        })
+        .collect();
+    let params: Vec<String> = finding
+        .params
+        .iter()
+        .map(|(name, value)| match finding.params_interval.get(name) {
+            Some([low, high]) => format!("{name} {} ({} … {})", number(*value), number(*low), number(*high)),
+            None => format!("{name} {}", number(*value)),
+        })
+        .collect();
+    let fall = match finding.expected_drop > 0.0 {
+        true => format!(
+            "{:.1} % ({:.1} … {:.1})",
+            100.0 * finding.expected_drop,
+            100.0 * finding.expected_drop_ci[0],
+            100.0 * finding.expected_drop_ci[1]
+        ),
+        false => "–".to_owned(),
+    };
+    vec![
+        format!("  {}", finding.effect),
+        format!("{:.0}", finding.score.min(1e6)),
+        sizes.join(", "),
+        params.join(", "),
+        fall,
+    ]
+}
+
+fn print_evidence(finding: &Finding) {
+    if let Some([begin, end]) = finding.shows_from_to_s {
+        let against =
+            finding.shows_against.as_ref().map(|column| format!("against {column}, ")).unwrap_or_default();
+        println!("  {}: shows {against}most from {begin:.1} s to {end:.1} s", finding.effect);
+    }
+    for separation in &finding.separate {
+        println!("  cannot be told from {}: {}", separation.effect, separation.experiment);
+    }
+}

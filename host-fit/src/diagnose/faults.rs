@@ -1,0 +1,109 @@
+//! Faults of the data, not of the sensor's bias: clipping, missing samples, coarse steps. They are looked for first, since
+//! wrong data beat every later test.
+
+use crate::recording::Recording;
+use crate::signal::quantisation::quantisation;
+
+/// Share of samples at one extreme value above which they count as clipped, and how many times as many samples as on the
+/// values next to it must lie there: the tail of noise falls off, a stop piles up.
+const CLIPPED_SHARE: f64 = 2e-4;
+const PILE_UP: f64 = 2.0;
+
+/// Share of missing samples that counts, beyond that of the quiet log.
+const DROPPED_SHARE: f64 = 5e-4;
+
+/// Steps so many times those that are known count as coarse: one bit is 2.
+const COARSE: f64 = 1.5;
+
+/// What is wrong with the data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Fault {
+    /// Values end at a stop.
+    Saturation {
+        /// Share of the samples at it.
+        share: f64,
+        /// The lower and upper stop, unit of the axis, as far as either was hit.
+        limits: (Option<f64>, Option<f64>),
+    },
+    /// Samples are missing.
+    Dropped {
+        /// Share of the samples.
+        share: f64,
+    },
+    /// Steps are coarser than they should be.
+    Coarse {
+        /// How many times.
+        multiple: f64,
+        /// The step, unit of the axis.
+        step: f64,
+    },
+}
+
+/// What is known of the axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Converter {
+    /// Full scale, unit of the axis.
+    pub(super) full_scale: Option<f64>,
+    /// Least significant bit, unit of the axis.
+    pub(super) lsb: Option<f64>,
+}
+
+/// The faults of the column `target` of `field`; `quiet` is a log without faults to compare with.
+pub(super) fn find(
+    field: &Recording,
+    quiet: Option<&Recording>,
+    target: &str,
+    converter: &Converter,
+) -> Vec<Fault> {
+    let values = |recording: &Recording| -> Vec<f64> {
+        let channel = recording.channel(target);
+        channel.map_or_else(|_| Vec::new(), |c| c.values.iter().copied().filter(|v| v.is_finite()).collect())
+    };
+    let own = values(field);
+    let mut faults = Vec::new();
+    faults.extend(clipped(&own, converter));
+    let missing = |recording: &Recording| {
+        let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
+        missing as f64 / (recording.n_rows() as f64 + missing as f64)
+    };
+    let share = missing(field);
+    if share > DROPPED_SHARE + 2.0 * quiet.map_or(0.0, missing) {
+        faults.push(Fault::Dropped { share });
+    }
+    let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
+    let known = quiet.and_then(|quiet| step(&values(quiet))).or(converter.lsb);
+    if let (Some(step), Some(known)) = (step(&own), known)
+        && step > COARSE * known
+    {
+        faults.push(Fault::Coarse { multiple: (step / known).round(), step });
+    }
+    faults
+}
+
+fn clipped(values: &[f64], converter: &Converter) -> Option<Fault> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    let stop = |sorted: &mut dyn Iterator<Item = f64>| -> Option<(f64, f64)> {
+        // samples on the outermost value and on the two next to it
+        let mut counts: Vec<(f64, usize)> = Vec::new();
+        for value in sorted {
+            let distinct = counts.len();
+            match counts.last_mut() {
+                Some((last, count)) if *last == value => *count += 1,
+                _ if distinct == 3 => break,
+                _ => counts.push((value, 1)),
+            }
+        }
+        let (extreme, count) = *counts.first()?;
+        let next = counts[1..].iter().map(|(_, count)| *count).max().unwrap_or(0);
+        let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
+        let piled =
+            count as f64 >= CLIPPED_SHARE * n && count as f64 > PILE_UP * next as f64 && counts.len() == 3;
+        (piled || (at_full_scale && count as f64 >= CLIPPED_SHARE * n)).then_some((extreme, count as f64))
+    };
+    let low = stop(&mut sorted.iter().copied());
+    let high = stop(&mut sorted.iter().rev().copied());
+    let share = (low.map_or(0.0, |(_, count)| count) + high.map_or(0.0, |(_, count)| count)) / n;
+    (share > 0.0).then_some(Fault::Saturation { share, limits: (low.map(|(v, _)| v), high.map(|(v, _)| v)) })
+}

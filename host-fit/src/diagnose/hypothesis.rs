@@ -1,0 +1,132 @@
+//! What may be missing: an effect with a value of its parameter, and its regressors in block means.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::blocks::Blocks;
+use crate::effects::{Effect, Inputs, Search};
+use crate::recording::RecordingError;
+
+/// Neighbours on the grid of a parameter are this factor apart, about: between two of them nothing is lost that a later
+/// refinement does not find.
+const GRID_RATIO: f64 = 1.5;
+
+/// An effect with a value of its parameter.
+#[derive(Debug, Clone)]
+pub(super) struct Hypothesis {
+    /// The effect.
+    pub(super) effect: Rc<Effect>,
+    /// The value of its parameter, if it has one.
+    pub(super) value: Option<f64>,
+    /// Its regressors in block means, each about its mean.
+    pub(super) columns: Rc<Vec<Vec<f64>>>,
+}
+
+impl Hypothesis {
+    /// Borrowed columns.
+    pub(super) fn columns(&self) -> Vec<&[f64]> {
+        self.columns.iter().map(Vec::as_slice).collect()
+    }
+
+    /// Whether it is the same effect, whatever the value.
+    pub(super) fn is_same_effect(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id
+    }
+}
+
+/// Makes hypotheses for one target over one recording.
+#[derive(Debug)]
+pub(super) struct Hypotheses<'a> {
+    inputs: &'a Inputs<'a>,
+    blocks: &'a Blocks,
+    target: &'a str,
+    made: RefCell<HashMap<(String, u64), Rc<Vec<Vec<f64>>>>>,
+}
+
+impl<'a> Hypotheses<'a> {
+    /// For the axis of column `target`.
+    pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
+        Self { inputs, blocks, target, made: RefCell::default() }
+    }
+
+    /// Columns that `effect` needs and the recording does not have; `None` if the effect cannot strike the target at all.
+    pub(super) fn missing_columns(&self, effect: &Effect) -> Option<Vec<String>> {
+        if !effect.strikes(self.target) {
+            return None;
+        }
+        if effect.search != Search::Terms {
+            return Some(Vec::new());
+        }
+        let products = effect.products(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
+        let mut missing: Vec<String> = products
+            .iter()
+            .flat_map(|product| product.columns())
+            .filter(|column| self.inputs.recording().channel(column).is_err())
+            .map(str::to_owned)
+            .collect();
+        missing.sort_unstable();
+        missing.dedup();
+        Some(missing)
+    }
+
+    /// The values of the parameter to look at first; one `None` for an effect without one.
+    pub(super) fn grid(&self, effect: &Effect) -> Vec<Option<f64>> {
+        match (&effect.parameter, effect.search) {
+            // a step after the first and before the last ten blocks: outside, nothing tells it from the constant
+            (_, Search::Step) => {
+                let last = self.blocks.len().saturating_sub(STEP_MARGIN);
+                (STEP_MARGIN..last).map(|block| Some(self.step_time(block))).collect()
+            }
+            (Some(parameter), Search::Terms) => {
+                let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
+                let ratio = (parameter.high / parameter.low).powf(1.0 / steps);
+                (0..=steps as i32).map(|i| Some(parameter.low * ratio.powi(i))).collect()
+            }
+            _ => vec![None],
+        }
+    }
+
+    /// Time of a step just before `block`, s after the first sample.
+    fn step_time(&self, block: usize) -> f64 {
+        self.blocks.middle_s(block) - self.blocks.length_s / 2.0
+    }
+
+    /// The hypothesis of `effect` at `value`; no columns are left of an effect whose inputs never change.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+        let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
+        if let Some(columns) = self.made.borrow().get(&key) {
+            return Ok(Hypothesis { effect: effect.clone(), value, columns: columns.clone() });
+        }
+        let columns = Rc::new(self.columns(effect, value)?);
+        self.made.borrow_mut().insert(key, columns.clone());
+        Ok(Hypothesis { effect: effect.clone(), value, columns })
+    }
+
+    fn columns(&self, effect: &Effect, value: Option<f64>) -> Result<Vec<Vec<f64>>, RecordingError> {
+        if effect.search == Search::Step {
+            let time_s = value.unwrap_or(0.0);
+            let after = |block: usize| f64::from(u8::from(self.blocks.middle_s(block) > time_s));
+            return Ok(vec![centred((0..self.blocks.len()).map(after).collect())]);
+        }
+        let products = effect.products(self.target, value).unwrap_or_default();
+        products
+            .iter()
+            .map(|product| Ok(centred(self.blocks.means(&self.inputs.product(product)?))))
+            .collect()
+    }
+}
+
+/// A step is looked for so many blocks away from both ends.
+const STEP_MARGIN: usize = 10;
+
+/// About its mean: products of large numbers (°C squared) keep their digits.
+fn centred(mut column: Vec<f64>) -> Vec<f64> {
+    let mean = column.iter().sum::<f64>() / column.len() as f64;
+    column.iter_mut().for_each(|value| *value -= mean);
+    column
+}

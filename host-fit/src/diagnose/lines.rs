@@ -1,0 +1,371 @@
+//! Lines: narrow bands of the spectrum of a whole log that hold more than the noise around them.
+//!
+//! The log's noise is smooth in frequency; over its local median, ordinates of the periodogram are unit exponentials. A band
+//! of w ordinates with mean m has log-likelihood ratio w·(m − 1 − ln m) against noise; bands of doubling width find a line
+//! that keeps its phase (w = 1) and one that wanders with the same test.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use super::blocks::Blocks;
+
+/// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
+pub(super) const ACCEPT: f64 = 15.0;
+
+/// Lowest frequency looked at, Hz: below it block means see more.
+pub(super) const LOWEST_HZ: f64 = 0.05;
+
+/// Most lines named.
+const MAX_LINES: usize = 6;
+
+/// Widest band, Hz.
+const WIDEST_HZ: f64 = 0.7;
+
+/// Ordinates over which the local median is taken: half of the frequency, within these limits.
+const MEDIAN_SHARE: f64 = 0.5;
+const MEDIAN_OVER: Range<usize> = 60..3000;
+
+/// A line of which a sine of constant phase leaves less than this share keeps its phase.
+const COHERENT: f64 = 0.35;
+
+/// A line that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line {
+    /// Frequency, Hz; of one that wanders the centre of its power.
+    pub(super) frequency_hz: f64,
+    /// It keeps its phase over the whole log.
+    pub(super) coherent: bool,
+    /// Its standard error, Hz.
+    pub(super) frequency_error: f64,
+    /// Amplitude, unit of the axis; of one that wanders √(2·power).
+    pub(super) amplitude: f64,
+    /// Its standard error.
+    pub(super) amplitude_error: f64,
+    /// Phase of the sine at the first sample.
+    pub(super) phase: f64,
+    /// Its band, Hz.
+    pub(super) band_hz: (f64, f64),
+    /// 2·log-likelihood ratio minus 2·ln(bands looked at).
+    pub(super) score: f64,
+    /// Share of the log's length in which it is there, from its power over time.
+    pub(super) duty: f64,
+}
+
+/// Samples on the grid of ticks, 0 where not known.
+struct Series {
+    values: Vec<f64>,
+    known: usize,
+    period_s: f64,
+}
+
+/// Looks for lines in `error`, one value per row.
+pub(super) fn find(
+    recording: &crate::recording::Recording,
+    blocks: &Blocks,
+    means: &[f64],
+    error: &[f64],
+) -> Vec<Line> {
+    let mut series = Series::new(recording, blocks, means, error);
+    let mut found: Vec<Line> = Vec::new();
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    while found.len() < MAX_LINES {
+        let Some(periodogram) = Periodogram::of(&series) else { break };
+        let Some(band) = periodogram.best_band(&taken) else { break };
+        let mut line = periodogram.describe(&band);
+        let (frequency_hz, amplitude, phase) = series.sine_near(line.frequency_hz, &periodogram, &band);
+        let mut without = series.values.clone();
+        for (tick, value) in without.iter_mut().enumerate().filter(|(_, value)| **value != 0.0) {
+            *value -= amplitude * (TAU * frequency_hz * tick as f64 * series.period_s + phase).sin();
+        }
+        let rest = Series { values: without, ..series };
+        let left = Periodogram::of(&rest).map_or(0.0, |after| after.excess(&band, &periodogram.floor));
+        line.coherent = left < COHERENT * periodogram.excess(&band, &periodogram.floor);
+        if line.coherent {
+            (line.frequency_hz, line.amplitude, line.phase) = (frequency_hz, amplitude, phase);
+            // Rife and Boorstyn 1974, eq. 44: σ_f = √6·σ_φ/(π·T) with σ_φ = σ_A/A
+            let length_s = rest.values.len() as f64 * rest.period_s;
+            line.frequency_error =
+                6.0_f64.sqrt() * line.amplitude_error / (line.amplitude * TAU / 2.0 * length_s);
+            series = rest;
+        }
+        line.duty = duty(&series, &line);
+        taken.push(line.band_hz);
+        found.push(line);
+    }
+    found.sort_by(|a, b| b.score.total_cmp(&a.score));
+    found
+}
+
+impl Series {
+    fn new(recording: &crate::recording::Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Self {
+        let last = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
+        let mut values = vec![0.0; last as usize];
+        let mut known = 0;
+        let slow = Slow { blocks, means };
+        for segment in &recording.segments {
+            let mut near = 0;
+            for row in segment.rows.clone().filter(|row| blocks.known()[*row]) {
+                let tick = segment.tick as usize + row - segment.rows.start;
+                let left = error[row] - slow.at(tick as f64 * blocks.period_s, &mut near);
+                if left != 0.0 && left.is_finite() {
+                    values[tick] = left;
+                    known += 1;
+                }
+            }
+        }
+        // lengths whose transform is fast lose less than a percent of the log
+        values.truncate(fast_length(values.len()));
+        Self { values, known, period_s: blocks.period_s }
+    }
+
+    /// Frequency, amplitude and phase of the sine that explains most near `frequency_hz`.
+    fn sine_near(
+        &self,
+        frequency_hz: f64,
+        periodogram: &Periodogram,
+        band: &Range<usize>,
+    ) -> (f64, f64, f64) {
+        let peak = band.clone().max_by(|a, b| periodogram.power[*a].total_cmp(&periodogram.power[*b]));
+        let peak_hz = peak.map_or(frequency_hz, |bin| bin as f64 * periodogram.resolution_hz);
+        let (mut low, mut high) = (peak_hz - periodogram.resolution_hz, peak_hz + periodogram.resolution_hz);
+        // golden section: the main lobe has one maximum
+        let golden = 0.381_966_011_250_105;
+        let (mut a, mut b) = (low + golden * (high - low), high - golden * (high - low));
+        let (mut at_a, mut at_b) = (self.transform(a).norm_sqr(), self.transform(b).norm_sqr());
+        for _ in 0..12 {
+            if at_a > at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = low + golden * (high - low);
+                at_a = self.transform(a).norm_sqr();
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = high - golden * (high - low);
+                at_b = self.transform(b).norm_sqr();
+            }
+        }
+        let best = 0.5 * (low + high);
+        let sum = self.transform(best);
+        // Σ x·e^(−iωt) = (n/2)·A·e^(i(φ − π/2)) for x = A·sin(ωt + φ)
+        (best, 2.0 * sum.norm() / self.known.max(1) as f64, sum.arg() + TAU / 4.0)
+    }
+
+    /// Σ x(n)·e^(−iωnT).
+    fn transform(&self, frequency_hz: f64) -> Complex<f64> {
+        let step = Complex::from_polar(1.0, -TAU * frequency_hz * self.period_s);
+        let mut sum = Complex::new(0.0, 0.0);
+        for (chunk, values) in self.values.chunks(1024).enumerate() {
+            // anew every 1024 samples, so that rounding does not add up
+            let mut phasor =
+                Complex::from_polar(1.0, -TAU * frequency_hz * self.period_s * (chunk * 1024) as f64);
+            for value in values {
+                sum += phasor * *value;
+                phasor *= step;
+            }
+        }
+        sum
+    }
+}
+
+/// The slow part: block means joined by straight lines.
+struct Slow<'a> {
+    blocks: &'a Blocks,
+    means: &'a [f64],
+}
+
+impl Slow<'_> {
+    /// At a time; `near` is the block that was near the last time asked for.
+    fn at(&self, time_s: f64, near: &mut usize) -> f64 {
+        let last = self.blocks.len() - 1;
+        while *near < last && self.blocks.middle_s(*near + 1) <= time_s {
+            *near += 1;
+        }
+        let (begin, end) = (*near, (*near + 1).min(last));
+        let (begin_s, end_s) = (self.blocks.middle_s(begin), self.blocks.middle_s(end));
+        let adjacent = end_s - begin_s < 1.5 * self.blocks.length_s;
+        let share = match end > begin && adjacent {
+            true => ((time_s - begin_s) / (end_s - begin_s)).clamp(0.0, 1.0),
+            // across a motion each side keeps its own
+            false => f64::from(u8::from(end > begin && time_s > 0.5 * (begin_s + end_s))),
+        };
+        self.means[begin] + share * (self.means[end] - self.means[begin])
+    }
+}
+
+/// Power over the local noise floor.
+struct Periodogram {
+    /// |X|²/n per ordinate.
+    power: Vec<f64>,
+    /// Mean of the noise around it.
+    floor: Vec<f64>,
+    resolution_hz: f64,
+    samples: usize,
+}
+
+impl Periodogram {
+    fn of(series: &Series) -> Option<Self> {
+        let n = series.values.len();
+        if n < 2000 || series.known < n / 4 {
+            return None;
+        }
+        let transform = RealFftPlanner::new().plan_fft_forward(n);
+        let mut buffer = series.values.clone();
+        let mut bins = transform.make_output_vec();
+        transform.process(&mut buffer, &mut bins).ok()?;
+        let power: Vec<f64> = bins.iter().map(|bin| bin.norm_sqr() / series.known as f64).collect();
+        let floor = floor(&power);
+        Some(Self { power, floor, resolution_hz: 1.0 / (n as f64 * series.period_s), samples: series.known })
+    }
+
+    /// The ordinates of the best band, if it is good enough.
+    fn best_band(&self, taken: &[(f64, f64)]) -> Option<Range<usize>> {
+        let ratio = |bin: usize| self.power[bin] / self.floor[bin];
+        let first = (LOWEST_HZ / self.resolution_hz).ceil() as usize;
+        let last = self.power.len() - 1;
+        let widest = ((WIDEST_HZ / self.resolution_hz) as usize).max(1);
+        let mut sums = vec![0.0; self.power.len() + 1];
+        for bin in 0..self.power.len() {
+            let hz = bin as f64 * self.resolution_hz;
+            let free = bin >= first && !taken.iter().any(|(low, high)| (*low..=*high).contains(&hz));
+            sums[bin + 1] = sums[bin] + if free { ratio(bin) } else { 1.0 };
+        }
+        let mut best: Option<(f64, Range<usize>)> = None;
+        let mut width = 1;
+        while width <= widest {
+            for start in (first..last.saturating_sub(width)).step_by((width / 2).max(1)) {
+                let gain = gain(sums[start + width] - sums[start], width);
+                if best.as_ref().is_none_or(|(other, _)| gain > *other) {
+                    best = Some((gain, start..start + width));
+                }
+            }
+            width *= 2;
+        }
+        best.filter(|(gain, _)| gain - self.price() >= ACCEPT).map(|(_, band)| band)
+    }
+
+    /// 2·ln(bands looked at): over all widths, two for each ordinate of the narrowest.
+    fn price(&self) -> f64 {
+        2.0 * (4.0 * self.power.len() as f64).ln()
+    }
+
+    /// Power in excess of `floor` in a band, in units of it.
+    fn excess(&self, band: &Range<usize>, floor: &[f64]) -> f64 {
+        let margin = band.len().max(4);
+        let wide = band.start.saturating_sub(margin)..(band.end + margin).min(self.power.len());
+        wide.map(|bin| self.power[bin] / floor[bin] - 1.0).sum::<f64>().max(0.0)
+    }
+
+    fn describe(&self, band: &Range<usize>) -> Line {
+        let over = |bin: usize| (self.power[bin] - self.floor[bin]).max(0.0);
+        let total: f64 = band.clone().map(over).sum();
+        let centre: f64 = band.clone().map(|bin| over(bin) * bin as f64).sum::<f64>() / total;
+        let margin = (band.len() / 2).max(2) as f64;
+        let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
+        // Σ|X|²/n over the band is n·A²/4
+        let excess: f64 = band.clone().map(|bin| self.power[bin] - self.floor[bin]).sum();
+        Line {
+            frequency_hz: centre * self.resolution_hz,
+            frequency_error: band.len() as f64 * self.resolution_hz / 12.0_f64.sqrt(),
+            coherent: false,
+            // white noise of variance s has σ_A² = 2s/n
+            amplitude_error: (2.0 * self.floor[band.start] / self.samples as f64).sqrt(),
+            phase: 0.0,
+            amplitude: 2.0 * (excess.max(0.0) / self.samples as f64).sqrt(),
+            band_hz: (
+                (band.start as f64 - margin) * self.resolution_hz,
+                (band.end as f64 + margin) * self.resolution_hz,
+            ),
+            score: gain(sum, band.len()) - self.price(),
+            duty: 1.0,
+        }
+    }
+}
+
+/// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against their mean being 1.
+fn gain(sum: f64, width: usize) -> f64 {
+    let width = width as f64;
+    let mean = sum / width;
+    if mean > 1.0 { 2.0 * width * (mean - 1.0 - mean.ln()) } else { 0.0 }
+}
+
+/// The noise around each ordinate: medians over stretches, over ln 2, joined by straight lines in the logarithm.
+fn floor(power: &[f64]) -> Vec<f64> {
+    let mut knots: Vec<(f64, f64)> = Vec::new();
+    let mut start = 1;
+    while start < power.len() {
+        let wanted = (MEDIAN_SHARE * start as f64) as usize;
+        let mut end = (start + wanted.clamp(MEDIAN_OVER.start, MEDIAN_OVER.end)).min(power.len());
+        if power.len() - end < MEDIAN_OVER.start {
+            end = power.len();
+        }
+        let mut values = power[start..end].to_vec();
+        let middle = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+        let level = (*median / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
+        knots.push((0.5 * (start + end) as f64, level.ln()));
+        start = end;
+    }
+    let mut floor = Vec::with_capacity(power.len());
+    let mut near = 0;
+    for bin in 0..power.len() {
+        while near + 2 < knots.len() && knots[near + 1].0 <= bin as f64 {
+            near += 1;
+        }
+        let (begin, end) = (knots[near], knots[(near + 1).min(knots.len() - 1)]);
+        let share =
+            if end.0 > begin.0 { ((bin as f64 - begin.0) / (end.0 - begin.0)).clamp(0.0, 1.0) } else { 0.0 };
+        floor.push((begin.1 + share * (end.1 - begin.1)).exp());
+    }
+    floor
+}
+
+/// Share of the log in which a line is there: (Σ p)²/(m·Σ p²) of its power p over m stretches, above the noise; 1 for a
+/// constant amplitude.
+fn duty(series: &Series, line: &Line) -> f64 {
+    let stretch = (DUTY_STRETCH_S / series.period_s) as usize;
+    let width_hz = (line.band_hz.1 - line.band_hz.0).max(1.0 / DUTY_STRETCH_S);
+    let centre = 0.5 * (line.band_hz.0 + line.band_hz.1);
+    // a few frequencies across the band, each as wide as a stretch is long
+    let steps = (width_hz * DUTY_STRETCH_S).ceil().max(1.0) as i32;
+    let frequencies: Vec<f64> =
+        (-steps / 2..=steps / 2).map(|i| centre + f64::from(i) / DUTY_STRETCH_S).collect();
+    let around: Vec<f64> =
+        [-3.0, -2.0, 2.0, 3.0].into_iter().map(|i| centre + i * (width_hz + 2.0 / DUTY_STRETCH_S)).collect();
+    let power = |values: &[f64], frequencies: &[f64]| {
+        let part = Series { values: values.to_vec(), known: values.len(), period_s: series.period_s };
+        frequencies.iter().map(|hz| part.transform(*hz).norm_sqr()).sum::<f64>() / frequencies.len() as f64
+    };
+    let powers: Vec<(f64, f64)> = series
+        .values
+        .chunks_exact(stretch)
+        .map(|values| (power(values, &frequencies), power(values, &around)))
+        .collect();
+    let noise = powers.iter().map(|(_, noise)| noise).sum::<f64>() / powers.len().max(1) as f64;
+    let n = frequencies.len() as f64;
+    // E (s + e)² = s² + 2s·noise/n + noise²(1 + 1/n) with noise of n ordinates' mean
+    let first: f64 = powers.iter().map(|(p, _)| p - noise).sum::<f64>() / powers.len().max(1) as f64;
+    let second: f64 = powers
+        .iter()
+        .map(|(p, _)| (p - noise).powi(2) - noise * noise / n - 2.0 * noise * (p - noise) / n)
+        .sum::<f64>()
+        / powers.len().max(1) as f64;
+    if second > 0.0 { (first * first / second).min(1.0) } else { 1.0 }
+}
+
+/// Length of the stretches whose power is compared, s.
+const DUTY_STRETCH_S: f64 = 5.0;
+
+/// The largest length up to `n` without prime factors above 5.
+fn fast_length(n: usize) -> usize {
+    let is_fast = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    (1..=n).rev().find(|n| is_fast(*n)).unwrap_or(n)
+}

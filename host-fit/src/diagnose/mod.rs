@@ -1,0 +1,243 @@
+//! What is missing: compares a log that a model does not explain with every effect of the library, and says which one is
+//! missing, how sure that is, what it cannot be told from, or that nothing in the library explains it.
+//!
+//! The order is that of the evidence (docs/decisions/diagnosis.md): faults of the data, lines in the spectrum, slow effects
+//! in block means, then an open search for what the library does not know.
+
+mod answer;
+mod blocks;
+mod correction;
+mod fall;
+mod faults;
+mod findings;
+mod gls;
+mod hypothesis;
+mod levels;
+mod lines;
+mod noise;
+mod open;
+mod quiet;
+mod reduced;
+mod shape;
+mod slow;
+
+use std::rc::Rc;
+
+pub use answer::{
+    CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
+};
+pub use blocks::{Block, Blocks};
+pub use correction::{correction, is_fast};
+pub use levels::{LevelPrior, LogLevels};
+pub use noise::{GaussMarkov, NoiseLevels};
+pub use open::Lead;
+pub use quiet::DataSheet;
+
+use crate::effects::{Effect, Inputs, Library, Search};
+use crate::recording::{Recording, RecordingError};
+use faults::{Converter, Fault};
+use hypothesis::Hypotheses;
+use reduced::Reduced;
+use slow::{SlowResult, SlowSearch};
+
+/// What to explain, and what is known beside it.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a> {
+    /// The log to explain.
+    pub field: &'a Recording,
+    /// A quiet log of the same unit, in which nothing is missing.
+    pub quiet: Option<&'a Recording>,
+    /// The log that a correction is to be judged on: its inputs say how much should fall there. By default the field log.
+    pub judged: Option<&'a Recording>,
+    /// The column to explain.
+    pub target: &'a str,
+    /// What the data sheet says of the axis.
+    pub sheet: Option<DataSheet>,
+    /// Full scale of the axis, in its unit.
+    pub full_scale: Option<f64>,
+    /// Least significant bit of the axis, in its unit.
+    pub lsb: Option<f64>,
+    /// The effects to try.
+    pub library: &'a Library,
+    /// Effects that the model already has, with their parameters: they are never found again.
+    pub given: &'a [Given],
+}
+
+/// An effect that a model already has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Its identifier.
+    pub effect: String,
+    /// The value of its parameter.
+    pub value: Option<f64>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// An effect is not known.
+    #[error(transparent)]
+    Effect(#[from] crate::effects::EffectError),
+    /// Too little to say anything.
+    #[error(
+        "{column}: {blocks} blocks of {length_s:.1} s at rest; at least {} are needed to tell an effect from drifting noise\nhelp: a longer log at rest, or one with a reference",
+        MIN_BLOCKS
+    )]
+    TooShort {
+        /// The column.
+        column: String,
+        /// Blocks in which it is known.
+        blocks: usize,
+        /// Their length, s.
+        length_s: f64,
+    },
+}
+
+/// Fewest blocks that a diagnosis is made of: below 60 the search over twenty effects has no power left.
+pub const MIN_BLOCKS: usize = 60;
+
+/// Leads that explain less than this share of what the findings explain do not make the answer *unexplained*: a strong
+/// effect is never reproduced to the last digit by a thermometer that lags.
+const LEAD_SHARE: f64 = 0.03;
+
+/// Coarse steps above this many standard deviations of the noise hide every slow effect in the stairs they make.
+const STAIRS: f64 = 2.5;
+
+/// Says what is missing.
+///
+/// # Errors
+///
+/// A column is missing, or the log is too short.
+pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let Question { field, target, library, .. } = *question;
+    let column = field.axis(target)?.name.clone();
+    let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
+    let faults = faults::find(field, question.quiet, &column, &converter);
+    let reduced = Reduced::new(field, &column, &faults)?;
+    if reduced.blocks.len() < MIN_BLOCKS {
+        let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
+        return Err(DiagnoseError::TooShort { column, blocks, length_s });
+    }
+    let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
+    let prior = prior(question, &reduced, quiet.as_ref());
+    let inputs = Inputs::new(field);
+    let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
+    let mut given = vec![vec![1.0; reduced.blocks.len()]];
+    for Given { effect, value } in question.given {
+        let effect = Rc::new(library.get(effect)?.clone());
+        given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
+    }
+    let (effects, untested) = candidates(question, &hypotheses);
+    let stairs = faults.iter().any(|fault| match fault {
+        Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
+        _ => false,
+    });
+    let lines = if stairs { Vec::new() } else { reduced.lines(field) };
+    let search = SlowSearch {
+        blocks: &reduced.blocks,
+        y: &reduced.means,
+        given: &given,
+        hypotheses: &hypotheses,
+        effects: if stairs { &[] } else { &effects },
+        prior,
+    };
+    let slow = search.run()?;
+    let (leads, misshapes) = match stairs {
+        true => (Vec::new(), Vec::new()),
+        false => left_over(question, &column, &reduced, &given, &slow, faults.is_empty()),
+    };
+    findings::Assembly {
+        question,
+        column: &column,
+        reduced: &reduced,
+        given: &given,
+        faults: &faults,
+        lines: &lines,
+        slow: &slow,
+        leads,
+        misshapes,
+        untested,
+        learnt_from: learnt_from(question),
+    }
+    .diagnosis()
+}
+
+/// What is known of the noise before the field log is looked at.
+fn prior(question: &Question<'_>, field: &Reduced, quiet: Option<&Reduced>) -> LevelPrior {
+    let quiet = quiet.filter(|quiet| quiet.blocks.len() >= MIN_BLOCKS);
+    let start = match (&question.sheet, quiet) {
+        (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
+        (None, Some(quiet)) => LevelPrior::of_log(&quiet.blocks, &quiet.means),
+        (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
+    };
+    match quiet {
+        Some(quiet) => start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]]),
+        None => start,
+    }
+}
+
+fn learnt_from(question: &Question<'_>) -> String {
+    match (question.sheet.is_some(), question.quiet.is_some()) {
+        (true, true) => "the quiet log, with the data sheet as prior",
+        (false, true) => "the quiet log",
+        (true, false) => "the data sheet; no quiet log was given",
+        (false, false) => "the log itself; neither a quiet log nor a data sheet was given",
+    }
+    .to_owned()
+}
+
+/// The slow effects that can be tried, and those that cannot for want of a column.
+fn candidates(question: &Question<'_>, hypotheses: &Hypotheses<'_>) -> (Vec<Rc<Effect>>, Vec<Untested>) {
+    let (mut effects, mut untested) = (Vec::new(), Vec::new());
+    for effect in question.library.effects() {
+        if question.given.iter().any(|given| given.effect == effect.id) {
+            continue;
+        }
+        match hypotheses.missing_columns(effect) {
+            None => {}
+            Some(missing) if !missing.is_empty() => {
+                untested.push(Untested { effect: effect.id.clone(), needs: missing });
+            }
+            Some(_) if matches!(effect.search, Search::Terms | Search::Step) => {
+                effects.push(Rc::new(effect.clone()));
+            }
+            Some(_) => {}
+        }
+    }
+    (effects, untested)
+}
+
+/// What the library leaves.
+fn left_over(
+    question: &Question<'_>,
+    column: &str,
+    reduced: &Reduced,
+    given: &[Vec<f64>],
+    slow: &SlowResult,
+    sound: bool,
+) -> (Vec<Lead>, Vec<shape::Misshape>) {
+    let mut regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
+    for found in &slow.found {
+        regressors.extend(found.hypothesis.columns());
+    }
+    let left = open::Left {
+        recording: question.field,
+        blocks: &reduced.blocks,
+        target: column,
+        y: &reduced.means,
+        regressors: &regressors,
+        fitted: &slow.fitted,
+        prior: &slow.prior,
+    };
+    let explained: f64 = slow.found.iter().map(|found| found.gain).sum();
+    let mut leads = left.leads();
+    leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
+    let mut misshapes: Vec<shape::Misshape> = shape::jumps(&slow.fitted.gls.residual).into_iter().collect();
+    if sound {
+        misshapes.extend(shape::level(question.field, &reduced.blocks, column));
+    }
+    (leads, misshapes)
+}

@@ -1,0 +1,185 @@
+//! The noise of an inertial sensor at rest: white, flicker (bias instability), random walk; and how to whiten with it.
+//!
+//! Flicker noise is the sum of Gauss-Markov processes whose time constants triple (Barnes and Allan 1966 approximate 1/f by
+//! such ladders): with variance B²·ln 3/π each, the sum has the one-sided spectrum B²/(πf) that IEEE Std 952 calls bias
+//! instability B, and the Allan deviation is flat at 0.664 B. Everything is then a state-space model with a diagonal
+//! transition, and a Kalman filter whitens n blocks in O(n): its normalised innovations are the whitened data, and the
+//! product of their variances is the determinant of the covariance, exactly.
+
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::blocks::Blocks;
+
+/// Rungs of the flicker ladder above the block length: 3⁷ = 2187 blocks, beyond any log.
+const RUNGS: usize = 8;
+
+/// States: the ladder, the random walk, one further Gauss-Markov process.
+const STATES: usize = RUNGS + 2;
+
+/// Noise levels of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NoiseLevels {
+    /// White noise (angle or velocity random walk coefficient N), unit·√s: its mean over t seconds has variance N²/t.
+    pub white: f64,
+    /// Flicker noise: bias instability B, the axis' unit.
+    pub flicker: f64,
+    /// Random walk of the bias (rate random walk coefficient K), unit/√s.
+    pub walk: f64,
+    /// A further Gauss-Markov process beyond those that make the flicker.
+    pub gauss_markov: Option<GaussMarkov>,
+}
+
+/// A first-order Gauss-Markov process.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GaussMarkov {
+    /// Standard deviation, the axis' unit.
+    pub deviation: f64,
+    /// Correlation time, s.
+    pub tau_s: f64,
+}
+
+/// Columns after whitening, each of unit variance where it is noise of the stated levels.
+#[derive(Debug, Clone)]
+pub struct Whitened {
+    /// As many columns as were given, one value per block.
+    pub columns: Vec<Vec<f64>>,
+    /// ln det of the covariance.
+    pub log_determinant: f64,
+}
+
+/// A Gauss-Markov process seen through block means. Exactly: the means of blocks k ≥ 1 apart have covariance
+/// σ²·(sinh(x/2)/(x/2))²·e^(−kx), x = T/τ, as a sampled process of that larger variance has; the variance of one mean,
+/// σ²·2(x − 1 + e^(−x))/x², is smaller, and the difference acts as (negative) white noise.
+struct Rung {
+    decay: f64,
+    variance: f64,
+    white: f64,
+}
+
+impl Rung {
+    fn new(process: GaussMarkov, length_s: f64) -> Self {
+        let x = length_s / process.tau_s;
+        let variance = process.deviation * process.deviation;
+        let spread = (x / 2.0).sinh() / (x / 2.0);
+        let sampled = variance * spread * spread;
+        // 1 − x/3 + x²/12 where the difference would cancel
+        let one = if x > 1e-4 { 2.0 * (x + (-x).exp_m1()) / (x * x) } else { 1.0 - x / 3.0 };
+        Self { decay: (-x).exp(), variance: sampled, white: variance * one - sampled }
+    }
+}
+
+impl NoiseLevels {
+    /// Whitens columns of block means. The bias at the first block is a matter of the constant, so that the random walk
+    /// starts at 0.
+    pub fn whiten(&self, blocks: &Blocks, columns: &[&[f64]]) -> Whitened {
+        let filter = self.filter(blocks);
+        let n = blocks.len();
+        let log_determinant = filter.variances.iter().map(|s| s.ln()).sum();
+        let columns = columns
+            .iter()
+            .map(|column| {
+                let mut state = [0.0; STATES];
+                let mut whitened = Vec::with_capacity(n);
+                for (step, value) in filter.steps.iter().zip(*column) {
+                    let predicted: f64 = state.iter().sum();
+                    let innovation = value - predicted;
+                    whitened.push(innovation * step.weight);
+                    for i in 0..STATES {
+                        state[i] = step.decay[i] * (state[i] + step.gain[i] * innovation);
+                    }
+                }
+                whitened
+            })
+            .collect();
+        Whitened { columns, log_determinant }
+    }
+
+    /// A realisation of the noise in block means.
+    pub fn simulate(&self, blocks: &Blocks, random: &mut impl Rng) -> Vec<f64> {
+        // what a filter of these levels would whiten: innovations of its variances, run backwards through its gains
+        let filter = self.filter(blocks);
+        let mut state = [0.0; STATES];
+        filter
+            .steps
+            .iter()
+            .map(|step| {
+                let unit: f64 = StandardNormal.sample(random);
+                let innovation = unit / step.weight;
+                let value = state.iter().sum::<f64>() + innovation;
+                for i in 0..STATES {
+                    state[i] = step.decay[i] * (state[i] + step.gain[i] * innovation);
+                }
+                value
+            })
+            .collect()
+    }
+
+    /// The gains of the filter, which depend on the levels and the blocks alone.
+    fn filter(&self, blocks: &Blocks) -> Filter {
+        let length_s = blocks.length_s;
+        let ladder_deviation = self.flicker * (3.0_f64.ln() / std::f64::consts::PI).sqrt();
+        let mut decay = [1.0; STATES];
+        let mut stationary = [0.0; STATES];
+        let mut white = 0.0;
+        let extra = self.gauss_markov;
+        let rungs = (0..RUNGS).map(|rung| {
+            Some(GaussMarkov { deviation: ladder_deviation, tau_s: length_s * 3.0_f64.powi(rung as i32) })
+        });
+        for (state, process) in rungs.chain([None, extra]).enumerate() {
+            if let Some(process) = process {
+                let rung = Rung::new(process, length_s);
+                (decay[state], stationary[state]) = (rung.decay, rung.variance);
+                white += rung.white;
+            }
+        }
+        let walk_per_block = self.walk * self.walk * length_s;
+        // a mean over a block takes 2/3 of the walk inside it less (van Loan 1978 for the integral): a fraction of a
+        // percent of the white noise in any sensor, and left out
+        let mut covariance = [[0.0; STATES]; STATES];
+        for state in 0..STATES {
+            covariance[state][state] = stationary[state];
+        }
+        let mut variances = Vec::with_capacity(blocks.len());
+        let mut steps = Vec::with_capacity(blocks.len());
+        for (at, block) in blocks.blocks.iter().enumerate() {
+            let seconds = block.count as f64 * blocks.period_s;
+            let own =
+                (self.white * self.white / seconds + white).max(0.01 * self.white * self.white / seconds);
+            let mut gain = [0.0; STATES];
+            for (gain, row) in gain.iter_mut().zip(&covariance) {
+                *gain = row.iter().sum();
+            }
+            let variance: f64 = gain.iter().sum::<f64>() + own;
+            let inverse = 1.0 / variance;
+            let blocks_ahead = blocks.blocks.get(at + 1).map_or(1, |next| next.index - block.index);
+            let over: [f64; STATES] = match blocks_ahead {
+                1 => decay,
+                many => decay.map(|decay| decay.powi(many.min(1 << 30) as i32)),
+            };
+            for i in 0..STATES {
+                for j in 0..STATES {
+                    let updated = covariance[i][j] - gain[i] * gain[j] * inverse;
+                    covariance[i][j] = over[i] * over[j] * updated;
+                }
+                covariance[i][i] += stationary[i] * (1.0 - over[i] * over[i]);
+            }
+            covariance[RUNGS][RUNGS] += walk_per_block * blocks_ahead as f64;
+            variances.push(variance);
+            steps.push(Step { decay: over, gain: gain.map(|gain| gain * inverse), weight: inverse.sqrt() });
+        }
+        Filter { steps, variances }
+    }
+}
+
+struct Filter {
+    steps: Vec<Step>,
+    variances: Vec<f64>,
+}
+
+struct Step {
+    decay: [f64; STATES],
+    gain: [f64; STATES],
+    weight: f64,
+}

@@ -1,0 +1,90 @@
+//! A log reduced to what a diagnosis looks at: which rows count, the error in them, its block means.
+
+use super::blocks::{Blocks, length_for};
+use super::faults::Fault;
+use super::lines::{self, Line};
+use crate::recording::{Recording, RecordingError, Reference};
+
+/// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
+/// another mean.
+const STOP_MARGIN: f64 = 4.0;
+
+/// Share of rows at rest from which on a log counts as one at rest, with motion in between that nobody vouches for.
+const AT_REST: f64 = 0.5;
+
+/// A log reduced.
+#[derive(Debug, Clone)]
+pub(super) struct Reduced {
+    /// The error of the axis, one value per row, in its unit.
+    pub(super) error: Vec<f64>,
+    /// Blocks of the rows that count.
+    pub(super) blocks: Blocks,
+    /// Block means of the error.
+    pub(super) means: Vec<f64>,
+}
+
+impl Reduced {
+    /// Reduces `column` of a recording.
+    pub(super) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
+        Self::in_blocks_of(recording, column, faults, length_for(recording))
+    }
+
+    /// The same with blocks of a given length, s.
+    pub(super) fn in_blocks_of(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        length_s: f64,
+    ) -> Result<Self, RecordingError> {
+        let series = recording.error_series(column)?;
+        let measured = &recording.channel(column)?.values;
+        let limits = faults.iter().find_map(|fault| match fault {
+            Fault::Saturation { limits, .. } => Some(*limits),
+            _ => None,
+        });
+        let margin = if limits.is_some() { STOP_MARGIN * fast_deviation(&series.values) } else { 0.0 };
+        let inside = |value: f64| match limits {
+            None => true,
+            Some((low, high)) => {
+                low.is_none_or(|low| value > low + margin) && high.is_none_or(|high| value < high - margin)
+            }
+        };
+        let at_rest = |row: usize| recording.still.as_ref().is_none_or(|still| still[row]);
+        let rest_share =
+            (0..recording.n_rows()).filter(|row| at_rest(*row)).count() as f64 / recording.n_rows() as f64;
+        // a reference vouches for motion too; but where a log is at rest most of the time, the rest is handling
+        let vouched = matches!(series.reference, Reference::Channel(_)) && rest_share < AT_REST;
+        let known: Vec<bool> = (0..recording.n_rows())
+            .map(|row| series.values[row].is_finite() && inside(measured[row]) && (vouched || at_rest(row)))
+            .collect();
+        let blocks = Blocks::new(recording, length_s, known);
+        let means = blocks.means(&series.values);
+        Ok(Self { error: series.values, blocks, means })
+    }
+
+    /// Standard deviation of the noise from one sample to the next.
+    pub(super) fn fast_deviation(&self) -> f64 {
+        let known = self.blocks.known();
+        let pairs = self.error.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
+        let (sum, count) =
+            pairs.fold((0.0, 0_u32), |(sum, count), (v, _)| (sum + (v[1] - v[0]).powi(2), count + 1));
+        (sum / f64::from(count.max(1)) / 2.0).sqrt()
+    }
+
+    /// Lines in its spectrum.
+    pub(super) fn lines(&self, recording: &Recording) -> Vec<Line> {
+        lines::find(recording, &self.blocks, &self.means, &self.error)
+    }
+}
+
+/// Median of the differences of neighbours as a standard deviation: steps and clipped stretches do not move it.
+fn fast_deviation(error: &[f64]) -> f64 {
+    let mut steps: Vec<f64> =
+        error.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / 0.6745 / 2.0_f64.sqrt()
+}

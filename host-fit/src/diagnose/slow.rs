@@ -1,0 +1,515 @@
+//! Which slow effects are missing: forward selection among hypotheses by penalised likelihood, the noise levels fitted anew
+//! under each, noise itself among them; then exchanges, and what the log cannot tell apart.
+
+use std::ops::Range;
+use std::rc::Rc;
+
+use super::blocks::Blocks;
+use super::hypothesis::{Hypotheses, Hypothesis};
+use super::levels::{Fitted, LevelPrior, Regression};
+use super::noise::{GaussMarkov, NoiseLevels};
+use crate::effects::{Effect, Search};
+use crate::recording::RecordingError;
+
+/// Hypotheses whose noise levels are fitted: the best of the first pass.
+const FITTED: usize = 9;
+
+/// Least score of what is accepted. On simulated logs with nothing missing the best score of all passes 9 less often than
+/// once in a hundred (docs/calibration.md).
+pub(super) const ACCEPT: f64 = 9.0;
+
+/// Price of a parameter that is searched for, beside that of its grid.
+const PARAMETER_PRICE: f64 = 1.5;
+
+/// Most effects that are found one after the other.
+const MAX_FOUND: usize = 4;
+
+/// Rivals within this much of a finding, in −2 ln L, cannot be told from it: odds of 33 to 1.
+pub(super) const INSEPARABLE: f64 = 7.0;
+
+/// Standard deviation of the logarithm of a random walk that nothing is known of.
+const FREE_WALK: f64 = 3.0;
+
+/// A slow effect that was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    /// The effect and the value of its parameter.
+    pub(super) hypothesis: Hypothesis,
+    /// Where its regressors stand among those of the fit.
+    pub(super) place: Range<usize>,
+    /// Standard error of the logarithm of the parameter.
+    pub(super) log_error: Option<f64>,
+    /// By how much −2 ln L falls with it, given everything else.
+    pub(super) gain: f64,
+    /// The gain after the price of its coefficients, its parameter, and its grid.
+    pub(super) score: f64,
+    /// Hypotheses that could stand in its place, with how much worse they are in −2 ln L.
+    pub(super) rivals: Vec<(Hypothesis, f64)>,
+}
+
+/// Noise beyond the baseline's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ExtraNoise {
+    /// None.
+    None,
+    /// A further Gauss-Markov process.
+    GaussMarkov(GaussMarkov),
+    /// A random walk larger than the baseline allows.
+    Walk,
+}
+
+/// What was found in the slow band.
+#[derive(Debug, Clone)]
+pub(super) struct SlowResult {
+    /// The effects, in the order of the regressors of the fit.
+    pub(super) found: Vec<Found>,
+    /// Noise beyond the baseline's, its gain and its score.
+    pub(super) noise: ExtraNoise,
+    /// By how much −2 ln L falls with it.
+    pub(super) noise_gain: f64,
+    /// The gain after its price.
+    pub(super) noise_score: f64,
+    /// The regression with all that was found.
+    pub(super) fitted: Fitted,
+    /// The prior of the levels it was fitted with.
+    pub(super) prior: LevelPrior,
+    /// Every effect that was tried alone: its best score; first those that explain most.
+    pub(super) tried: Vec<(String, f64)>,
+}
+
+/// The search.
+#[derive(Debug)]
+pub(super) struct SlowSearch<'a> {
+    /// The blocks.
+    pub(super) blocks: &'a Blocks,
+    /// Block means of the target's error.
+    pub(super) y: &'a [f64],
+    /// Regressors that are in every model: the constant, what the model already has.
+    pub(super) given: &'a [Vec<f64>],
+    /// Makes the hypotheses.
+    pub(super) hypotheses: &'a Hypotheses<'a>,
+    /// The effects to try.
+    pub(super) effects: &'a [Rc<Effect>],
+    /// What is known of the noise levels.
+    pub(super) prior: LevelPrior,
+}
+
+/// A model under construction.
+#[derive(Debug, Clone)]
+struct State {
+    accepted: Vec<Hypothesis>,
+    noise: ExtraNoise,
+    fitted: Fitted,
+}
+
+/// A hypothesis on top of a state.
+#[derive(Debug, Clone)]
+struct Candidate {
+    hypothesis: Hypothesis,
+    fitted: Fitted,
+    gain: f64,
+    score: f64,
+}
+
+impl SlowSearch<'_> {
+    /// Searches.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn run(&self) -> Result<SlowResult, RecordingError> {
+        let base = NoiseLevels::from_logs(&self.prior.mean);
+        let mut state = State {
+            accepted: Vec::new(),
+            noise: ExtraNoise::None,
+            fitted: self.fit(&[], ExtraNoise::None, base),
+        };
+        let mut tried = Vec::new();
+        for round in 0..MAX_FOUND {
+            let candidates = self.candidates(&state)?;
+            if round == 0 {
+                tried = candidates.iter().map(|c| (c.hypothesis.effect.id.clone(), c.score)).collect();
+            }
+            let noise = self.best_noise(&state);
+            let best = candidates.into_iter().next();
+            let best_score = best.as_ref().map_or(f64::NEG_INFINITY, |candidate| candidate.score);
+            match (best, noise) {
+                (_, Some((noise, fitted, score))) if score >= ACCEPT && score > best_score => {
+                    state = State { noise, fitted, ..state };
+                }
+                (Some(best), _) if best.score >= ACCEPT => {
+                    state.accepted.push(best.hypothesis);
+                    state.fitted = best.fitted;
+                    self.drop_unneeded_noise(&mut state);
+                    self.exchange(&mut state)?;
+                }
+                _ => break,
+            }
+        }
+        self.drop_unsupported(&mut state);
+        self.describe(state, tried)
+    }
+
+    fn prior_of(&self, noise: ExtraNoise) -> LevelPrior {
+        match noise {
+            ExtraNoise::Walk => self.prior.with_free_walk(FREE_WALK),
+            _ => self.prior,
+        }
+    }
+
+    /// Fits coefficients and noise levels with these hypotheses.
+    fn fit(&self, accepted: &[&Hypothesis], noise: ExtraNoise, start: NoiseLevels) -> Fitted {
+        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
+        for hypothesis in accepted {
+            regressors.extend(hypothesis.columns());
+        }
+        let prior = self.prior_of(noise);
+        let regression =
+            Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: &prior };
+        match noise {
+            ExtraNoise::GaussMarkov(process) => {
+                regression.fit_gauss_markov(NoiseLevels { gauss_markov: None, ..start }, process)
+            }
+            _ => regression.fit(NoiseLevels { gauss_markov: None, ..start }),
+        }
+    }
+
+    /// Coefficients only, under given levels.
+    fn at(&self, accepted: &[&Hypothesis], noise: ExtraNoise, levels: NoiseLevels) -> Fitted {
+        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
+        for hypothesis in accepted {
+            regressors.extend(hypothesis.columns());
+        }
+        let prior = self.prior_of(noise);
+        Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: &prior }.at(levels)
+    }
+
+    /// What `k` coefficients and the search for a parameter cost.
+    fn price(&self, k: usize, hypothesis: &Hypothesis) -> f64 {
+        let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
+        let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
+        k as f64 * (self.blocks.len() as f64).ln() + 2.0 * grid.ln() + parameter
+    }
+
+    /// Every effect at the best value of its parameter on top of `state`, best score first.
+    fn candidates(&self, state: &State) -> Result<Vec<Candidate>, RecordingError> {
+        // at the prior's levels: those of the null have swollen to hold what is missing
+        let mut levels = NoiseLevels::from_logs(&self.prior.mean);
+        if state.noise != ExtraNoise::None {
+            levels = state.fitted.levels;
+        }
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let null = self.at(&accepted, state.noise, levels);
+        let mut first_pass = Vec::new();
+        for effect in self.effects {
+            if state.accepted.iter().any(|hypothesis| hypothesis.effect.id == effect.id)
+                && effect.search != Search::Step
+            {
+                continue;
+            }
+            let mut best: Option<(f64, Hypothesis)> = None;
+            for value in self.hypotheses.grid(effect) {
+                let hypothesis = self.hypotheses.make(effect, value)?;
+                let (gain, k) = null.gls.gain(self.blocks, &hypothesis.columns());
+                if k == 0 {
+                    continue;
+                }
+                let score = gain - self.price(k, &hypothesis);
+                if best.as_ref().is_none_or(|(other, _)| score > *other) {
+                    best = Some((score, hypothesis));
+                }
+            }
+            first_pass.extend(best);
+        }
+        first_pass.sort_by(|a, b| b.0.total_cmp(&a.0));
+        first_pass.truncate(FITTED);
+        let mut candidates = first_pass
+            .into_iter()
+            .map(|(_, hypothesis)| self.candidate(&accepted, state, hypothesis))
+            .collect::<Result<Vec<_>, _>>()?;
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        Ok(candidates)
+    }
+
+    /// A hypothesis on top of `accepted`, its parameter refined and the levels fitted.
+    fn candidate(
+        &self,
+        accepted: &[&Hypothesis],
+        state: &State,
+        hypothesis: Hypothesis,
+    ) -> Result<Candidate, RecordingError> {
+        let with = |hypothesis: &Hypothesis, start| {
+            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([hypothesis]).collect();
+            self.fit(&all, state.noise, start)
+        };
+        let first = with(&hypothesis, state.fitted.levels);
+        let refined = self.refine(accepted, state.noise, &first, hypothesis)?;
+        let fitted = with(&refined, first.levels);
+        let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
+        let gain = state.fitted.deviance - fitted.deviance;
+        let score = gain - self.price(k.max(1), &refined);
+        Ok(Candidate { hypothesis: refined, fitted, gain, score })
+    }
+
+    /// Looks for the best value of the parameter between the neighbours on the grid, the levels held: parabolas through
+    /// the best three.
+    fn refine(
+        &self,
+        accepted: &[&Hypothesis],
+        noise: ExtraNoise,
+        fitted: &Fitted,
+        start: Hypothesis,
+    ) -> Result<Hypothesis, RecordingError> {
+        let Some(value) = start.value.filter(|_| start.effect.search == Search::Terms) else {
+            return Ok(start);
+        };
+        let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
+            let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?;
+            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
+            Ok((log, self.at(&all, noise, fitted.levels).deviance, hypothesis))
+        };
+        let middle = value.ln();
+        let width = self.grid_width(&start.effect);
+        let mut points = vec![evaluate(middle - width)?, evaluate(middle)?, evaluate(middle + width)?];
+        for _ in 0..REFINEMENTS {
+            points.sort_by(|a, b| a.1.total_cmp(&b.1));
+            points.truncate(3);
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let next = vertex(&points.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>());
+            let (low, high) = (middle - 1.5 * width, middle + 1.5 * width);
+            let Some(next) = next.map(|next| next.clamp(low, high)) else { break };
+            if points.iter().any(|point| (point.0 - next).abs() < 1e-3) {
+                break;
+            }
+            points.push(evaluate(next)?);
+        }
+        points.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(points.swap_remove(0).2)
+    }
+
+    fn grid_width(&self, effect: &Effect) -> f64 {
+        let grid = self.hypotheses.grid(effect);
+        match grid[..] {
+            [Some(first), Some(second), ..] => (second / first).ln(),
+            _ => 0.0,
+        }
+    }
+
+    /// The better of the two kinds of further noise on top of `state`, with its score.
+    fn best_noise(&self, state: &State) -> Option<(ExtraNoise, Fitted, f64)> {
+        if state.noise != ExtraNoise::None {
+            return None;
+        }
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let price = (self.blocks.len() as f64).ln();
+        let start = state.fitted.levels;
+        let walk = self.fit(&accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
+        let walk_score = state.fitted.deviance - walk.deviance - price;
+        let deviation = (crate::signal::variance(&[&state.fitted.gls.residual]).sqrt() * start.flicker)
+            .max(start.flicker);
+        let longest = self.blocks.len() as f64 * self.blocks.length_s / 5.0;
+        let processes = GAUSS_MARKOV_STARTS_S
+            .into_iter()
+            .filter(|tau_s| (2.0 * self.blocks.length_s..longest).contains(tau_s))
+            .map(|tau_s| {
+                let process = GaussMarkov { deviation, tau_s };
+                self.fit(
+                    &accepted,
+                    ExtraNoise::GaussMarkov(process),
+                    NoiseLevels::from_logs(&self.prior.mean),
+                )
+            });
+        let process = processes.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        let process = process.and_then(|fitted| {
+            let process = fitted.levels.gauss_markov.filter(|process| process.tau_s < longest)?;
+            let score = state.fitted.deviance - fitted.deviance - 2.0 * price;
+            Some((ExtraNoise::GaussMarkov(process), fitted, score))
+        });
+        let walk = (ExtraNoise::Walk, walk, walk_score);
+        match process {
+            Some(process) if process.2 > walk.2 => Some(process),
+            _ => Some(walk),
+        }
+    }
+
+    /// Further noise that an effect has made unnecessary goes.
+    fn drop_unneeded_noise(&self, state: &mut State) {
+        if state.noise == ExtraNoise::None {
+            return;
+        }
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+        let price = (self.blocks.len() as f64).ln();
+        if without.deviance - state.fitted.deviance < price + ACCEPT {
+            *state = State { noise: ExtraNoise::None, fitted: without, accepted: state.accepted.clone() };
+        }
+    }
+
+    /// Each effect gives way to another that explains more in its place, until none does: the first that was found was
+    /// found before the others were known.
+    fn exchange(&self, state: &mut State) -> Result<(), RecordingError> {
+        if state.accepted.len() < 2 {
+            return Ok(());
+        }
+        for place in 0..state.accepted.len() {
+            let mut others = state.accepted.clone();
+            let current = others.remove(place);
+            let rest: Vec<&Hypothesis> = others.iter().collect();
+            let without = State {
+                fitted: self.fit(&rest, state.noise, state.fitted.levels),
+                accepted: others.clone(),
+                noise: state.noise,
+            };
+            let own = self.candidate(&rest, &without, current.clone())?;
+            let better = self.candidates(&without)?.into_iter().next();
+            let winner = match better {
+                Some(better) if better.score > own.score + 0.5 => better,
+                _ => own,
+            };
+            state.accepted[place] = winner.hypothesis;
+            state.fitted = winner.fitted;
+        }
+        Ok(())
+    }
+
+    /// Effects that lost their support to later ones go.
+    fn drop_unsupported(&self, state: &mut State) {
+        let mut place = 0;
+        while place < state.accepted.len() {
+            let mut others = state.accepted.clone();
+            let current = others.remove(place);
+            let rest: Vec<&Hypothesis> = others.iter().collect();
+            let without = self.fit(&rest, state.noise, state.fitted.levels);
+            let k = state.fitted.gls.kept.len().saturating_sub(without.gls.kept.len()).max(1);
+            if without.deviance - state.fitted.deviance - self.price(k, &current) < ACCEPT {
+                state.accepted = others;
+                state.fitted = without;
+            } else {
+                place += 1;
+            }
+        }
+    }
+
+    /// Gains, errors of parameters and rivals of what was accepted.
+    fn describe(&self, state: State, tried: Vec<(String, f64)>) -> Result<SlowResult, RecordingError> {
+        let mut found = Vec::new();
+        for (place, current) in state.accepted.iter().enumerate() {
+            let mut others = state.accepted.clone();
+            others.remove(place);
+            let rest: Vec<&Hypothesis> = others.iter().collect();
+            let without = State {
+                fitted: self.fit(&rest, state.noise, state.fitted.levels),
+                accepted: others.clone(),
+                noise: state.noise,
+            };
+            let gain = without.fitted.deviance - state.fitted.deviance;
+            let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
+            let rivals = self
+                .candidates(&without)?
+                .into_iter()
+                .filter(|candidate| !candidate.hypothesis.is_same_effect(current))
+                .map(|candidate| (candidate.hypothesis, gain - candidate.gain))
+                .filter(|(rival, behind)| *behind < INSEPARABLE && !self.is_nested(current, rival))
+                .collect();
+            found.push(Found {
+                hypothesis: current.clone(),
+                place: {
+                    let before: usize = state.accepted[..place].iter().map(|h| h.columns.len()).sum();
+                    let start = self.given.len() + before;
+                    start..start + current.columns.len()
+                },
+                log_error: self.log_error(&rest, &state, current)?,
+                gain,
+                score: gain - self.price(k, current),
+                rivals,
+            });
+        }
+        let (mut noise_gain, mut noise_score) = (0.0, 0.0);
+        if state.noise != ExtraNoise::None {
+            let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+            let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+            noise_gain = without.deviance - state.fitted.deviance;
+            let price = if matches!(state.noise, ExtraNoise::Walk) { 1.0 } else { 2.0 };
+            noise_score = noise_gain - price * (self.blocks.len() as f64).ln();
+        }
+        let noise = match (state.noise, state.fitted.levels.gauss_markov) {
+            (ExtraNoise::GaussMarkov(_), Some(process)) => ExtraNoise::GaussMarkov(process),
+            (noise, _) => noise,
+        };
+        let prior = self.prior_of(noise);
+        Ok(SlowResult { found, noise, noise_gain, noise_score, fitted: state.fitted, prior, tried })
+    }
+
+    /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone to
+    /// the least value searched any prompt response.
+    fn is_nested(&self, finding: &Hypothesis, rival: &Hypothesis) -> bool {
+        let levels = NoiseLevels::from_logs(&self.prior.mean);
+        let constant = &self.given[0];
+        let at_limit = match (&rival.effect.parameter, rival.value) {
+            (Some(parameter), Some(value)) => {
+                value < parameter.low * GRID_EDGE || value > parameter.high / GRID_EDGE
+            }
+            _ => true,
+        };
+        if !at_limit {
+            return false;
+        }
+        // does the rival span the finding?
+        finding.columns().iter().all(|column| {
+            let mut spanning: Vec<&[f64]> = vec![constant];
+            spanning.extend(rival.columns());
+            let alone = super::gls::Gls::new(self.blocks, &levels, column, &[constant]);
+            let spanned = super::gls::Gls::new(self.blocks, &levels, column, &spanning);
+            let (before, after) = (
+                super::gls::dot(&alone.residual, &alone.residual),
+                super::gls::dot(&spanned.residual, &spanned.residual),
+            );
+            after < NESTED * before
+        })
+    }
+
+    /// Standard error of the logarithm of a parameter, from the curvature of the deviance.
+    fn log_error(
+        &self,
+        rest: &[&Hypothesis],
+        state: &State,
+        current: &Hypothesis,
+    ) -> Result<Option<f64>, RecordingError> {
+        let Some(value) = current.value.filter(|_| current.effect.search == Search::Terms) else {
+            return Ok(None);
+        };
+        let at = |log: f64| -> Result<f64, RecordingError> {
+            let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?;
+            let all: Vec<&Hypothesis> = rest.iter().copied().chain([&hypothesis]).collect();
+            Ok(self.at(&all, state.noise, state.fitted.levels).deviance)
+        };
+        let step = 0.1;
+        let curvature =
+            (at(value.ln() + step)? - 2.0 * at(value.ln())? + at(value.ln() - step)?) / (step * step);
+        Ok((curvature > 0.0).then(|| (2.0 / curvature).sqrt()))
+    }
+}
+
+/// A value this near to a limit of the search counts as at it.
+const GRID_EDGE: f64 = 1.3;
+
+/// A finding of which less than this share lies outside a rival is contained in it.
+const NESTED: f64 = 1e-3;
+
+/// Parabolas through the best three values of a parameter.
+const REFINEMENTS: usize = 4;
+
+/// Correlation times that a further Gauss-Markov process is looked for from, s.
+const GAUSS_MARKOV_STARTS_S: [f64; 4] = [5.0, 20.0, 80.0, 250.0];
+
+/// Where the parabola through three points is least; the better end if it is bent the other way.
+fn vertex(points: &[(f64, f64)]) -> Option<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = *points else { return None };
+    let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+    let bend = (right - left) / (x2 - x0);
+    if bend > 0.0 {
+        Some(0.5 * (x0 + x1) - left / (2.0 * bend))
+    } else {
+        Some(if y0 < y2 { x0 - (x1 - x0) } else { x2 + (x2 - x1) })
+    }
+}

@@ -1,0 +1,89 @@
+//! Data-sheet units of coefficients: mg/K, dps/g, µg/V, ppm/dps², ….
+
+use std::f64::consts::PI;
+use std::fmt;
+use std::str::FromStr;
+
+/// A unit of a coefficient, and what it is in SI (m/s² or rad/s per unit of the logged quantity).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SizeUnit {
+    text: String,
+    /// One of this unit in SI.
+    pub si: f64,
+}
+
+/// Standard gravity, m/s².
+const G: f64 = 9.80665;
+
+/// What a unit is in SI; logged quantities keep the unit of their column (°C, V, %, µT).
+fn si(unit: &str) -> Option<f64> {
+    Some(match unit {
+        "dps" => PI / 180.0,
+        "mdps" => PI / 180e3,
+        "dph" => PI / 180.0 / 3600.0,
+        "rad/s" | "m/s²" | "K" | "V" | "pct" | "µT" | "s" | "m" | "1" => 1.0,
+        "g" => G,
+        "mg" => G * 1e-3,
+        "µg" => G * 1e-6,
+        "%" | "cm" => 1e-2,
+        "ppm" => 1e-6,
+        "mV" => 1e-3,
+        "h" => 3600.0,
+        _ => return None,
+    })
+}
+
+impl FromStr for SizeUnit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let unknown = || {
+            format!(
+                "unit {text:?}: write NUMERATOR or NUMERATOR/DENOMINATOR out of dps, mdps, dph, g, mg, µg, %, ppm, cm, m, K, V, mV, pct, µT, s, h, with ² or ³, as mg/K²"
+            )
+        };
+        let plain: String = text.chars().filter(|c| !matches!(c, '(' | ')')).collect();
+        let mut total = 1.0;
+        for (place, part) in plain.split('/').enumerate() {
+            let (name, power) = match part.strip_suffix('²') {
+                Some(name) => (name, 2),
+                None => part.strip_suffix('³').map_or((part, 1), |name| (name, 3)),
+            };
+            let one = si(name).ok_or_else(unknown)?.powi(power);
+            // of a/(b/c) the last part is back in the numerator
+            let is_below = place == 1 || (place == 2 && !text.contains('('));
+            total *= if is_below { 1.0 / one } else { one };
+        }
+        Ok(Self { text: text.to_owned(), si: total })
+    }
+}
+
+impl fmt::Display for SizeUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_convert_as_on_data_sheets() {
+        for (text, si) in [
+            ("mg/K", 9.80665e-3),
+            ("dps/g", PI / 180.0 / 9.80665),
+            ("µg/g²", 1e-6 / 9.80665),
+            ("%", 0.01),
+            ("dps/(K/s)", PI / 180.0),
+            ("mg/mV", 9.80665),
+            ("dph/h", PI / 180.0 / 3600.0 / 3600.0),
+            ("ppm/dps²", 1e-6 / (PI / 180.0).powi(2)),
+        ] {
+            let unit: SizeUnit = text.parse().unwrap();
+            assert!((unit.si / si - 1.0).abs() < 1e-12, "{text}: {}", unit.si);
+            assert_eq!(unit.to_string(), text);
+        }
+        assert!("dps/furlong".parse::<SizeUnit>().is_err());
+    }
+}
