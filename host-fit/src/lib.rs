@@ -6,6 +6,7 @@
 
 pub mod batch;
 pub mod bench;
+pub mod calibration;
 pub mod candidates;
 pub mod case;
 pub mod cli;

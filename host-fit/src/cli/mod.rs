@@ -3,6 +3,7 @@
 mod arguments;
 mod batch;
 mod bench;
+mod calibrate;
 mod compare;
 mod demo;
 mod diagnose;
@@ -41,6 +42,7 @@ enum Command {
     Diagnose(diagnose::Diagnose),
     Effects(effects::Effects),
     Batch(batch::Batch),
+    Calibrate(calibrate::Calibrate),
     Export(export::Export),
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
@@ -58,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Diagnose(command) => command.run(),
         Command::Effects(command) => command.run(),
         Command::Batch(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),

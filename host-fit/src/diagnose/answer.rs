@@ -105,7 +105,7 @@ pub struct Separation {
 /// One term of a correction: coefficient times product, in the axis' unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionTerm {
-    /// A product of inputs; empty for a constant (a step that stays).
+    /// A product of inputs, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
     pub product: String,
     /// Coefficient, unit of the axis per unit of the product.
     pub coefficient: f64,

@@ -21,6 +21,16 @@ pub fn correction(
     let mut sum = vec![0.0; log.n_rows()];
     for CorrectionTerm { product, coefficient, .. } in findings.iter().flat_map(|finding| &finding.correction)
     {
+        if let Some(time_s) = step_time(product) {
+            let after = |log: &Recording, time: &f64| f64::from(u8::from(time - log.time_s[0] > time_s));
+            let mean =
+                fitted.time_s.iter().map(|time| after(fitted, time)).sum::<f64>() / fitted.n_rows() as f64;
+            let own = fitted.sources == log.sources;
+            for (sum, time) in sum.iter_mut().zip(&log.time_s) {
+                *sum += coefficient * (if own { after(log, time) } else { 1.0 } - mean);
+            }
+            continue;
+        }
         let Ok(product) = Product::parse(product) else { continue };
         let at_fit = own.product(&product)?;
         let finite = || at_fit.iter().copied().filter(|value| value.is_finite());
@@ -33,6 +43,11 @@ pub fn correction(
         }
     }
     Ok(sum)
+}
+
+/// The time of a step, s after the first sample, if the text of a product is one.
+pub(crate) fn step_time(product: &str) -> Option<f64> {
+    product.strip_prefix("clock:step(")?.strip_suffix(')')?.parse().ok()
 }
 
 /// Whether a correction changes from one sample to the next, so that it is needed at the full rate.

@@ -5,9 +5,12 @@ use crate::recording::Recording;
 use crate::signal::quantisation::quantisation;
 
 /// Share of samples at one extreme value above which they count as clipped, and how many times as many samples as on the
-/// values next to it must lie there: the tail of noise falls off, a stop piles up.
+/// values next to it must lie there, beside four standard errors: the tail of noise falls off, a stop piles up.
 const CLIPPED_SHARE: f64 = 2e-4;
-const PILE_UP: f64 = 2.0;
+const PILE_UP: f64 = 1.3;
+
+/// Steps above this many standard deviations of the noise make heaps of their own at the extremes.
+const HEAPS: f64 = 2.0;
 
 /// Share of missing samples that counts, beyond that of the quiet log.
 const DROPPED_SHARE: f64 = 5e-4;
@@ -17,7 +20,7 @@ const COARSE: f64 = 1.5;
 
 /// What is wrong with the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Fault {
+pub(crate) enum Fault {
     /// Values end at a stop.
     Saturation {
         /// Share of the samples at it.
@@ -61,7 +64,9 @@ pub(super) fn find(
     };
     let own = values(field);
     let mut faults = Vec::new();
-    faults.extend(clipped(&own, converter));
+    let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
+    let own_step = step(&own);
+    faults.extend(clipped(&own, converter, own_step));
     let missing = |recording: &Recording| {
         let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
         missing as f64 / (recording.n_rows() as f64 + missing as f64)
@@ -70,9 +75,8 @@ pub(super) fn find(
     if share > DROPPED_SHARE + 2.0 * quiet.map_or(0.0, missing) {
         faults.push(Fault::Dropped { share });
     }
-    let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
     let known = quiet.and_then(|quiet| step(&values(quiet))).or(converter.lsb);
-    if let (Some(step), Some(known)) = (step(&own), known)
+    if let (Some(step), Some(known)) = (own_step, known)
         && step > COARSE * known
     {
         faults.push(Fault::Coarse { multiple: (step / known).round(), step });
@@ -80,7 +84,14 @@ pub(super) fn find(
     faults
 }
 
-fn clipped(values: &[f64], converter: &Converter) -> Option<Fault> {
+/// Standard deviation of the noise, from the changes between neighbours.
+fn fast_deviation(values: &[f64]) -> f64 {
+    let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    (squares / 2.0 / values.len().max(1) as f64).sqrt()
+}
+
+fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<Fault> {
+    let heaps = step.is_some_and(|step| step > HEAPS * fast_deviation(values));
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let n = sorted.len() as f64;
@@ -98,9 +109,9 @@ fn clipped(values: &[f64], converter: &Converter) -> Option<Fault> {
         let (extreme, count) = *counts.first()?;
         let next = counts[1..].iter().map(|(_, count)| *count).max().unwrap_or(0);
         let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
-        let piled =
-            count as f64 >= CLIPPED_SHARE * n && count as f64 > PILE_UP * next as f64 && counts.len() == 3;
-        (piled || (at_full_scale && count as f64 >= CLIPPED_SHARE * n)).then_some((extreme, count as f64))
+        let (count, next) = (count as f64, next as f64);
+        let piled = !heaps && count > PILE_UP * next + 4.0 * next.sqrt() && counts.len() == 3;
+        (count >= CLIPPED_SHARE * n && (piled || at_full_scale)).then_some((extreme, count))
     };
     let low = stop(&mut sorted.iter().copied());
     let high = stop(&mut sorted.iter().rev().copied());

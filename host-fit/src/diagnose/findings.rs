@@ -15,7 +15,7 @@ use super::open::Lead;
 use super::reduced::Reduced;
 use super::shape::Misshape;
 use super::slow::{ExtraNoise, Found, SlowResult};
-use super::{DiagnoseError, Question};
+use super::{DiagnoseError, LeftOver, Question};
 use crate::effects::{Band, Effect, Inputs, Search, SizeUnit};
 use crate::recording::Recording;
 
@@ -44,8 +44,7 @@ pub(super) struct Assembly<'a> {
     pub(super) faults: &'a [Fault],
     pub(super) lines: &'a [Line],
     pub(super) slow: &'a SlowResult,
-    pub(super) leads: Vec<Lead>,
-    pub(super) misshapes: Vec<Misshape>,
+    pub(super) left: LeftOver,
     pub(super) untested: Vec<Untested>,
     pub(super) learnt_from: String,
 }
@@ -60,8 +59,17 @@ impl Assembly<'_> {
         others.sort_by(|a, b| b.score.total_cmp(&a.score));
         findings.extend(others);
 
-        let mut leads = self.leads.clone();
-        leads.extend(self.misshapes.iter().map(lead_of));
+        let mut leads = self.left.leads.clone();
+        leads.extend(self.left.misshapes.iter().map(lead_of));
+        if self.left.instead {
+            let library = self.question.library;
+            findings.retain(|finding| {
+                let effect = library.get(&finding.effect);
+                finding.band != Band::Stochastic
+                    && (finding.band != Band::Slow
+                        || effect.is_ok_and(|effect| !effect.follows_clock_alone()))
+            });
+        }
         let steps = findings.iter().filter(|finding| finding.effect == "bias_step").count();
         if steps > MOST_STEPS {
             let gain = findings.iter().filter(|f| f.effect == "bias_step").map(|f| f.gain).sum();
@@ -260,17 +268,17 @@ impl Assembly<'_> {
             let products = effect.products(self.column, value).unwrap_or_default();
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
-            for (term, place) in found.place.clone().enumerate() {
+            for (&term, place) in found.hypothesis.terms.iter().zip(found.place.clone()) {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
                 let (coefficient, error) = (coefficients[place], covariance[(at, at)].sqrt());
                 let product = match effect.search {
                     Search::Terms => products.get(term).map(ToString::to_string).unwrap_or_default(),
-                    _ => String::new(),
+                    _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
                 if let Some(unit) = effect.unit(term, self.column) {
                     let half = TWO_SIDED_95 * error;
                     sizes.push(Size {
-                        of: if product.is_empty() { "step".to_owned() } else { product.clone() },
+                        of: product.clone(),
                         value: coefficient / unit.si,
                         interval: [(coefficient - half) / unit.si, (coefficient + half) / unit.si],
                         unit: unit.to_string(),
@@ -341,12 +349,15 @@ impl Assembly<'_> {
         for found in order {
             let effect = &found.hypothesis.effect;
             columns.push(match effect.search {
-                Search::Terms => effect
-                    .products(self.column, found.hypothesis.value)
-                    .unwrap_or_default()
-                    .iter()
-                    .map(|product| Ok(blocks.means(&inputs.product(product)?)))
-                    .collect::<Result<_, DiagnoseError>>()?,
+                Search::Terms => {
+                    let products = effect.products(self.column, found.hypothesis.value).unwrap_or_default();
+                    let terms = found.hypothesis.terms.iter().filter_map(|term| products.get(*term));
+                    terms.map(|product| Ok(blocks.means(&inputs.product(product)?))).collect::<Result<
+                        _,
+                        DiagnoseError,
+                    >>(
+                    )?
+                }
                 // a step of the past is a constant in another log
                 _ if judged.is_some() => vec![vec![0.0; blocks.len()]],
                 _ => {

@@ -11,25 +11,25 @@ const COLLINEAR: f64 = 1e-7;
 
 /// Whitened regressors made orthonormal (modified Gram-Schmidt, twice), and a whitened output beside them.
 #[derive(Debug, Clone)]
-pub(super) struct Gls {
+pub(crate) struct Gls {
     /// Orthonormal columns.
     basis: Vec<Vec<f64>>,
     /// Column j of the whitened regressors is Σ_i basis_i·triangle\[j\]\[i\].
     triangle: Vec<Vec<f64>>,
     /// Which of the given regressors were kept; the others are combinations of those before them.
-    pub(super) kept: Vec<usize>,
+    pub(crate) kept: Vec<usize>,
     n_regressors: usize,
     /// What the regressors leave of the whitened output.
-    pub(super) residual: Vec<f64>,
+    pub(crate) residual: Vec<f64>,
     projections: Vec<f64>,
     /// ln det of the noise covariance.
-    pub(super) log_determinant: f64,
+    pub(crate) log_determinant: f64,
     levels: NoiseLevels,
 }
 
 impl Gls {
     /// Regresses `y` on `regressors`, all in block means, under noise of `levels`.
-    pub(super) fn new(blocks: &Blocks, levels: &NoiseLevels, y: &[f64], regressors: &[&[f64]]) -> Self {
+    pub(crate) fn new(blocks: &Blocks, levels: &NoiseLevels, y: &[f64], regressors: &[&[f64]]) -> Self {
         let mut columns = vec![y];
         columns.extend(regressors);
         let mut whitened = levels.whiten(blocks, &columns);
@@ -81,12 +81,12 @@ impl Gls {
     }
 
     /// −2 ln L up to a constant: ln det C + χ².
-    pub(super) fn deviance(&self) -> f64 {
+    pub(crate) fn deviance(&self) -> f64 {
         self.log_determinant + dot(&self.residual, &self.residual)
     }
 
     /// By how much further regressors, together, would lower χ², and how many of them are no combination of others.
-    pub(super) fn gain(&self, blocks: &Blocks, regressors: &[&[f64]]) -> (f64, usize) {
+    pub(crate) fn gain(&self, blocks: &Blocks, regressors: &[&[f64]]) -> (f64, usize) {
         let whitened = self.levels.whiten(blocks, regressors);
         let mut wider = Self { residual: self.residual.clone(), ..self.without_output() };
         let before = dot(&self.residual, &self.residual);
@@ -108,7 +108,7 @@ impl Gls {
     }
 
     /// Coefficients of all given regressors; 0 for those that were not kept.
-    pub(super) fn coefficients(&self) -> Vec<f64> {
+    pub(crate) fn coefficients(&self) -> Vec<f64> {
         let mut kept = vec![0.0; self.basis.len()];
         for i in (0..kept.len()).rev() {
             let later: f64 = (i + 1..kept.len()).map(|j| self.triangle[j][i] * kept[j]).sum();
@@ -120,7 +120,7 @@ impl Gls {
     }
 
     /// Covariance of the coefficients of the kept regressors, in their order: (RᵀR)⁻¹.
-    pub(super) fn covariance(&self) -> DMatrix<f64> {
+    pub(crate) fn covariance(&self) -> DMatrix<f64> {
         let k = self.basis.len();
         let upper = DMatrix::from_fn(k, k, |i, j| if i <= j { self.triangle[j][i] } else { 0.0 });
         let columns: Vec<DVector<f64>> = (0..k)
@@ -137,6 +137,6 @@ impl Gls {
 }
 
 /// Σ a·b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

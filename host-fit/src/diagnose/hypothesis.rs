@@ -21,12 +21,22 @@ pub(super) struct Hypothesis {
     pub(super) value: Option<f64>,
     /// Its regressors in block means, each about its mean.
     pub(super) columns: Rc<Vec<Vec<f64>>>,
+    /// Which terms of the effect they are; terms that explain nothing are left out.
+    pub(super) terms: Vec<usize>,
 }
 
 impl Hypothesis {
     /// Borrowed columns.
     pub(super) fn columns(&self) -> Vec<&[f64]> {
         self.columns.iter().map(Vec::as_slice).collect()
+    }
+
+    /// Without one of its regressors.
+    pub(super) fn without(&self, column: usize) -> Self {
+        let (mut columns, mut terms) = ((*self.columns).clone(), self.terms.clone());
+        columns.remove(column);
+        terms.remove(column);
+        Self { columns: Rc::new(columns), terms, ..self.clone() }
     }
 
     /// Whether it is the same effect, whatever the value.
@@ -100,17 +110,21 @@ impl<'a> Hypotheses<'a> {
     pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
         if let Some(columns) = self.made.borrow().get(&key) {
-            return Ok(Hypothesis { effect: effect.clone(), value, columns: columns.clone() });
+            let terms = (0..columns.len()).collect();
+            return Ok(Hypothesis { effect: effect.clone(), value, columns: columns.clone(), terms });
         }
         let columns = Rc::new(self.columns(effect, value)?);
         self.made.borrow_mut().insert(key, columns.clone());
-        Ok(Hypothesis { effect: effect.clone(), value, columns })
+        let terms = (0..columns.len()).collect();
+        Ok(Hypothesis { effect: effect.clone(), value, columns, terms })
     }
 
     fn columns(&self, effect: &Effect, value: Option<f64>) -> Result<Vec<Vec<f64>>, RecordingError> {
         if effect.search == Search::Step {
             let time_s = value.unwrap_or(0.0);
-            let after = |block: usize| f64::from(u8::from(self.blocks.middle_s(block) > time_s));
+            let length_s = self.blocks.length_s;
+            let after =
+                |block: usize| ((self.blocks.middle_s(block) - time_s) / length_s + 0.5).clamp(0.0, 1.0);
             return Ok(vec![centred((0..self.blocks.len()).map(after).collect())]);
         }
         let products = effect.products(self.target, value).unwrap_or_default();

@@ -11,12 +11,14 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::blocks::Blocks;
+use super::reduced::Reduced;
+use crate::recording::Recording;
 
 /// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
-pub(super) const ACCEPT: f64 = 15.0;
+pub(crate) const ACCEPT: f64 = 15.0;
 
 /// Lowest frequency looked at, Hz: below it block means see more.
-pub(super) const LOWEST_HZ: f64 = 0.05;
+pub(crate) const LOWEST_HZ: f64 = 0.05;
 
 /// Most lines named.
 const MAX_LINES: usize = 6;
@@ -33,25 +35,25 @@ const COHERENT: f64 = 0.35;
 
 /// A line that was found.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Line {
+pub(crate) struct Line {
     /// Frequency, Hz; of one that wanders the centre of its power.
-    pub(super) frequency_hz: f64,
+    pub(crate) frequency_hz: f64,
     /// It keeps its phase over the whole log.
-    pub(super) coherent: bool,
+    pub(crate) coherent: bool,
     /// Its standard error, Hz.
-    pub(super) frequency_error: f64,
+    pub(crate) frequency_error: f64,
     /// Amplitude, unit of the axis; of one that wanders √(2·power).
-    pub(super) amplitude: f64,
+    pub(crate) amplitude: f64,
     /// Its standard error.
-    pub(super) amplitude_error: f64,
+    pub(crate) amplitude_error: f64,
     /// Phase of the sine at the first sample.
-    pub(super) phase: f64,
+    pub(crate) phase: f64,
     /// Its band, Hz.
-    pub(super) band_hz: (f64, f64),
+    pub(crate) band_hz: (f64, f64),
     /// 2·log-likelihood ratio minus 2·ln(bands looked at).
-    pub(super) score: f64,
+    pub(crate) score: f64,
     /// Share of the log's length in which it is there, from its power over time.
-    pub(super) duty: f64,
+    pub(crate) duty: f64,
 }
 
 /// Samples on the grid of ticks, 0 where not known.
@@ -62,12 +64,7 @@ struct Series {
 }
 
 /// Looks for lines in `error`, one value per row.
-pub(super) fn find(
-    recording: &crate::recording::Recording,
-    blocks: &Blocks,
-    means: &[f64],
-    error: &[f64],
-) -> Vec<Line> {
+pub(crate) fn find(recording: &Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Vec<Line> {
     let mut series = Series::new(recording, blocks, means, error);
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
@@ -75,6 +72,7 @@ pub(super) fn find(
         let Some(periodogram) = Periodogram::of(&series) else { break };
         let Some(band) = periodogram.best_band(&taken) else { break };
         let mut line = periodogram.describe(&band);
+        line.duty = duty(&series, &line);
         let (frequency_hz, amplitude, phase) = series.sine_near(line.frequency_hz, &periodogram, &band);
         let mut without = series.values.clone();
         for (tick, value) in without.iter_mut().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -91,7 +89,6 @@ pub(super) fn find(
                 6.0_f64.sqrt() * line.amplitude_error / (line.amplitude * TAU / 2.0 * length_s);
             series = rest;
         }
-        line.duty = duty(&series, &line);
         taken.push(line.band_hz);
         found.push(line);
     }
@@ -99,8 +96,22 @@ pub(super) fn find(
     found
 }
 
+/// Whether another axis has the same line, at least a tenth as strong: then it is motion.
+pub(crate) fn is_shared(recording: &Recording, other: &Reduced, line: &Line) -> bool {
+    let series = Series::new(recording, &other.blocks, &other.means, &other.error);
+    Periodogram::of(&series).is_some_and(|periodogram| {
+        let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
+        let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
+        let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
+        excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
+    })
+}
+
+/// Share of a line's power that another axis must have to share it.
+const SHARED: f64 = 0.01;
+
 impl Series {
-    fn new(recording: &crate::recording::Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Self {
+    fn new(recording: &Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Self {
         let last = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
         let mut values = vec![0.0; last as usize];
         let mut known = 0;

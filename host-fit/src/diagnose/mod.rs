@@ -35,9 +35,13 @@ pub use quiet::DataSheet;
 
 use crate::effects::{Effect, Inputs, Library, Search};
 use crate::recording::{Recording, RecordingError};
+pub(crate) use gls::Gls;
+
 use faults::{Converter, Fault};
 use hypothesis::Hypotheses;
-use reduced::Reduced;
+use lines::Line;
+pub(crate) use reduced::Reduced;
+use shape::Misshape;
 use slow::{SlowResult, SlowSearch};
 
 /// What to explain, and what is known beside it.
@@ -135,7 +139,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
         _ => false,
     });
-    let lines = if stairs { Vec::new() } else { reduced.lines(field) };
+    let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, quiet.as_ref())? };
     let search = SlowSearch {
         blocks: &reduced.blocks,
         y: &reduced.means,
@@ -145,8 +149,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         prior,
     };
     let slow = search.run()?;
-    let (leads, misshapes) = match stairs {
-        true => (Vec::new(), Vec::new()),
+    let left = match stairs {
+        true => LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
         false => left_over(question, &column, &reduced, &given, &slow, faults.is_empty()),
     };
     findings::Assembly {
@@ -157,12 +161,34 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         faults: &faults,
         lines: &lines,
         slow: &slow,
-        leads,
-        misshapes,
+        left,
         untested,
         learnt_from: learnt_from(question),
     }
     .diagnosis()
+}
+
+/// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
+const SHAKEN: f64 = 1.5;
+
+/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too.
+fn lines(
+    question: &Question<'_>,
+    column: &str,
+    reduced: &Reduced,
+    quiet: Option<&Reduced>,
+) -> Result<Vec<Line>, DiagnoseError> {
+    let mut lines = reduced.lines(question.field);
+    let shaken = quiet.is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
+    if shaken && column.ends_with("_mps2") {
+        for other in ["ax_mps2", "ay_mps2", "az_mps2"].into_iter().filter(|other| *other != column) {
+            if question.field.channel(other).is_ok() {
+                let other = Reduced::new(question.field, other, &[])?;
+                lines.retain(|line| !lines::is_shared(question.field, &other, line));
+            }
+        }
+    }
+    Ok(lines)
 }
 
 /// What is known of the noise before the field log is looked at.
@@ -211,6 +237,16 @@ fn candidates(question: &Question<'_>, hypotheses: &Hypotheses<'_>) -> (Vec<Rc<E
 }
 
 /// What the library leaves.
+struct LeftOver {
+    leads: Vec<Lead>,
+    misshapes: Vec<Misshape>,
+    /// The leads explain more than findings that follow nothing logged, and than further noise.
+    instead: bool,
+}
+
+/// A lead must be this much better than what it stands for: odds of 150 to 1.
+const INSTEAD: f64 = 10.0;
+
 fn left_over(
     question: &Question<'_>,
     column: &str,
@@ -218,26 +254,50 @@ fn left_over(
     given: &[Vec<f64>],
     slow: &SlowResult,
     sound: bool,
-) -> (Vec<Lead>, Vec<shape::Misshape>) {
-    let mut regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
-    for found in &slow.found {
-        regressors.extend(found.hypothesis.columns());
-    }
-    let left = open::Left {
-        recording: question.field,
-        blocks: &reduced.blocks,
-        target: column,
-        y: &reduced.means,
-        regressors: &regressors,
-        fitted: &slow.fitted,
-        prior: &slow.prior,
+) -> LeftOver {
+    let regressors = |keep: &dyn Fn(&slow::Found) -> bool| -> Vec<&[f64]> {
+        let mut regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
+        for found in slow.found.iter().filter(|found| keep(found)) {
+            regressors.extend(found.hypothesis.columns());
+        }
+        regressors
+    };
+    let left = |regressors: &[&[f64]], fitted: &levels::Fitted, prior: &LevelPrior| {
+        open::Left {
+            recording: question.field,
+            blocks: &reduced.blocks,
+            target: column,
+            y: &reduced.means,
+            regressors,
+            fitted,
+            prior,
+        }
+        .leads()
     };
     let explained: f64 = slow.found.iter().map(|found| found.gain).sum();
-    let mut leads = left.leads();
+    let mut leads = left(&regressors(&|_| true), &slow.fitted, &slow.prior);
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
-    let mut misshapes: Vec<shape::Misshape> = shape::jumps(&slow.fitted.gls.residual).into_iter().collect();
+    let mut misshapes: Vec<Misshape> = shape::jumps(&slow.fitted.gls.residual).into_iter().collect();
     if sound {
         misshapes.extend(shape::level(question.field, &reduced.blocks, column));
     }
-    (leads, misshapes)
+    // what follows nothing that is logged may stand for something that does
+    let is_backed = |found: &slow::Found| !found.hypothesis.effect.follows_clock_alone();
+    let unbacked: f64 = slow.found.iter().filter(|found| !is_backed(found)).map(|found| found.score).sum();
+    let replaced = unbacked + slow.noise_score;
+    if replaced > 0.0 {
+        let backed = regressors(&is_backed);
+        let regression = levels::Regression {
+            blocks: &reduced.blocks,
+            y: &reduced.means,
+            regressors: &backed,
+            prior: &slow.quiet_prior,
+        };
+        let fitted = regression.fit(NoiseLevels::from_logs(&slow.quiet_prior.mean));
+        let instead = left(&backed, &fitted, &slow.quiet_prior);
+        if instead.first().is_some_and(|lead| lead.score > replaced + INSTEAD) {
+            return LeftOver { leads: instead, misshapes, instead: true };
+        }
+    }
+    LeftOver { leads, misshapes, instead: false }
 }

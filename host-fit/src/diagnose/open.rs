@@ -13,8 +13,8 @@ use crate::recording::Recording;
 /// Least score of a lead.
 const ACCEPT: f64 = 12.0;
 
-/// Knots of a free curve; places of a threshold or of a dip.
-const KNOTS: usize = 7;
+/// Knots of free curves, coarse and fine; places of a threshold or of a dip.
+const KNOTS: [usize; 2] = [7, 15];
 const PLACES: usize = 16;
 
 /// Leads whose noise levels are fitted.
@@ -126,8 +126,12 @@ impl Left<'_> {
             let real = |value: f64| format!("{:.4} {unit}", mean + deviation * value);
             let sorted = sorted(values);
             let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
-            let knots: Vec<f64> = (0..KNOTS).map(|i| at(i as f64 / (KNOTS - 1) as f64)).collect();
-            curves.push(Curve { follows: format!("a curve of {name}"), columns: hats(values, &knots) });
+            for n_knots in KNOTS {
+                let (low, high) = (at(0.0), at(1.0));
+                let knots: Vec<f64> =
+                    (0..n_knots).map(|i| low + (high - low) * i as f64 / (n_knots - 1) as f64).collect();
+                curves.push(Curve { follows: format!("a curve of {name}"), columns: hats(values, &knots) });
+            }
             for place in 1..PLACES {
                 let threshold = at(place as f64 / PLACES as f64);
                 let column = values.iter().map(|v| f64::from(u8::from(*v > threshold))).collect();

@@ -14,23 +14,23 @@ const AT_REST: f64 = 0.5;
 
 /// A log reduced.
 #[derive(Debug, Clone)]
-pub(super) struct Reduced {
+pub(crate) struct Reduced {
     /// The error of the axis, one value per row, in its unit.
-    pub(super) error: Vec<f64>,
+    pub(crate) error: Vec<f64>,
     /// Blocks of the rows that count.
-    pub(super) blocks: Blocks,
+    pub(crate) blocks: Blocks,
     /// Block means of the error.
-    pub(super) means: Vec<f64>,
+    pub(crate) means: Vec<f64>,
 }
 
 impl Reduced {
     /// Reduces `column` of a recording.
-    pub(super) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
+    pub(crate) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, faults, length_for(recording))
     }
 
     /// The same with blocks of a given length, s.
-    pub(super) fn in_blocks_of(
+    pub(crate) fn in_blocks_of(
         recording: &Recording,
         column: &str,
         faults: &[Fault],
@@ -63,7 +63,7 @@ impl Reduced {
     }
 
     /// Standard deviation of the noise from one sample to the next.
-    pub(super) fn fast_deviation(&self) -> f64 {
+    pub(crate) fn fast_deviation(&self) -> f64 {
         let known = self.blocks.known();
         let pairs = self.error.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
         let (sum, count) =
@@ -72,7 +72,7 @@ impl Reduced {
     }
 
     /// Lines in its spectrum.
-    pub(super) fn lines(&self, recording: &Recording) -> Vec<Line> {
+    pub(crate) fn lines(&self, recording: &Recording) -> Vec<Line> {
         lines::find(recording, &self.blocks, &self.means, &self.error)
     }
 }

@@ -88,7 +88,8 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str) -> Opt
 
 /// Logarithm of the root mean square of first differences in each block.
 fn log_level(recording: &Recording, blocks: &Blocks, column: &str) -> Option<Vec<f64>> {
-    let values = &recording.channel(column).ok()?.values;
+    // of the error: what a reference says of the motion is no noise
+    let values = &recording.error_series(column).ok()?.values;
     let level = |block: &super::blocks::Block| {
         let rows = block.rows.clone();
         let known = &blocks.known()[rows.clone()];

@@ -21,6 +21,10 @@ pub(super) const ACCEPT: f64 = 9.0;
 /// Price of a parameter that is searched for, beside that of its grid.
 const PARAMETER_PRICE: f64 = 1.5;
 
+/// Price of an effect that follows nothing but the clock: odds of 7 to 1 that what also follows a logged quantity is no
+/// coincidence.
+const CLOCK_PRICE: f64 = 4.0;
+
 /// Most effects that are found one after the other.
 const MAX_FOUND: usize = 4;
 
@@ -71,6 +75,8 @@ pub(super) struct SlowResult {
     pub(super) noise_score: f64,
     /// The regression with all that was found.
     pub(super) fitted: Fitted,
+    /// What was known of the levels, without further noise.
+    pub(super) quiet_prior: LevelPrior,
     /// The prior of the levels it was fitted with.
     pub(super) prior: LevelPrior,
     /// Every effect that was tried alone: its best score; first those that explain most.
@@ -140,6 +146,7 @@ impl SlowSearch<'_> {
                 (Some(best), _) if best.score >= ACCEPT => {
                     state.accepted.push(best.hypothesis);
                     state.fitted = best.fitted;
+                    self.prune_last(&mut state);
                     self.drop_unneeded_noise(&mut state);
                     self.exchange(&mut state)?;
                 }
@@ -188,7 +195,8 @@ impl SlowSearch<'_> {
     fn price(&self, k: usize, hypothesis: &Hypothesis) -> f64 {
         let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
-        k as f64 * (self.blocks.len() as f64).ln() + 2.0 * grid.ln() + parameter
+        let clock = if hypothesis.effect.follows_clock_alone() { CLOCK_PRICE } else { 0.0 };
+        k as f64 * (self.blocks.len() as f64).ln() + 2.0 * grid.ln() + parameter + clock
     }
 
     /// Every effect at the best value of its parameter on top of `state`, best score first.
@@ -260,9 +268,10 @@ impl SlowSearch<'_> {
         fitted: &Fitted,
         start: Hypothesis,
     ) -> Result<Hypothesis, RecordingError> {
-        let Some(value) = start.value.filter(|_| start.effect.search == Search::Terms) else {
-            return Ok(start);
-        };
+        let Some(value) = start.value else { return Ok(start) };
+        if start.effect.search == Search::Step {
+            return self.refine_step(accepted, noise, fitted, start, value);
+        }
         let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
             let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?;
             let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
@@ -270,13 +279,30 @@ impl SlowSearch<'_> {
         };
         let middle = value.ln();
         let width = self.grid_width(&start.effect);
-        let mut points = vec![evaluate(middle - width)?, evaluate(middle)?, evaluate(middle + width)?];
+        let limited = |log: f64| match &start.effect.parameter {
+            Some(parameter) => log.clamp(parameter.low.ln(), parameter.high.ln()),
+            None => log,
+        };
+        let mut points = vec![evaluate(middle)?];
+        for neighbour in [limited(middle - width), limited(middle + width)] {
+            if (neighbour - middle).abs() > 1e-3 {
+                points.push(evaluate(neighbour)?);
+            }
+        }
         for _ in 0..REFINEMENTS {
             points.sort_by(|a, b| a.1.total_cmp(&b.1));
             points.truncate(3);
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if points.len() < 3 {
+                // at a limit of the search: half way to the neighbour makes it three
+                points.push(evaluate(0.5 * (points[0].0 + points[points.len() - 1].0))?);
+                continue;
+            }
             let next = vertex(&points.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>());
-            let (low, high) = (middle - 1.5 * width, middle + 1.5 * width);
+            let (low, high) = match &start.effect.parameter {
+                Some(parameter) => (parameter.low.ln(), parameter.high.ln()),
+                None => (middle - width, middle + width),
+            };
             let Some(next) = next.map(|next| next.clamp(low, high)) else { break };
             if points.iter().any(|point| (point.0 - next).abs() < 1e-3) {
                 break;
@@ -285,6 +311,28 @@ impl SlowSearch<'_> {
         }
         points.sort_by(|a, b| a.1.total_cmp(&b.1));
         Ok(points.swap_remove(0).2)
+    }
+
+    /// Looks for the moment of a step inside the blocks on both sides of it.
+    fn refine_step(
+        &self,
+        accepted: &[&Hypothesis],
+        noise: ExtraNoise,
+        fitted: &Fitted,
+        start: Hypothesis,
+        time_s: f64,
+    ) -> Result<Hypothesis, RecordingError> {
+        let mut best = (f64::INFINITY, start);
+        for part in -STEP_PARTS..=STEP_PARTS {
+            let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * self.blocks.length_s;
+            let hypothesis = self.hypotheses.make(&best.1.effect, Some(at))?;
+            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
+            let deviance = self.at(&all, noise, fitted.levels).deviance;
+            if deviance < best.0 {
+                best = (deviance, hypothesis);
+            }
+        }
+        Ok(best.1)
     }
 
     fn grid_width(&self, effect: &Effect) -> f64 {
@@ -329,6 +377,32 @@ impl SlowSearch<'_> {
         match process {
             Some(process) if process.2 > walk.2 => Some(process),
             _ => Some(walk),
+        }
+    }
+
+    /// Leaves out regressors of the effect found last that explain less than a regressor costs: coefficients that the log
+    /// cannot tell apart would go wrong in the next one.
+    fn prune_last(&self, state: &mut State) {
+        let price = (self.blocks.len() as f64).ln();
+        loop {
+            let Some(last) = state.accepted.last() else { return };
+            let n_kept = last.columns.len();
+            if n_kept < 2 {
+                return;
+            }
+            let shorter = (0..n_kept).map(|column| {
+                let mut accepted = state.accepted.clone();
+                if let Some(last) = accepted.last_mut() {
+                    *last = last.without(column);
+                }
+                let fitted = self.fit(&accepted.iter().collect::<Vec<_>>(), state.noise, state.fitted.levels);
+                State { accepted, fitted, noise: state.noise }
+            });
+            let best = shorter.min_by(|a, b| a.fitted.deviance.total_cmp(&b.fitted.deviance));
+            match best {
+                Some(best) if best.fitted.deviance - state.fitted.deviance < price => *state = best,
+                _ => return,
+            }
         }
     }
 
@@ -437,7 +511,16 @@ impl SlowSearch<'_> {
             (noise, _) => noise,
         };
         let prior = self.prior_of(noise);
-        Ok(SlowResult { found, noise, noise_gain, noise_score, fitted: state.fitted, prior, tried })
+        Ok(SlowResult {
+            found,
+            noise,
+            noise_gain,
+            noise_score,
+            fitted: state.fitted,
+            prior,
+            quiet_prior: self.prior,
+            tried,
+        })
     }
 
     /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone to
@@ -445,6 +528,11 @@ impl SlowSearch<'_> {
     fn is_nested(&self, finding: &Hypothesis, rival: &Hypothesis) -> bool {
         let levels = NoiseLevels::from_logs(&self.prior.mean);
         let constant = &self.given[0];
+        let freedom =
+            |hypothesis: &Hypothesis| hypothesis.columns.len() + usize::from(hypothesis.value.is_some());
+        if freedom(rival) <= freedom(finding) {
+            return false;
+        }
         let at_limit = match (&rival.effect.parameter, rival.value) {
             (Some(parameter), Some(value)) => {
                 value < parameter.low * GRID_EDGE || value > parameter.high / GRID_EDGE
@@ -495,6 +583,9 @@ const GRID_EDGE: f64 = 1.3;
 
 /// A finding of which less than this share lies outside a rival is contained in it.
 const NESTED: f64 = 1e-3;
+
+/// Parts of a block in which the moment of a step is looked for.
+const STEP_PARTS: i32 = 5;
 
 /// Parabolas through the best three values of a parameter.
 const REFINEMENTS: usize = 4;

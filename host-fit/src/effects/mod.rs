@@ -301,6 +301,11 @@ impl Effect {
         }
     }
 
+    /// Whether none of its terms needs a logged quantity.
+    pub fn follows_clock_alone(&self) -> bool {
+        self.terms.iter().all(|term| term.product.split('*').all(|input| input.trim().starts_with("clock:")))
+    }
+
     /// Its regressors for a target column and a value of its parameter.
     ///
     /// # Errors

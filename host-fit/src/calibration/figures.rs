@@ -1,0 +1,245 @@
+//! The figures of a calibration: rates with exact intervals, medians, each with what is asked of it.
+
+use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
+
+use super::outcome::{FoundIn, Outcome};
+use crate::diagnose::Verdict;
+use crate::simulate::{Effect, Kind, Level};
+
+/// A figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// What it says.
+    pub name: String,
+    /// Its value; absent where no case counts.
+    pub value: Option<f64>,
+    /// 95 % interval (Clopper and Pearson 1934 for a rate), where there is one.
+    pub interval: Option<[f64; 2]>,
+    /// Cases that count.
+    pub cases: usize,
+    /// What is asked of it.
+    pub goal: Goal,
+}
+
+/// What is asked of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Goal {
+    /// At least: what must be, what is aimed at.
+    AtLeast(f64, f64),
+    /// At most.
+    AtMost(f64, f64),
+    /// Between two values; the aim between two others.
+    Within([f64; 2], [f64; 2]),
+}
+
+impl Figure {
+    /// Whether it is as it must be.
+    pub fn holds(&self) -> bool {
+        self.value.is_none_or(|value| match self.goal {
+            Goal::AtLeast(must, _) => value >= must,
+            Goal::AtMost(must, _) => value <= must,
+            Goal::Within([low, high], _) => (low..=high).contains(&value),
+        })
+    }
+
+    /// Whether the figure can still be as it must be, as far as so few cases tell.
+    pub fn may_hold(&self) -> bool {
+        let [low, high] = self.interval.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        self.holds()
+            || match self.goal {
+                Goal::AtLeast(must, _) => high >= must,
+                Goal::AtMost(must, _) => low <= must,
+                Goal::Within([from, to], _) => high >= from && low <= to,
+            }
+    }
+}
+
+/// A rate with its exact interval.
+fn rate(name: &str, goal: Goal, hits: impl IntoIterator<Item = bool>) -> Figure {
+    let (mut hit, mut cases) = (0, 0);
+    for is_hit in hits {
+        cases += 1;
+        hit += usize::from(is_hit);
+    }
+    let value = (cases > 0).then(|| hit as f64 / cases as f64);
+    Figure { name: name.to_owned(), value, interval: value.map(|_| interval(hit, cases)), cases, goal }
+}
+
+/// Clopper and Pearson's 95 % interval of a rate.
+fn interval(hit: usize, cases: usize) -> [f64; 2] {
+    let (x, n) = (hit as f64, cases as f64);
+    let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
+    let low = if hit == 0 { 0.0 } else { quantile(x, n - x + 1.0, 0.025) };
+    let high = if hit == cases { 1.0 } else { quantile(x + 1.0, n - x, 0.975) };
+    [low, high]
+}
+
+/// A quantile of values, with the 95 % interval of its order statistics.
+fn quantile(name: &str, goal: Goal, share: f64, values: impl IntoIterator<Item = f64>) -> Figure {
+    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    let at = |place: f64| values.get((place.max(0.0) as usize).min(n.saturating_sub(1))).copied();
+    let (middle, half) = (share * (n as f64 - 1.0), 1.96 * (n as f64 * share * (1.0 - share)).sqrt());
+    let interval = at(middle - half).zip(at((middle + half).ceil())).map(|(low, high)| [low, high]);
+    Figure { name: name.to_owned(), value: at(middle.round()), interval, cases: n, goal }
+}
+
+/// Least size that must be left of a slow single effect after its best rival for it to count.
+const DECIDABLE: f64 = 5.0;
+
+/// All figures.
+pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
+    let singles: Vec<&Outcome> = outcomes
+        .iter()
+        .filter(|o| {
+            matches!(o.kind, Kind::Single(_)) && o.planted[0].left.is_none_or(|left| left >= DECIDABLE)
+        })
+        .collect();
+    let first = |o: &&&Outcome| o.found.first().is_some_and(|found| found.effect == o.planted[0].effect);
+    let at_level = |wanted: Level| {
+        let singles: Vec<&&Outcome> = singles.iter().filter(|o| o.kind == Kind::Single(wanted)).collect();
+        singles.iter().map(|o| first(o)).collect::<Vec<bool>>()
+    };
+    let nothing = || outcomes.iter().filter(|o| o.kind == Kind::Nothing);
+    let outside = || outcomes.iter().filter(|o| o.kind == Kind::Outside);
+    let pairs = || outcomes.iter().filter(|o| o.kind == Kind::Pair);
+    let parameters = |name: &str| -> Vec<(f64, f64)> {
+        let of = |o: &&Outcome| {
+            let (truth_name, truth) = o.planted[0].parameter.clone()?;
+            let (found_name, found) = o.found.first()?.parameter.clone()?;
+            let right =
+                o.found[0].effect == o.planted[0].effect && found_name == truth_name && truth_name == name;
+            right.then_some((truth, found))
+        };
+        singles.iter().filter_map(of).collect()
+    };
+    let (taus, frequencies) = (parameters("tau_s"), parameters("freq_hz"));
+    let within = taus
+        .iter()
+        .map(|(truth, found)| (found / truth - 1.0).abs() <= 0.3)
+        .chain(frequencies.iter().map(|(truth, found)| (found - truth).abs() <= 0.02));
+    let errors = taus.iter().map(|(truth, found)| (found / truth - 1.0).abs());
+    let shares = |o: &Outcome| Some(o.realised_fall.unwrap_or(0.0) / o.achievable_fall?);
+    let shared: Vec<f64> = outcomes
+        .iter()
+        .filter(|o| {
+            matches!(o.kind, Kind::Single(_) | Kind::Pair)
+                && o.planted.iter().all(|p| is_reproducible(&p.effect))
+        })
+        .filter(|o| o.verdict == Verdict::Missing)
+        .filter_map(shares)
+        .collect();
+    let predictions = singles.iter().filter_map(|o| {
+        let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
+        let realised = o.realised_fall?;
+        let counts = o.found.len() == 1 && found.effect != "bias_step" && found.expected.0 > 0.0;
+        counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&realised))
+    });
+    let seconds = outcomes.iter().map(|o| o.seconds);
+    vec![
+        rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(&o))),
+        rate("  weak (10–16)", Goal::AtLeast(0.80, 0.90), at_level(Level::Weak)),
+        rate("  medium (22–45)", Goal::AtLeast(0.90, 0.96), at_level(Level::Medium)),
+        rate("  strong (80–300)", Goal::AtLeast(0.97, 0.995), at_level(Level::Strong)),
+        rate(
+            "single effect among the first three",
+            Goal::AtLeast(0.95, 0.98),
+            singles.iter().map(|o| named(&o.found, &o.planted[0].effect, 3)),
+        ),
+        rate(
+            "wrong name claimed with verdict missing",
+            Goal::AtMost(0.04, 0.01),
+            singles.iter().map(|o| o.verdict == Verdict::Missing && !first(&o)),
+        ),
+        rate(
+            "false alarm with nothing missing",
+            Goal::AtMost(0.02, 0.007),
+            nothing().map(|o| o.verdict != Verdict::NothingMissing),
+        ),
+        rate(
+            "outside the library: unexplained",
+            Goal::AtLeast(0.75, 0.90),
+            outside().map(|o| o.verdict == Verdict::Unexplained),
+        ),
+        rate(
+            "outside the library: wrong name claimed",
+            Goal::AtMost(0.05, 0.02),
+            outside().map(|o| o.verdict == Verdict::Missing),
+        ),
+        rate(
+            "inseparable pair declared, with the experiment",
+            Goal::AtLeast(0.92, 1.0),
+            outcomes.iter().filter_map(|o| match o.kind {
+                Kind::Inseparable(a, b) => Some(declared(&o.found, a, b)),
+                _ => None,
+            }),
+        ),
+        rate(
+            "two effects, both in the first three",
+            Goal::AtLeast(0.90, 0.98),
+            pairs().map(|o| o.planted.iter().all(|planted| named(&o.found, &planted.effect, 3))),
+        ),
+        rate("parameter: τ within 30 %, frequency within 0.02 Hz", Goal::AtLeast(0.90, 0.95), within),
+        quantile("  median error of τ", Goal::AtMost(0.04, 0.015), 0.5, errors),
+        quantile(
+            "share of the achievable fall on eval: median",
+            Goal::AtLeast(0.98, 0.998),
+            0.5,
+            shared.iter().copied(),
+        ),
+        quantile("  10th percentile", Goal::AtLeast(0.93, 0.985), 0.1, shared.iter().copied()),
+        rate(
+            "corrections that make eval worse by over 2 %",
+            Goal::AtMost(0.01, 0.0),
+            outcomes.iter().map(|o| o.realised_fall.is_some_and(|fall| fall < -0.02)),
+        ),
+        rate("predicted fall's 90 % interval holds", Goal::Within([0.80, 0.97], [0.87, 0.93]), predictions),
+        quantile("time for one case, s: median", Goal::AtMost(5.0, 1.0), 0.5, seconds.clone()),
+        quantile("  longest", Goal::AtMost(5.0, 1.0), 1.0, seconds),
+    ]
+}
+
+/// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come again.
+fn is_reproducible(effect: &str) -> bool {
+    !["bias_step", "drifting_line", "gauss_markov", "rate_random_walk"].contains(&effect)
+}
+
+fn named(found: &[FoundIn], effect: &str, among: usize) -> bool {
+    found.iter().take(among).any(|found| found.effect == effect)
+}
+
+/// The first finding is one of the two, and says that it may be the other, and how to find out.
+fn declared(found: &[FoundIn], a: Effect, b: Effect) -> bool {
+    let (a, b) = (a.to_string(), b.to_string());
+    found.first().is_some_and(|first| {
+        let other = if first.effect == a { &b } else { &a };
+        (first.effect == a || first.effect == b) && first.confounded_with.contains(other) && first.separated
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_are_those_of_clopper_and_pearson() {
+        // Clopper and Pearson 1934, and any table of theirs: 0 of 10, 3 of 10, 10 of 10
+        for (hit, [low, high]) in [(0, [0.0, 0.3085]), (3, [0.0667, 0.6525]), (10, [0.6915, 1.0])] {
+            let found = interval(hit, 10);
+            assert!((found[0] - low).abs() < 1e-4 && (found[1] - high).abs() < 1e-4, "{hit}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_figure_that_misses_says_so_and_few_cases_leave_it_open() {
+        let goal = Goal::AtLeast(0.9, 0.95);
+        let missed = rate("few", goal, [true, true, true, false]);
+        assert!(!missed.holds() && missed.may_hold());
+        let missed = rate("many", goal, (0..400).map(|i| i % 4 != 0));
+        assert!(!missed.holds() && !missed.may_hold());
+        assert!(rate("none", goal, []).holds());
+    }
+}

@@ -1,0 +1,263 @@
+//! One simulated case: its truth, the answer, and what the correction did to a log that was not fitted.
+
+use serde::Serialize;
+
+use super::CalibrationError;
+use crate::diagnose::{Diagnosis, Gls, NoiseLevels, Question, Verdict, correction, diagnose};
+use crate::effects::Library;
+use crate::recording::{LoadOptions, Recording, Source};
+use crate::signal;
+use crate::simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, simulate_case};
+
+/// Blocks of the slow error, s: its definition.
+const SLOW_BLOCK_S: f64 = 1.0;
+
+/// Achievable falls below this are not worth a ratio.
+const LEAST_FALL: f64 = 0.02;
+
+/// What came out of one case.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    /// Number in the suite.
+    pub case: usize,
+    /// What it is for.
+    pub kind: Kind,
+    /// How it was set up.
+    pub setup: String,
+    /// The column.
+    pub target: String,
+    /// What was planted: identifier, parameter, size, size left after the best rival.
+    pub planted: Vec<PlantedIn>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What was found, best first.
+    pub found: Vec<FoundIn>,
+    /// The best leads.
+    pub leads: Vec<String>,
+    /// The fall on the evaluation log that the true regressors, fitted to the field log, reach.
+    pub achievable_fall: Option<f64>,
+    /// The fall that the diagnosis' correction reached there.
+    pub realised_fall: Option<f64>,
+    /// Time for the diagnosis, without simulating or reading, s.
+    pub seconds: f64,
+}
+
+/// What was planted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlantedIn {
+    /// Identifier.
+    pub effect: String,
+    /// Name and value of its parameter.
+    pub parameter: Option<(String, f64)>,
+    /// Matched-filter size in the true noise.
+    pub size: f64,
+    /// Size left after the best rival.
+    pub left: Option<f64>,
+    /// The rival.
+    pub rival: Option<String>,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FoundIn {
+    /// Identifier.
+    pub effect: String,
+    /// Name and value of its parameter.
+    pub parameter: Option<(String, f64)>,
+    /// Score.
+    pub score: f64,
+    /// Fall foretold, and its 90 % interval.
+    pub expected: (f64, [f64; 2]),
+    /// Rivals.
+    pub confounded_with: Vec<String>,
+    /// Each rival comes with an experiment.
+    pub separated: bool,
+}
+
+/// Simulates and diagnoses one case.
+///
+/// # Errors
+///
+/// It cannot be simulated or diagnosed.
+pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcome, CalibrationError> {
+    let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
+    let SimulatedCase { meta, baseline, field, eval, truth } = simulated;
+    let failed = |source: crate::diagnose::DiagnoseError| CalibrationError::Diagnose { case, source };
+    let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
+    let recording = |name: &str, columns| {
+        Recording::from_columns(Source::made_by(name), columns, &options)
+            .map_err(|error| failed(error.into()))
+    };
+    let (quiet, field, eval) =
+        (recording("baseline", baseline)?, recording("field", field)?, recording("eval", eval)?);
+    let start = std::time::Instant::now();
+    let answer = diagnose(&Question {
+        field: &field,
+        quiet: Some(&quiet),
+        judged: Some(&eval),
+        target: &meta.target,
+        sheet: meta.data_sheet(),
+        full_scale: meta.full_scale(),
+        lsb: meta.lsb(),
+        library,
+        given: &[],
+    })
+    .map_err(failed)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
+    let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
+    let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
+    Ok(Outcome {
+        case,
+        kind: plan.kind,
+        setup: format!("{:?}", plan.setup),
+        target: meta.target.clone(),
+        planted: truth
+            .planted
+            .iter()
+            .map(|planted| PlantedIn {
+                effect: planted.effect.to_string(),
+                parameter: planted.params.iter().next().map(|(name, value)| ((*name).to_owned(), *value)),
+                size: planted.size,
+                left: planted.left_after_best_rival,
+                rival: planted.rival.map(|(rival, _)| rival.to_string()),
+            })
+            .collect(),
+        verdict: answer.verdict,
+        found: answer
+            .findings
+            .iter()
+            .map(|finding| FoundIn {
+                effect: finding.effect.clone(),
+                parameter: finding.params.iter().next().map(|(name, value)| (name.clone(), *value)),
+                score: finding.score,
+                expected: (finding.expected_drop, finding.expected_drop_ci),
+                confounded_with: finding.confounded_with.clone(),
+                separated: finding.separate.len() == finding.confounded_with.len(),
+            })
+            .collect(),
+        leads: answer
+            .leads
+            .iter()
+            .take(3)
+            .map(|lead| format!("{} ({:.0})", lead.follows, lead.score))
+            .collect(),
+        achievable_fall: falls.0,
+        realised_fall: falls.1,
+        seconds,
+    })
+}
+
+/// The logs on which a correction is judged.
+struct Corrected<'a> {
+    target: &'a str,
+    field: &'a Recording,
+    eval: &'a Recording,
+}
+
+impl Corrected<'_> {
+    /// Achievable and realised fall of the error on the evaluation log: of 1-s means, or of the samples.
+    fn falls(
+        &self,
+        answer: &Diagnosis,
+        field_truth: &LogTruth,
+        eval_truth: &LogTruth,
+        noise: &AxisNoise,
+        wide: bool,
+    ) -> Result<(Option<f64>, Option<f64>), crate::diagnose::DiagnoseError> {
+        let reduced = Reduced1s::new(self.eval, self.target)?;
+        let take = |correction: &[f64]| -> f64 { reduced.fall(correction, wide) };
+        let own = correction(&answer.findings, self.field, self.eval)?;
+        let realised =
+            answer.findings.iter().any(|finding| !finding.correction.is_empty()).then(|| take(&own));
+        if field_truth.regressors.is_empty() {
+            return Ok((None, realised));
+        }
+        let best = best_correction(self.field, self.target, field_truth, eval_truth, noise, wide)?;
+        let achievable = take(&best);
+        Ok(((achievable > LEAST_FALL).then_some(achievable), realised))
+    }
+}
+
+/// The error of a log in 1-s blocks and in samples.
+struct Reduced1s {
+    reduced: crate::diagnose::Reduced,
+}
+
+impl Reduced1s {
+    fn new(log: &Recording, target: &str) -> Result<Self, crate::diagnose::DiagnoseError> {
+        Ok(Self { reduced: crate::diagnose::Reduced::in_blocks_of(log, target, &[], SLOW_BLOCK_S)? })
+    }
+
+    fn fall(&self, correction: &[f64], wide: bool) -> f64 {
+        let left: Vec<f64> = self.reduced.error.iter().zip(correction).map(|(e, c)| e - c).collect();
+        let spread = |values: &[f64]| match wide {
+            true => {
+                let known = values.iter().zip(self.reduced.blocks.known());
+                let known: Vec<f64> = known.filter(|(_, known)| **known).map(|(v, _)| *v).collect();
+                signal::variance(&[&known])
+            }
+            false => signal::variance(&[&self.reduced.blocks.means(values)]),
+        };
+        1.0 - spread(&left) / spread(&self.reduced.error)
+    }
+}
+
+/// What the true regressors take out of the evaluation log when they are fitted to the field log with the true noise.
+fn best_correction(
+    field: &Recording,
+    target: &str,
+    field_truth: &LogTruth,
+    eval_truth: &LogTruth,
+    noise: &AxisNoise,
+    wide: bool,
+) -> Result<Vec<f64>, crate::diagnose::DiagnoseError> {
+    let reduced = crate::diagnose::Reduced::new(field, target, &[])?;
+    let coefficients: Vec<f64> = if wide {
+        // a line stands in locally white noise: plain least squares
+        let known = |values: &[f64]| -> Vec<f64> {
+            let known = values.iter().zip(reduced.blocks.known());
+            known.filter(|(_, known)| **known).map(|(v, _)| *v).collect()
+        };
+        let y = known(&reduced.error);
+        let mean = signal::mean(&[&y]);
+        let columns: Vec<Vec<f64>> = field_truth.regressors.iter().map(|(_, values)| known(values)).collect();
+        let gram = nalgebra::DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>()
+        });
+        let right = nalgebra::DVector::from_fn(columns.len(), |i, _| {
+            columns[i].iter().zip(&y).map(|(a, b)| a * (b - mean)).sum::<f64>()
+        });
+        gram.cholesky()
+            .map_or_else(|| vec![0.0; columns.len()], |c| c.solve(&right).iter().copied().collect())
+    } else {
+        let columns: Vec<Vec<f64>> =
+            field_truth.regressors.iter().map(|(_, values)| reduced.blocks.means(values)).collect();
+        let one = vec![1.0; reduced.blocks.len()];
+        let mut regressors: Vec<&[f64]> = vec![&one];
+        regressors.extend(columns.iter().map(Vec::as_slice));
+        Gls::new(&reduced.blocks, &true_levels(noise), &reduced.means, &regressors).coefficients()[1..]
+            .to_vec()
+    };
+    let n = eval_truth.error.len();
+    let mut sum = vec![0.0; n];
+    for (coefficient, (_, values)) in coefficients.iter().zip(&eval_truth.regressors) {
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += coefficient * value);
+    }
+    Ok(sum)
+}
+
+/// The true noise as levels: its bias instability from the variance of a rung of its ladder.
+fn true_levels(noise: &AxisNoise) -> NoiseLevels {
+    let ratio = match noise.flicker[..] {
+        [first, second, ..] => second.tau_s / first.tau_s,
+        _ => 3.0,
+    };
+    let sigma = noise.flicker.first().map_or(0.0, |process| process.sigma);
+    NoiseLevels {
+        white: (noise.fast_density(0.0, 0.0) * noise.period_s).sqrt(),
+        flicker: sigma * (std::f64::consts::PI / ratio.ln()).sqrt(),
+        walk: noise.random_walk,
+        gauss_markov: None,
+    }
+}
