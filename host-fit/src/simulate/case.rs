@@ -1,142 +1,20 @@
 //! A case: the logs of one unit, an effect planted in two of them, and the truth.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::axis::Axis;
+use super::case_meta::{CaseMeta, meta};
+use super::coloured::AxisNoise;
 use super::effect::Effect;
-use super::part::{PARTS, Part, true_rate};
+use super::part::{Part, true_rate};
+use super::plan::{CasePlan, Kind, NOMINAL_RATE_HZ, PlanError};
 use super::plant::{Plant, Shape};
 use super::planting::{self, Planted};
 use super::random::{Stream, chance, random};
 use super::recorder::{self, Faults, Logged, Unit};
 use super::regressors::Column;
-use super::setup::{Path, Scene, Setup, Wants};
+use super::setup::{Scene, Setup, Wants};
 use super::world::World;
-
-/// Nominal sample rate, Hz.
-pub const NOMINAL_RATE_HZ: f64 = 200.0;
-
-/// How long the logs are, s.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Durations {
-    /// The quiet log.
-    pub baseline_s: f64,
-    /// The log to be explained.
-    pub field_s: f64,
-    /// The log to be corrected.
-    pub eval_s: f64,
-}
-
-impl Default for Durations {
-    fn default() -> Self {
-        Self { baseline_s: 600.0, field_s: 1500.0, eval_s: 900.0 }
-    }
-}
-
-/// What a case is for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Nothing is missing.
-    Nothing,
-    /// One effect.
-    Single(Level),
-    /// Two effects that can be told apart.
-    Pair,
-    /// One of two effects that this log cannot tell apart.
-    Inseparable(Effect, Effect),
-    /// Something that no library has.
-    Outside,
-}
-
-/// How clear an effect is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Level {
-    /// Of size 10 to 16.
-    Weak,
-    /// Of size 22 to 45.
-    Medium,
-    /// Of size 80 to 300.
-    Strong,
-}
-
-/// A case to simulate. The same plan gives the same bits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CasePlan {
-    /// Of every random number.
-    pub seed: u64,
-    /// Name of the part, as in [`PARTS`].
-    pub part: String,
-    /// How the unit is used.
-    pub setup: Setup,
-    /// Course of the covariates.
-    pub path: Path,
-    /// The axis to be explained.
-    pub target: Axis,
-    /// What is planted in field and evaluation.
-    pub planted: Vec<Plant>,
-    /// How long the logs are.
-    pub durations: Durations,
-    /// What the case is for.
-    pub kind: Kind,
-}
-
-impl CasePlan {
-    /// A plan with nothing planted.
-    pub fn new(seed: u64, part: &str, setup: Setup, target: Axis) -> Self {
-        Self {
-            seed,
-            part: part.to_owned(),
-            setup,
-            path: Path::Drawn,
-            target,
-            planted: Vec::new(),
-            durations: Durations::default(),
-            kind: Kind::Nothing,
-        }
-    }
-}
-
-/// A plan that cannot be carried out.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PlanError {
-    /// No such part.
-    #[error("there is no part {0:?}; choose from {parts}", parts = PARTS.map(|part| part.name).join(", "))]
-    Part(String),
-    /// The set-up cannot show the effect on this axis.
-    #[error("{effect} does not show on {} in the set-up {setup:?}{}", .target.column(), places(*.effect))]
-    Unsuited {
-        /// The effect.
-        effect: Effect,
-        /// The set-up.
-        setup: Setup,
-        /// The axis.
-        target: Axis,
-    },
-    /// The effect is nothing on this log: a parameter out of reach, or a log too short.
-    #[error("{effect} with parameter {parameter} makes no error in a field of this length")]
-    Nothing {
-        /// The effect.
-        effect: Effect,
-        /// Its parameter.
-        parameter: f64,
-    },
-    /// A log is too short.
-    #[error("a log must last 60 s or more")]
-    Short,
-    /// A size is not positive, a parameter is no number.
-    #[error("size and parameter of {0} must be positive numbers")]
-    Size(Effect),
-}
-
-fn places(effect: Effect) -> String {
-    let all = Setup::ALL.iter().flat_map(|setup| [(*setup, Axis::Ax), (*setup, Axis::Gx)]);
-    let shown = all.filter(|(setup, axis)| effect.suits(*setup, *axis)).map(|(setup, axis)| {
-        format!("{} of {setup:?}", if axis.is_gyro() { "a gyro" } else { "an accelerometer" })
-    });
-    format!("; choose from {}", shown.collect::<Vec<_>>().join(", "))
-}
 
 /// The logs of a case and the truth behind them.
 #[derive(Debug, Clone)]
@@ -151,83 +29,6 @@ pub struct SimulatedCase {
     pub eval: Vec<Column>,
     /// What the user is not told.
     pub truth: Truth,
-}
-
-/// `meta.json` of a case folder.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CaseMeta {
-    /// `fos-case/1`.
-    #[serde(default)]
-    pub schema: String,
-    /// Name of the case.
-    pub case: String,
-    /// Column to be explained.
-    pub target: String,
-    /// Kind of device.
-    #[serde(default)]
-    pub device: String,
-    /// How it was used, in words.
-    #[serde(default)]
-    pub setup: String,
-    /// Nominal sample rate, Hz.
-    pub nominal_rate_hz: f64,
-    /// Full scale of the accelerometers, m/s².
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accel_full_scale_mps2: Option<f64>,
-    /// Full scale of the gyros, rad/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro_full_scale_rads: Option<f64>,
-    /// Least significant bit of the accelerometers, m/s².
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accel_lsb_mps2: Option<f64>,
-    /// Least significant bit of the gyros, rad/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro_lsb_rads: Option<f64>,
-    /// What the data sheet says.
-    #[serde(default)]
-    pub datasheet: Datasheet,
-    /// Names of the logs, without ending.
-    pub files: CaseFiles,
-    /// What the logs are, in words.
-    #[serde(default)]
-    pub note: String,
-}
-
-/// Figures of a data sheet; any may be missing.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Datasheet {
-    /// Noise density of the gyros, °/s/√Hz.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro_noise_density_dps_rthz: Option<f64>,
-    /// Noise density of the accelerometers, µg/√Hz.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accel_noise_density_ug_rthz: Option<f64>,
-    /// Bias instability of the gyros, °/h.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro_bias_instability_dph: Option<f64>,
-    /// Bias instability of the accelerometers, µg.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accel_bias_instability_ug: Option<f64>,
-    /// Temperature coefficient of the gyros, °/s/K.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro_tco_dps_per_k: Option<f64>,
-    /// Temperature coefficient of the accelerometers, mg/K.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accel_tco_mg_per_k: Option<f64>,
-}
-
-/// Names of the logs of a case, without ending; up to three.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct CaseFiles {
-    /// The quiet log.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub baseline: Option<String>,
-    /// The log to be explained.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field: Option<String>,
-    /// The log to be corrected.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub eval: Option<String>,
 }
 
 /// The truth behind a case.
@@ -246,7 +47,7 @@ pub struct Truth {
     /// Spectral level of the target's fast noise at zero frequency, one-sided, unit/√Hz.
     pub white_density: f64,
     /// Noise of the target.
-    pub noise: super::coloured::AxisNoise,
+    pub noise: AxisNoise,
     /// What a perfect model subtracts from the field, and what it is made of; in truth_field.parquet.
     #[serde(skip)]
     pub field: LogTruth,
@@ -403,33 +204,4 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         eval: eval_truth,
     };
     Ok(SimulatedCase { meta: meta(plan, &part), baseline, field, eval, truth })
-}
-
-fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
-    CaseMeta {
-        schema: "fos-case/1".to_owned(),
-        case: "case".to_owned(),
-        target: plan.target.column().to_owned(),
-        device: format!("{}-like", part.name),
-        setup: plan.setup.words().to_owned(),
-        nominal_rate_hz: NOMINAL_RATE_HZ,
-        accel_full_scale_mps2: Some(part.full_scale(Axis::Ax)),
-        gyro_full_scale_rads: Some(part.full_scale(Axis::Gx)),
-        accel_lsb_mps2: Some(part.lsb(Axis::Ax)),
-        gyro_lsb_rads: Some(part.lsb(Axis::Gx)),
-        datasheet: Datasheet {
-            gyro_noise_density_dps_rthz: Some(part.gyro_noise_density_dps_rthz),
-            accel_noise_density_ug_rthz: Some(part.accel_noise_density_ug_rthz),
-            gyro_bias_instability_dph: Some(part.gyro_bias_instability_dph),
-            accel_bias_instability_ug: Some(part.accel_bias_instability_ug),
-            gyro_tco_dps_per_k: Some(part.gyro_tco_dps_per_k),
-            accel_tco_mg_per_k: Some(part.accel_tco_mg_per_k),
-        },
-        files: CaseFiles {
-            baseline: Some("baseline".to_owned()),
-            field: Some("field".to_owned()),
-            eval: Some("eval".to_owned()),
-        },
-        note: "baseline: quiet log of the same unit, nothing missing. field: explain its target channel. eval: apply the final model, nothing to fit.".to_owned(),
-    }
 }

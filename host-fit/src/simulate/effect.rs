@@ -190,6 +190,13 @@ impl Effect {
                 setup == if target.is_gyro() { Setup::RateTable } else { Setup::PoseRig }
             }
             Self::LeverArm => setup == Setup::RateTable && !target.is_gyro(),
+            // beside the vibration itself their sizes would be wrong
+            Self::SpectralLine
+            | Self::DriftingLine
+            | Self::Quantisation
+            | Self::Outside(Outside::Bursts | Outside::NoiseLevel) => {
+                setup != Setup::Shaker || target.is_gyro()
+            }
             _ => true,
         }
     }

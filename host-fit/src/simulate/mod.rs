@@ -7,19 +7,22 @@
 //! | `setup`, `thermal`, `motion`, `world` | how it is used; what is then true |
 //! | `effect`, `regressors`, `course` | what can be planted; its formula |
 //! | `plant`, `planting`, `strength`, `rivals` | what is planted; how large it is in the noise |
-//! | `recorder`, `case`, `case_folder` | what is logged; a whole case |
+//! | `plan`, `recorder`, `case`, `case_meta`, `case_folder` | what to simulate; what is logged; a whole case |
+//! | `suite` | many cases, to measure rates |
 
 pub mod band_limited;
 
 mod axis;
 mod case;
 mod case_folder;
+mod case_meta;
 mod coloured;
 mod course;
 mod effect;
 mod motion;
 mod noise;
 mod part;
+mod plan;
 mod plant;
 mod planting;
 mod random;
@@ -28,6 +31,7 @@ mod regressors;
 mod rivals;
 mod setup;
 mod strength;
+mod suite;
 mod thermal;
 mod unit;
 mod world;
@@ -36,15 +40,15 @@ mod world;
 mod case_tests;
 
 pub use axis::Axis;
-pub use case::{
-    CaseFiles, CaseMeta, CasePlan, Datasheet, Durations, Kind, Level, LogTruth, NOMINAL_RATE_HZ, PlanError,
-    SimulatedCase, Truth, simulate_case,
-};
+pub use case::{LogTruth, SimulatedCase, Truth, simulate_case};
 pub use case_folder::CaseFolderError;
+pub use case_meta::{CaseFiles, CaseMeta, Datasheet};
 pub use coloured::{AxisNoise, Colour, GaussMarkov};
 pub use effect::{Band, Description, Effect, Outside};
 pub use part::{PARTS, Part};
+pub use plan::{CasePlan, Durations, Kind, Level, NOMINAL_RATE_HZ, PlanError};
 pub use plant::Plant;
 pub use planting::{Planted, assess};
 pub use setup::{Path, Setup};
+pub use suite::suite;
 pub use unit::{SimulatedLog, Simulation, simulate};

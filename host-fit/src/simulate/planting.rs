@@ -6,9 +6,10 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use serde::Serialize;
 
-use super::case::{CasePlan, Draft, PlanError, draft};
+use super::case::{Draft, draft};
 use super::coloured::AxisNoise;
 use super::effect::{Band, Effect, Outside};
+use super::plan::{CasePlan, PlanError};
 use super::plant::Shape;
 use super::random::{Random, Stream, between, chance, random};
 use super::recorder::Faults;

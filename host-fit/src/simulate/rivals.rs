@@ -12,6 +12,9 @@ use super::world::World;
 /// Samples in a cell of the covariates that rivals are made of: 10 Hz of 200 Hz will do for what is slow.
 pub(super) const CELL: usize = 20;
 
+/// Lags below this are no rival of temp_linear, s.
+const SHORT_LAG_S: f64 = 40.0;
+
 /// The rival that leaves least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Best {
@@ -66,7 +69,7 @@ impl Rivals {
         };
         self.0
             .iter()
-            .filter(|(rival, ..)| !ours(*rival) && !contains(*rival, effect))
+            .filter(|(rival, parameter, _)| !ours(*rival) && !contains((*rival, *parameter), effect))
             .map(|(effect, parameter, columns)| Best {
                 effect: *effect,
                 parameter: *parameter,
@@ -76,9 +79,14 @@ impl Rivals {
     }
 }
 
-/// `general` has every error that `special` has.
-fn contains(general: Effect, special: Effect) -> bool {
-    matches!((general, special), (Effect::TempPoly, Effect::TempLinear) | (Effect::SfTemp, Effect::SfError))
+/// `general`, with its parameter, has every error that `special` has. A lag that is short against ramps of minutes is
+/// temp_linear with a parameter too many.
+fn contains((general, parameter): (Effect, f64), special: Effect) -> bool {
+    match (general, special) {
+        (Effect::TempPoly, Effect::TempLinear) | (Effect::SfTemp, Effect::SfError) => true,
+        (Effect::ThermalLag, Effect::TempLinear) => parameter < SHORT_LAG_S,
+        _ => false,
+    }
 }
 
 fn grid(effect: Effect, duration_s: f64) -> Vec<f64> {
