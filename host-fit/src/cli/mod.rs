@@ -11,6 +11,7 @@ mod inspect;
 mod output;
 mod replay;
 mod simulate;
+mod simulate_case;
 mod table;
 
 use std::process::ExitCode;
