@@ -235,3 +235,46 @@ fn several_logs_are_fitted_as_one_and_not_spliced() {
     let refused = fails(folder, 1, &["compare", "study.json"]);
     assert!(refused.contains("not the log that was fitted"), "{refused}");
 }
+
+#[test]
+fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let arguments = ["simulate", "--case", "case_9", "--setup", "pose-rig", "--target", "gy", "--seed", "7"];
+    let said = done(
+        folder,
+        &[&arguments[..], &["--effect", "thermal_lag:tau_s=60", "--effect", "g_sensitivity", "--size", "40"]]
+            .concat(),
+    );
+    assert!(said.contains("thermal_lag of size 40.0, g_sensitivity of size 40.0 in gy_rads"), "{said}");
+    let meta = std::fs::read_to_string(folder.join("case_9/meta.json")).expect("written");
+    assert!(meta.contains("fos-case/1") && meta.contains("\"case_9\"") && !meta.contains("thermal_lag"));
+    let truth = std::fs::read_to_string(folder.join("case_9/truth.json")).expect("written");
+    assert!(truth.contains("\"tau_s\": 60.0"));
+    for log in ["baseline", "field", "eval", "truth_field", "truth_eval"] {
+        assert!(folder.join(format!("case_9/{log}.parquet")).is_file(), "{log}");
+    }
+    for (effect, choices) in [
+        ("thermal_drag", "outside:telegraph"),
+        ("thermal_lag:tau=60", "tau_s, usually 15 to 200"),
+        ("thermal_lag:tau_s=warm", "is no number"),
+        ("bias_ramp:tau_s=60", "has no parameter"),
+        ("load_heating", "a gyro of Desk"),
+    ] {
+        let said = fails(folder, 1, &[&arguments[..], &["--effect", effect]].concat());
+        assert!(said.contains(choices), "{said}");
+    }
+    fails(folder, 2, &["simulate", "--case", "case_9", "--minutes", "3"]);
+    fails(folder, 2, &["simulate", "log.csv", "--effect", "bias_ramp"]);
+    fails(folder, 2, &["simulate", "--suite", "3"]);
+}
+
+#[test]
+fn a_suite_is_a_folder_of_cases() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = done(folder.path(), &["simulate", "--suite", "2", "cases", "--seed", "3"]);
+    assert!(said.contains("2 cases"), "{said}");
+    for case in ["case_000", "case_001"] {
+        assert!(folder.path().join("cases").join(case).join("meta.json").is_file(), "{case}");
+    }
+}

@@ -15,6 +15,7 @@ mod inspect;
 mod output;
 mod replay;
 mod simulate;
+mod simulate_case;
 mod table;
 
 use std::process::ExitCode;

@@ -1,20 +1,24 @@
-//! `simulate`: a log with known truth.
+//! `simulate`: a log with known truth; a case or many.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::output::Failure;
+use super::simulate_case::CaseArguments;
 use crate::recording::write_columns;
 use crate::simulate::band_limited::band_limited;
 use crate::simulate::{Simulation, simulate};
 
 /// Write a simulated log: six axes and temperature, every number from the seed
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit simulate unit.parquet --minutes 20 --seed 7 --truth")]
+#[command(after_help = "Example: host-fit simulate unit.parquet --minutes 20 --seed 7 --truth\n         \
+    host-fit simulate --case case_1 --setup desk --target ay --effect load_heating:tau_s=60 --size 40\n         \
+    host-fit simulate --suite 45 cases --seed 3")]
 pub(super) struct Simulate {
-    /// The log to write: .csv, .csv.gz or .parquet
-    log: PathBuf,
+    /// The log to write: .csv, .csv.gz or .parquet; with --suite, the folder
+    #[arg(required_unless_present = "case")]
+    log: Option<PathBuf>,
     /// Duration, min
     #[arg(long, default_value_t = 20.0)]
     minutes: f64,
@@ -37,15 +41,21 @@ pub(super) struct Simulate {
     /// Add the true values as columns ref_ax_mps2 … ref_gz_rads
     #[arg(long)]
     truth: bool,
+    #[command(flatten)]
+    case: CaseArguments,
 }
 
 impl Simulate {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if self.case.are_given() {
+            return self.case.run(self.log.as_deref(), self.seed);
+        }
+        let Some(log_path) = &self.log else { return Err("name the log to write".into()) };
         if !(self.minutes > 0.0 && self.rate > 0.0) {
             return Err("--minutes and --rate must be positive".into());
         }
         if self.band_limited {
-            return write(&self.log, &band_limited(self.minutes * 60.0, self.seed));
+            return write(log_path, &band_limited(self.minutes * 60.0, self.seed));
         }
         let log = simulate(&Simulation {
             duration_s: self.minutes * 60.0,
@@ -55,7 +65,7 @@ impl Simulate {
             motion: !self.at_rest,
         });
         let truth = if self.truth { log.truth } else { Vec::new() };
-        write(&self.log, &log.columns.into_iter().chain(truth).collect::<Vec<_>>())
+        write(log_path, &log.columns.into_iter().chain(truth).collect::<Vec<_>>())
     }
 }
 

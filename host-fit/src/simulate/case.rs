@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::axis::Axis;
-use super::case_meta::{CaseMeta, meta};
+use super::case_meta::meta;
 use super::coloured::AxisNoise;
 use super::effect::Effect;
 use super::part::{Part, true_rate};
@@ -15,6 +15,7 @@ use super::recorder::{self, Faults, Logged, Unit};
 use super::regressors::Column;
 use super::setup::{Scene, Setup, Wants};
 use super::world::World;
+use crate::case::CaseMeta;
 
 /// The logs of a case and the truth behind them.
 #[derive(Debug, Clone)]

@@ -4,6 +4,7 @@ use super::planting::assess;
 use super::rivals::CELL;
 use super::strength::{Blocks, Whitener};
 use super::*;
+use crate::case::CaseMeta;
 use crate::signal::{mean, variance};
 
 const SHORT: Durations = Durations { baseline_s: 60.0, field_s: 600.0, eval_s: 300.0 };

@@ -42,7 +42,6 @@ mod case_tests;
 pub use axis::Axis;
 pub use case::{LogTruth, SimulatedCase, Truth, simulate_case};
 pub use case_folder::CaseFolderError;
-pub use case_meta::{CaseFiles, CaseMeta, Datasheet};
 pub use coloured::{AxisNoise, Colour, GaussMarkov};
 pub use effect::{Band, Description, Effect, Outside};
 pub use part::{PARTS, Part};

@@ -176,9 +176,9 @@ fn add_vibration(
     }
 }
 
-/// A table that turns about one of the unit's axes, itself tilted by up to 8° from the vertical: dwells, staircases of both
-/// signs, slow sines, up to 100 to 200 °/s. The unit is not quite square on the table, and the table's inner axes make slow
-/// moves of their own of 1 to 2 °/s.
+/// A table that turns about one of the unit's axes, at first within 8° of the vertical: dwells, staircases of both signs, slow
+/// sines, up to 100 to 200 °/s. The unit is not quite square on the table, and the table's inner axes make slow moves of
+/// their own of 1 to 2 °/s, which in time lean it further. The true specific force is gravity carried along.
 pub(super) fn turn_table(world: &mut World, axis: usize, n: usize, random: &mut Random) {
     let period_s = world.period_s;
     let main = programme(n as f64 * period_s, between(random, 100.0, 200.0) * DEGREE, random);

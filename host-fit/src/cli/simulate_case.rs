@@ -1,0 +1,117 @@
+//! `simulate --case` and `--suite`: case folders with a known effect, for the diagnosis.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::{Failure, progress};
+use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
+
+/// What goes into a case.
+#[derive(Debug, Args)]
+pub(super) struct CaseArguments {
+    /// Write a case: baseline, field and evaluation of one unit with known effects, and the truth
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["log", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
+    case: Option<PathBuf>,
+    /// Write a seeded mix of N cases, FOLDER/case_000 …: nothing missing, single effects, pairs, undecidable, outside
+    #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
+    suite: Option<usize>,
+    /// How the unit of a case is used
+    #[arg(long, value_enum, default_value = "bench", requires = "case", conflicts_with = "log")]
+    setup: Setup,
+    /// Its part: bmi160, bmi270, lsm6dso, icm42688, mpu6050
+    #[arg(long, default_value = "bmi270", requires = "case", conflicts_with = "log")]
+    part: String,
+    /// The axis to be explained: ax … gz
+    #[arg(long, default_value = "gx", requires = "case", conflicts_with = "log")]
+    target: String,
+    /// An effect to plant; may be repeated; without any, nothing is missing. `outside:…` are in no library
+    #[arg(long = "effect", value_name = "ID[:PARAMETER=VALUE]", requires = "case", conflicts_with = "log")]
+    effects: Vec<String>,
+    /// Size of each effect in the noise of the field, in standard errors
+    #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log")]
+    size: f64,
+}
+
+impl CaseArguments {
+    /// Whether a case or a suite is asked for.
+    pub(super) fn are_given(&self) -> bool {
+        self.case.is_some() || self.suite.is_some()
+    }
+
+    /// Writes what is asked for; `folder` is that of a suite.
+    pub(super) fn run(&self, folder: Option<&Path>, seed: u64) -> Result<(), Failure> {
+        match (&self.case, self.suite, folder) {
+            (Some(folder), ..) => {
+                let case = simulate_case(&self.plan(seed)?)?;
+                case.write(folder)?;
+                let planted: Vec<String> = case
+                    .truth
+                    .planted
+                    .iter()
+                    .map(|p| format!("{} of size {:.1}", p.effect, p.size))
+                    .collect();
+                let planted =
+                    if planted.is_empty() { "nothing missing".to_owned() } else { planted.join(", ") };
+                println!("{}: {planted} in {}", folder.display(), case.meta.target);
+                Ok(())
+            }
+            (None, Some(count), Some(folder)) => write_suite(folder, seed, count),
+            // clap asks for it
+            _ => Err("name the folder to write into: host-fit simulate --suite 45 FOLDER".into()),
+        }
+    }
+
+    fn plan(&self, seed: u64) -> Result<CasePlan, Failure> {
+        let target = Axis::named(&self.target).ok_or_else(|| {
+            format!("there is no axis {:?}; choose from ax, ay, az, gx, gy, gz", self.target)
+        })?;
+        let mut plan = CasePlan::new(seed, &self.part, self.setup, target);
+        for text in &self.effects {
+            plan.planted.push(parse(text, self.size)?);
+        }
+        plan.kind = match plan.planted.as_slice() {
+            [] => Kind::Nothing,
+            planted if planted.iter().any(|plant| plant.effect.is_outside()) => Kind::Outside,
+            [_] => Kind::Single(Level::of(self.size)),
+            _ => Kind::Pair,
+        };
+        Ok(plan)
+    }
+}
+
+/// `thermal_lag`, `thermal_lag:tau_s=60`, `outside:telegraph`, `outside:telegraph:dwell_s=30`.
+fn parse(text: &str, size: f64) -> Result<Plant, Failure> {
+    let (name, parameter) = match text.rsplit_once(':') {
+        Some((name, parameter)) if parameter.contains('=') => (name, Some(parameter)),
+        _ => (text, None),
+    };
+    let effect = Effect::try_from(name.to_owned())?;
+    let known = effect.description().parameter;
+    let parameter = match (parameter.and_then(|p| p.split_once('=')), known) {
+        (None, _) => None,
+        (Some((name, value)), Some((expected, _))) if name == expected => {
+            Some(value.parse::<f64>().map_err(|_| format!("{text}: {value:?} is no number"))?)
+        }
+        (Some((name, _)), Some((expected, [low, high]))) => {
+            return Err(format!(
+                "{effect} has no parameter {name:?}; it has {expected}, usually {low} to {high}"
+            )
+            .into());
+        }
+        (Some(_), None) => return Err(format!("{effect} has no parameter").into()),
+    };
+    Ok(Plant { effect, parameter, size })
+}
+
+fn write_suite(folder: &Path, seed: u64, count: usize) -> Result<(), Failure> {
+    let plans = suite(seed, count);
+    let bar = progress(plans.len() as u64, "writing cases");
+    for (number, plan) in plans.iter().enumerate() {
+        simulate_case(plan)?.write(folder.join(format!("case_{number:03}")))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    println!("{}: {} cases", folder.display(), plans.len());
+    Ok(())
+}
