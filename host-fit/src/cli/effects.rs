@@ -68,7 +68,7 @@ fn explain(effect: &Effect) {
         }
     };
     line("equation", &effect.equation);
-    let terms: Vec<&str> = effect.terms.iter().map(|term| term.product.as_str()).collect();
+    let terms: Vec<&str> = effect.terms.iter().map(|term| term.regressor.as_str()).collect();
     line("regressors", &terms.join("\n"));
     line("typical size", &effect.typical_size);
     line("source", &effect.source);

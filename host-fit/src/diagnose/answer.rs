@@ -102,11 +102,11 @@ pub struct Separation {
     pub experiment: String,
 }
 
-/// One term of a correction: coefficient times product, in the axis' unit.
+/// One term of a correction: coefficient times regressor, in the axis' unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionTerm {
-    /// A product of inputs, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
-    pub product: String,
+    /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
+    pub regressor: String,
     /// Coefficient, unit of the axis per unit of the product.
     pub coefficient: f64,
     /// Its standard error.

@@ -1,7 +1,7 @@
 //! What the findings of a diagnosis take out of a log.
 
 use super::answer::{CorrectionTerm, Finding};
-use crate::effects::{Band, Inputs, Product};
+use crate::effects::{Band, Inputs, Regressor};
 use crate::recording::{Recording, RecordingError};
 
 /// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they were
@@ -19,7 +19,8 @@ pub fn correction(
 ) -> Result<Vec<f64>, RecordingError> {
     let (own, other) = (Inputs::new(fitted), Inputs::new(log));
     let mut sum = vec![0.0; log.n_rows()];
-    for CorrectionTerm { product, coefficient, .. } in findings.iter().flat_map(|finding| &finding.correction)
+    for CorrectionTerm { regressor: product, coefficient, .. } in
+        findings.iter().flat_map(|finding| &finding.correction)
     {
         if let Some(time_s) = step_time(product) {
             let after = |log: &Recording, time: &f64| f64::from(u8::from(time - log.time_s[0] > time_s));
@@ -31,11 +32,11 @@ pub fn correction(
             }
             continue;
         }
-        let Ok(product) = Product::parse(product) else { continue };
-        let at_fit = own.product(&product)?;
+        let Ok(product) = Regressor::parse(product) else { continue };
+        let at_fit = own.regressor(&product)?;
         let finite = || at_fit.iter().copied().filter(|value| value.is_finite());
         let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
-        for (sum, value) in sum.iter_mut().zip(other.product(&product)?.iter()) {
+        for (sum, value) in sum.iter_mut().zip(other.regressor(&product)?.iter()) {
             // a quantity that was not logged yet takes nothing out
             if value.is_finite() {
                 *sum += coefficient * (value - mean);
@@ -54,5 +55,5 @@ pub(crate) fn step_time(product: &str) -> Option<f64> {
 pub fn is_fast(findings: &[Finding]) -> bool {
     let terms = || findings.iter().flat_map(|finding| &finding.correction);
     findings.iter().any(|finding| finding.band == Band::Wide && !finding.correction.is_empty())
-        || terms().any(|term| term.product.contains("ref_"))
+        || terms().any(|term| term.regressor.contains("ref_"))
 }

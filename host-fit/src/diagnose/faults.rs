@@ -5,7 +5,7 @@ use crate::recording::Recording;
 use crate::signal::quantisation::quantisation;
 
 /// Share of samples at one extreme value above which they count as clipped, and how many times as many samples as on the
-/// values next to it must lie there, beside four standard errors: the tail of noise falls off, a stop piles up.
+/// value next to it must lie there, beside four standard errors: the tail of noise falls off, a stop piles up.
 const CLIPPED_SHARE: f64 = 2e-4;
 const PILE_UP: f64 = 1.3;
 
@@ -107,7 +107,7 @@ fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<F
             }
         }
         let (extreme, count) = *counts.first()?;
-        let next = counts[1..].iter().map(|(_, count)| *count).max().unwrap_or(0);
+        let next = counts.get(1).map_or(0, |(_, count)| *count);
         let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
         let (count, next) = (count as f64, next as f64);
         let piled = !heaps && count > PILE_UP * next + 4.0 * next.sqrt() && counts.len() == 3;

@@ -26,8 +26,8 @@ const TWO_SIDED_90: f64 = 1.645;
 /// Blocks in which the fall of the slow error is foretold, s: its definition.
 const SLOW_BLOCK_S: f64 = 1.0;
 
-/// More steps than this are jumps and no longer shocks.
-const MOST_STEPS: usize = 2;
+/// More steps than this are jumps to and fro and no longer a shock.
+const MOST_STEPS: usize = 1;
 
 /// A line that is there for less than this share of the time comes and goes.
 const STEADY: f64 = 0.45;
@@ -201,7 +201,7 @@ impl Assembly<'_> {
                     let hz = line.frequency_hz;
                     finding.correction = [("sine", cos), ("cosine", sin)]
                         .map(|(transform, part)| CorrectionTerm {
-                            product: format!("clock:{transform}({hz})"),
+                            regressor: format!("clock:{transform}({hz})"),
                             coefficient: line.amplitude * part,
                             standard_error: line.amplitude_error,
                         })
@@ -265,7 +265,7 @@ impl Assembly<'_> {
         for (found, fall) in order.iter().zip(falls) {
             let effect: &Rc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
-            let products = effect.products(self.column, value).unwrap_or_default();
+            let products = effect.regressors(self.column, value).unwrap_or_default();
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
             for (&term, place) in found.hypothesis.terms.iter().zip(found.place.clone()) {
@@ -284,7 +284,7 @@ impl Assembly<'_> {
                         unit: unit.to_string(),
                     });
                 }
-                correction.push(CorrectionTerm { product, coefficient, standard_error: error });
+                correction.push(CorrectionTerm { regressor: product, coefficient, standard_error: error });
             }
             let confounded_with: Vec<String> =
                 found.rivals.iter().map(|(rival, _)| rival.effect.id.clone()).collect();
@@ -338,7 +338,7 @@ impl Assembly<'_> {
             let inputs = Inputs::new(judged);
             order.iter().all(|found| {
                 let effect = &found.hypothesis.effect;
-                let products = effect.products(self.column, found.hypothesis.value).unwrap_or_default();
+                let products = effect.regressors(self.column, found.hypothesis.value).unwrap_or_default();
                 effect.search != Search::Terms || products.iter().all(|product| inputs.has(product))
             })
         });
@@ -350,9 +350,9 @@ impl Assembly<'_> {
             let effect = &found.hypothesis.effect;
             columns.push(match effect.search {
                 Search::Terms => {
-                    let products = effect.products(self.column, found.hypothesis.value).unwrap_or_default();
+                    let products = effect.regressors(self.column, found.hypothesis.value).unwrap_or_default();
                     let terms = found.hypothesis.terms.iter().filter_map(|term| products.get(*term));
-                    terms.map(|product| Ok(blocks.means(&inputs.product(product)?))).collect::<Result<
+                    terms.map(|product| Ok(blocks.means(&inputs.regressor(product)?))).collect::<Result<
                         _,
                         DiagnoseError,
                     >>(

@@ -31,11 +31,10 @@ impl Hypothesis {
         self.columns.iter().map(Vec::as_slice).collect()
     }
 
-    /// Without one of its regressors.
-    pub(super) fn without(&self, column: usize) -> Self {
-        let (mut columns, mut terms) = ((*self.columns).clone(), self.terms.clone());
-        columns.remove(column);
-        terms.remove(column);
+    /// With some of its regressors only.
+    pub(super) fn of_terms(&self, places: &[usize]) -> Self {
+        let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
+        let terms = places.iter().map(|place| self.terms[*place]).collect();
         Self { columns: Rc::new(columns), terms, ..self.clone() }
     }
 
@@ -68,7 +67,7 @@ impl<'a> Hypotheses<'a> {
         if effect.search != Search::Terms {
             return Some(Vec::new());
         }
-        let products = effect.products(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
+        let products = effect.regressors(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
         let mut missing: Vec<String> = products
             .iter()
             .flat_map(|product| product.columns())
@@ -127,10 +126,10 @@ impl<'a> Hypotheses<'a> {
                 |block: usize| ((self.blocks.middle_s(block) - time_s) / length_s + 0.5).clamp(0.0, 1.0);
             return Ok(vec![centred((0..self.blocks.len()).map(after).collect())]);
         }
-        let products = effect.products(self.target, value).unwrap_or_default();
+        let products = effect.regressors(self.target, value).unwrap_or_default();
         products
             .iter()
-            .map(|product| Ok(centred(self.blocks.means(&self.inputs.product(product)?))))
+            .map(|product| Ok(centred(self.blocks.means(&self.inputs.regressor(product)?))))
             .collect()
     }
 }

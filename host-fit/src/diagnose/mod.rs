@@ -139,7 +139,9 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
         _ => false,
     });
-    let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, quiet.as_ref())? };
+    let shaken =
+        quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
+    let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, shaken)? };
     let search = SlowSearch {
         blocks: &reduced.blocks,
         y: &reduced.means,
@@ -151,7 +153,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let slow = search.run()?;
     let left = match stairs {
         true => LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
-        false => left_over(question, &column, &reduced, &given, &slow, faults.is_empty()),
+        false => left_over(question, &column, &reduced, &given, &slow, (faults.is_empty(), shaken)),
     };
     findings::Assembly {
         question,
@@ -176,10 +178,9 @@ fn lines(
     question: &Question<'_>,
     column: &str,
     reduced: &Reduced,
-    quiet: Option<&Reduced>,
+    shaken: bool,
 ) -> Result<Vec<Line>, DiagnoseError> {
     let mut lines = reduced.lines(question.field);
-    let shaken = quiet.is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
     if shaken && column.ends_with("_mps2") {
         for other in ["ax_mps2", "ay_mps2", "az_mps2"].into_iter().filter(|other| *other != column) {
             if question.field.channel(other).is_ok() {
@@ -253,7 +254,7 @@ fn left_over(
     reduced: &Reduced,
     given: &[Vec<f64>],
     slow: &SlowResult,
-    sound: bool,
+    (sound, shaken): (bool, bool),
 ) -> LeftOver {
     let regressors = |keep: &dyn Fn(&slow::Found) -> bool| -> Vec<&[f64]> {
         let mut regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
@@ -278,7 +279,8 @@ fn left_over(
     let mut leads = left(&regressors(&|_| true), &slow.fitted, &slow.prior);
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
     let mut misshapes: Vec<Misshape> = shape::jumps(&slow.fitted.gls.residual).into_iter().collect();
-    if sound {
+    // the noise of an accelerometer that is shaken is the shaking
+    if sound && !(shaken && column.ends_with("_mps2")) {
         misshapes.extend(shape::level(question.field, &reduced.blocks, column));
     }
     // what follows nothing that is logged may stand for something that does

@@ -13,8 +13,9 @@ use crate::recording::Recording;
 /// Least score of a lead.
 const ACCEPT: f64 = 12.0;
 
-/// Knots of free curves, coarse and fine; places of a threshold or of a dip.
+/// Knots of free curves, coarse and fine; places of a threshold; places of a dip.
 const KNOTS: [usize; 2] = [7, 15];
+const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
 
 /// Leads whose noise levels are fitted.
@@ -132,8 +133,8 @@ impl Left<'_> {
                     (0..n_knots).map(|i| low + (high - low) * i as f64 / (n_knots - 1) as f64).collect();
                 curves.push(Curve { follows: format!("a curve of {name}"), columns: hats(values, &knots) });
             }
-            for place in 1..PLACES {
-                let threshold = at(place as f64 / PLACES as f64);
+            for place in 1..THRESHOLDS {
+                let threshold = at(place as f64 / THRESHOLDS as f64);
                 let column = values.iter().map(|v| f64::from(u8::from(*v > threshold))).collect();
                 curves.push(Curve {
                     follows: format!("whether {name} is above {}", real(threshold)),

@@ -146,7 +146,6 @@ impl SlowSearch<'_> {
                 (Some(best), _) if best.score >= ACCEPT => {
                     state.accepted.push(best.hypothesis);
                     state.fitted = best.fitted;
-                    self.prune_last(&mut state);
                     self.drop_unneeded_noise(&mut state);
                     self.exchange(&mut state)?;
                 }
@@ -252,6 +251,7 @@ impl SlowSearch<'_> {
         };
         let first = with(&hypothesis, state.fitted.levels);
         let refined = self.refine(accepted, state.noise, &first, hypothesis)?;
+        let refined = self.worth_their_price(accepted, state.noise, &first, refined);
         let fitted = with(&refined, first.levels);
         let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
         let gain = state.fitted.deviance - fitted.deviance;
@@ -380,30 +380,32 @@ impl SlowSearch<'_> {
         }
     }
 
-    /// Leaves out regressors of the effect found last that explain less than a regressor costs: coefficients that the log
-    /// cannot tell apart would go wrong in the next one.
-    fn prune_last(&self, state: &mut State) {
-        let price = (self.blocks.len() as f64).ln();
-        loop {
-            let Some(last) = state.accepted.last() else { return };
-            let n_kept = last.columns.len();
-            if n_kept < 2 {
-                return;
-            }
-            let shorter = (0..n_kept).map(|column| {
-                let mut accepted = state.accepted.clone();
-                if let Some(last) = accepted.last_mut() {
-                    *last = last.without(column);
-                }
-                let fitted = self.fit(&accepted.iter().collect::<Vec<_>>(), state.noise, state.fitted.levels);
-                State { accepted, fitted, noise: state.noise }
-            });
-            let best = shorter.min_by(|a, b| a.fitted.deviance.total_cmp(&b.fitted.deviance));
-            match best {
-                Some(best) if best.fitted.deviance - state.fitted.deviance < price => *state = best,
-                _ => return,
-            }
+    /// The regressors of an effect that are worth their price, under given levels: coefficients that the log cannot tell
+    /// apart would go wrong in the next one. Of choices as good, the one listed first.
+    fn worth_their_price(
+        &self,
+        accepted: &[&Hypothesis],
+        noise: ExtraNoise,
+        fitted: &Fitted,
+        hypothesis: Hypothesis,
+    ) -> Hypothesis {
+        let n = hypothesis.columns.len();
+        if !hypothesis.effect.any_terms || !(2..=MOST_TERMS).contains(&n) {
+            return hypothesis;
         }
+        let price = (self.blocks.len() as f64).ln();
+        let mut choices: Vec<(f64, Hypothesis)> = (1_u32..1 << n)
+            .map(|choice| {
+                let terms: Vec<usize> = (0..n).filter(|term| choice >> term & 1 == 1).collect();
+                let chosen = hypothesis.of_terms(&terms);
+                let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&chosen]).collect();
+                (self.at(&all, noise, fitted.levels).deviance + price * terms.len() as f64, chosen)
+            })
+            .collect();
+        let best = choices.iter().map(|(deviance, _)| *deviance).fold(f64::INFINITY, f64::min);
+        choices.retain(|(deviance, _)| *deviance < best + AS_GOOD);
+        choices.sort_by(|a, b| a.1.terms.len().cmp(&b.1.terms.len()).then_with(|| a.1.terms.cmp(&b.1.terms)));
+        choices.swap_remove(0).1
     }
 
     /// Further noise that an effect has made unnecessary goes.
@@ -529,7 +531,7 @@ impl SlowSearch<'_> {
         let levels = NoiseLevels::from_logs(&self.prior.mean);
         let constant = &self.given[0];
         let freedom =
-            |hypothesis: &Hypothesis| hypothesis.columns.len() + usize::from(hypothesis.value.is_some());
+            |hypothesis: &Hypothesis| hypothesis.effect.terms.len() + usize::from(hypothesis.value.is_some());
         if freedom(rival) <= freedom(finding) {
             return false;
         }
@@ -583,6 +585,12 @@ const GRID_EDGE: f64 = 1.3;
 
 /// A finding of which less than this share lies outside a rival is contained in it.
 const NESTED: f64 = 1e-3;
+
+/// Terms of which every choice is tried.
+const MOST_TERMS: usize = 6;
+
+/// Choices of terms within this much of the best, in −2 ln L after their price, are as good: odds of 4 to 1.
+const AS_GOOD: f64 = 3.0;
 
 /// Parts of a block in which the moment of a step is looked for.
 const STEP_PARTS: i32 = 5;

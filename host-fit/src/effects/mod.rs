@@ -8,7 +8,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 pub use size::SizeUnit;
-pub use terms::{Inputs, Product};
+pub use terms::{Inputs, Product, Regressor};
 
 use crate::file::{self, FileError};
 
@@ -41,6 +41,9 @@ pub struct Effect {
     /// How it is looked for.
     #[serde(default)]
     pub search: Search,
+    /// Any of its terms alone is the effect too: those that explain nothing are left out.
+    #[serde(default)]
+    pub any_terms: bool,
     /// What happens in the sensor.
     pub mechanism: String,
     /// The error it makes.
@@ -119,8 +122,8 @@ pub enum Search {
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectTerm {
-    /// A product of inputs, as `ref_{target} * temp_c:lowpass({tau_s})`.
-    pub product: String,
+    /// Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`.
+    pub regressor: String,
     /// Unit of its coefficient for a gyro.
     #[serde(default)]
     pub gyro: Option<String>,
@@ -286,7 +289,7 @@ impl Effect {
         }
         if self.search == Search::Terms {
             // any axis will do for a check of the text
-            self.products("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
+            self.regressors("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
         }
         Ok(())
     }
@@ -303,7 +306,9 @@ impl Effect {
 
     /// Whether none of its terms needs a logged quantity.
     pub fn follows_clock_alone(&self) -> bool {
-        self.terms.iter().all(|term| term.product.split('*').all(|input| input.trim().starts_with("clock:")))
+        self.terms
+            .iter()
+            .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
     }
 
     /// Its regressors for a target column and a value of its parameter.
@@ -311,11 +316,11 @@ impl Effect {
     /// # Errors
     ///
     /// A term that cannot be read, or that names an axis the target does not have.
-    pub fn products(&self, target: &str, value: Option<f64>) -> Result<Vec<Product>, String> {
+    pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<Regressor>, String> {
         let name = self.parameter.as_ref().map(|parameter| parameter.name.as_str());
         self.terms
             .iter()
-            .map(|term| Product::parse(&terms::filled(&term.product, target, name.zip(value))?))
+            .map(|term| Regressor::parse(&terms::filled(&term.regressor, target, name.zip(value))?))
             .collect()
     }
 
@@ -368,13 +373,13 @@ mod tests {
     fn a_users_effect_says_what_is_wrong_with_it() {
         let start = "id = \"mine\"\nname = \"mine\"\nband = \"slow\"\nmechanism = \"m\"\nequation = \"e\"\nexperiment = \"x\"\n";
         let with = |terms: &str| Effect::parse("mine.toml", &format!("{start}{terms}"));
-        assert!(with("[[terms]]\nproduct = \"temp_c * supply_v\"\ngyro = \"dps/K\"\n").is_ok());
+        assert!(with("[[terms]]\nregressor = \"temp_c * supply_v\"\ngyro = \"dps/K\"\n").is_ok());
         for (terms, says) in [
             ("", "needs one"),
-            ("[[terms]]\nproduct = \"temp_c:lowpas(3)\"\n", "lowpas"),
-            ("[[terms]]\nproduct = \"temp_c\"\ngyro = \"furlong\"\n", "furlong"),
+            ("[[terms]]\nregressor = \"temp_c:lowpas(3)\"\n", "lowpas"),
+            ("[[terms]]\nregressor = \"temp_c\"\ngyro = \"furlong\"\n", "furlong"),
             (
-                "[[terms]]\nproduct = \"temp_c\"\n[parameter]\nname = \"tau_s\"\nlow = 5\nhigh = 1\n",
+                "[[terms]]\nregressor = \"temp_c\"\n[parameter]\nname = \"tau_s\"\nlow = 5\nhigh = 1\n",
                 "low < high",
             ),
             ("colour = \"red\"\n", "unknown field"),

@@ -33,6 +33,36 @@ impl Product {
     }
 }
 
+/// A regressor: the sum of products, which share a coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regressor {
+    /// Its products.
+    pub products: Vec<Product>,
+}
+
+impl Regressor {
+    /// From text: products joined by `+`.
+    ///
+    /// # Errors
+    ///
+    /// A product cannot be read.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        Ok(Self { products: text.split('+').map(Product::parse).collect::<Result<_, _>>()? })
+    }
+
+    /// The columns that it needs.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.products.iter().flat_map(Product::columns)
+    }
+}
+
+impl fmt::Display for Regressor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let products: Vec<String> = self.products.iter().map(ToString::to_string).collect();
+        f.write_str(&products.join(" + "))
+    }
+}
+
 impl fmt::Display for Product {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let inputs: Vec<String> = self.inputs.iter().map(ToString::to_string).collect();
@@ -89,9 +119,25 @@ impl<'a> Inputs<'a> {
         self.recording
     }
 
-    /// Whether the recording has what a product needs.
-    pub fn has(&self, product: &Product) -> bool {
-        product.columns().all(|column| self.recording.channel(column).is_ok())
+    /// Whether the recording has what a regressor needs.
+    pub fn has(&self, regressor: &Regressor) -> bool {
+        regressor.columns().all(|column| self.recording.channel(column).is_ok())
+    }
+
+    /// A regressor over all rows.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub fn regressor(&self, regressor: &Regressor) -> Result<Rc<[f64]>, RecordingError> {
+        let mut products = regressor.products.iter();
+        let Some(first) = products.next() else { return Ok(Rc::from([])) };
+        let mut values = self.product(first)?;
+        for product in products {
+            let other = self.product(product)?;
+            values = values.iter().zip(other.iter()).map(|(a, b)| a + b).collect();
+        }
+        Ok(values)
     }
 
     /// A product over all rows.
@@ -99,7 +145,7 @@ impl<'a> Inputs<'a> {
     /// # Errors
     ///
     /// A column is missing.
-    pub fn product(&self, product: &Product) -> Result<Rc<[f64]>, RecordingError> {
+    fn product(&self, product: &Product) -> Result<Rc<[f64]>, RecordingError> {
         let mut inputs = product.inputs.iter();
         let Some(first) = inputs.next() else { return Ok(Rc::from([])) };
         let mut values = self.input(first)?;
