@@ -98,10 +98,10 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
             matches!(o.kind, Kind::Single(_)) && o.planted[0].left.is_none_or(|left| left >= DECIDABLE)
         })
         .collect();
-    let first = |o: &&&Outcome| o.found.first().is_some_and(|found| found.effect == o.planted[0].effect);
+    let first = |o: &Outcome| o.found.first().is_some_and(|found| found.effect == o.planted[0].effect);
     let at_level = |wanted: Level| {
-        let singles: Vec<&&Outcome> = singles.iter().filter(|o| o.kind == Kind::Single(wanted)).collect();
-        singles.iter().map(|o| first(o)).collect::<Vec<bool>>()
+        let singles = singles.iter().filter(|o| o.kind == Kind::Single(wanted));
+        singles.map(|o| first(o)).collect::<Vec<bool>>()
     };
     let nothing = || outcomes.iter().filter(|o| o.kind == Kind::Nothing);
     let outside = || outcomes.iter().filter(|o| o.kind == Kind::Outside);
@@ -110,12 +110,15 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         let of = |o: &&Outcome| {
             let (truth_name, truth) = o.planted[0].parameter.clone()?;
             let (found_name, found) = o.found.first()?.parameter.clone()?;
-            let right =
-                o.found[0].effect == o.planted[0].effect && found_name == truth_name && truth_name == name;
+            let right = is_reproducible(&o.planted[0].effect)
+                && o.found[0].effect == o.planted[0].effect
+                && found_name == truth_name
+                && truth_name == name;
             right.then_some((truth, found))
         };
         singles.iter().filter_map(of).collect()
     };
+    // of what has a parameter: a line that wanders has no frequency, further noise no more than an order of its memory
     let (taus, frequencies) = (parameters("tau_s"), parameters("freq_hz"));
     let within = taus
         .iter()

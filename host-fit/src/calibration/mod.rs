@@ -31,7 +31,7 @@ pub enum CalibrationError {
         /// Its number.
         case: usize,
         /// Why.
-        source: crate::diagnose::DiagnoseError,
+        source: Box<crate::diagnose::DiagnoseError>,
     },
 }
 

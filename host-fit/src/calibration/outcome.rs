@@ -82,7 +82,8 @@ pub struct FoundIn {
 pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcome, CalibrationError> {
     let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
     let SimulatedCase { meta, baseline, field, eval, truth } = simulated;
-    let failed = |source: crate::diagnose::DiagnoseError| CalibrationError::Diagnose { case, source };
+    let failed =
+        |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
     let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
     let recording = |name: &str, columns| {
         Recording::from_columns(Source::made_by(name), columns, &options)

@@ -4,10 +4,10 @@
 use crate::recording::Recording;
 use crate::signal::quantisation::quantisation;
 
-/// Share of samples at one extreme value above which they count as clipped, and how many times as many samples as on the
-/// value next to it must lie there, beside four standard errors: the tail of noise falls off, a stop piles up.
+/// Share of samples at one extreme value above which they count as clipped, and by how many standard errors they must
+/// outnumber those on the value next to it: the tail of noise falls off, a stop piles up.
 const CLIPPED_SHARE: f64 = 2e-4;
-const PILE_UP: f64 = 1.3;
+const PILE_UP_ERRORS: f64 = 4.0;
 
 /// Steps above this many standard deviations of the noise make heaps of their own at the extremes.
 const HEAPS: f64 = 2.0;
@@ -110,7 +110,7 @@ fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<F
         let next = counts.get(1).map_or(0, |(_, count)| *count);
         let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
         let (count, next) = (count as f64, next as f64);
-        let piled = !heaps && count > PILE_UP * next + 4.0 * next.sqrt() && counts.len() == 3;
+        let piled = !heaps && count > next + PILE_UP_ERRORS * (count + next).sqrt() && counts.len() == 3;
         (count >= CLIPPED_SHARE * n && (piled || at_full_scale)).then_some((extreme, count))
     };
     let low = stop(&mut sorted.iter().copied());

@@ -1,5 +1,7 @@
 //! Noise levels from data: the most probable ones, given what was known before.
 
+use std::cmp::Ordering;
+
 use serde::{Deserialize, Serialize};
 
 use super::blocks::Blocks;
@@ -9,14 +11,24 @@ use super::noise::{GaussMarkov, NoiseLevels};
 /// Natural logarithms of white, flicker and walk.
 pub type LogLevels = [f64; 3];
 
-/// What is known of noise levels before the data: a normal distribution of their logarithms.
+/// What is known of noise levels before the data: a normal distribution of their logarithms, but for the random walk.
+///
+/// A quiet log says hardly anything of a random walk too small to be seen in it, and almost everything of one too large: the
+/// logarithm of its likelihood is flat below and a wall above, and no normal distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LevelPrior {
     /// Means of the logarithms.
     pub mean: LogLevels,
     /// Inverse of their covariance.
     pub precision: [[f64; 3]; 3],
+    /// −2 ln of the quiet log's likelihood, best over the other levels, where the walk is e^(k/2) times its mean,
+    /// k = 1, 2, …; none where no quiet log was seen.
+    pub(super) wall: Option<[f64; WALL]>,
 }
+
+/// Values that a wall is known at, and their distance in the logarithm of the walk.
+pub(super) const WALL: usize = 8;
+const WALL_STEP: f64 = 0.5;
 
 /// Noise levels fitted to data together with a regression.
 #[derive(Debug, Clone)]
@@ -42,20 +54,24 @@ const DONE: f64 = 0.02;
 impl LevelPrior {
     /// Independent logarithms with these standard deviations.
     pub fn independent(mean: LogLevels, deviations: [f64; 3]) -> Self {
-        let mut precision = [[0.0; 3]; 3];
-        for i in 0..3 {
-            precision[i][i] = 1.0 / (deviations[i] * deviations[i]);
-        }
-        Self { mean, precision }
+        Self { mean, precision: diagonal(deviations.map(|deviation| deviation.powi(-2))), wall: None }
     }
 
     /// −2 ln of the density, up to a constant.
     pub fn deviance(&self, levels: &LogLevels) -> f64 {
-        let off: Vec<f64> = levels.iter().zip(&self.mean).map(|(level, mean)| level - mean).collect();
-        (0..3)
+        let mut off: Vec<f64> = levels.iter().zip(&self.mean).map(|(level, mean)| level - mean).collect();
+        let mut walled = 0.0;
+        if let Some(wall) = &self.wall
+            && off[2] > 0.0
+        {
+            walled = at_wall(wall, off[2]);
+            off[2] = 0.0;
+        }
+        let quadratic: f64 = (0..3)
             .flat_map(|i| (0..3).map(move |j| (i, j)))
             .map(|(i, j)| off[i] * self.precision[i][j] * off[j])
-            .sum()
+            .sum();
+        quadratic + walled
     }
 
     /// The same with the covariance widened by these variances: levels are not quite the same in another log.
@@ -67,6 +83,7 @@ impl LevelPrior {
         Self {
             mean: self.mean,
             precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
+            wall: self.wall,
         }
     }
 
@@ -84,6 +101,7 @@ impl LevelPrior {
         Self {
             mean: self.mean,
             precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
+            wall: None,
         }
     }
 }
@@ -153,27 +171,45 @@ impl Regression<'_> {
             self.at(levels).deviance
         });
         // −2 ln density = offᵀ·precision·off
-        let mut precision = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                precision[i][j] = hessian[i][j] / 2.0;
-            }
-        }
-        Self::made_positive(LevelPrior { mean: centre, precision }, self.prior)
+        let precision = hessian.map(|row| row.map(|entry| entry / 2.0));
+        Self::made_positive(LevelPrior { mean: centre, precision, wall: None }, self.prior)
+    }
+
+    /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other levels.
+    pub(super) fn wall(&self, fitted: &Fitted) -> [f64; WALL] {
+        let [white, flicker, walk] = fitted.levels.logs();
+        let mut start = [white, flicker];
+        std::array::from_fn(|k| {
+            let above = walk + WALL_STEP * (k + 1) as f64;
+            let (place, deviance) = minimise(start, |[white, flicker]| {
+                self.at(NoiseLevels::from_logs(&[*white, *flicker, above])).deviance
+            });
+            start = place;
+            (deviance - fitted.deviance).max(0.0)
+        })
     }
 
     /// A level that the data say nothing of has no curvature; the prior's is then the least.
     fn made_positive(mut posterior: LevelPrior, prior: &LevelPrior) -> LevelPrior {
         let matrix = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
         if matrix.cholesky().is_none() {
-            let mut diagonal = [[0.0; 3]; 3];
-            for i in 0..3 {
-                diagonal[i][i] = posterior.precision[i][i].max(prior.precision[i][i]);
-            }
-            posterior.precision = diagonal;
+            let least = |i: usize| posterior.precision[i][i].max(prior.precision[i][i]);
+            posterior.precision = diagonal(std::array::from_fn(least));
         }
         posterior
     }
+}
+
+fn diagonal(entries: [f64; 3]) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { entries[i] } else { 0.0 }))
+}
+
+/// A wall between its values, and beyond them as steep as at its end.
+fn at_wall(wall: &[f64; WALL], above: f64) -> f64 {
+    let place = above / WALL_STEP;
+    let next = (place as usize).min(WALL - 1);
+    let before = if next == 0 { 0.0 } else { wall[next - 1] };
+    before + (place - next as f64) * (wall[next] - before)
 }
 
 fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
@@ -184,17 +220,19 @@ fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[
         f(&place)
     };
     let middle = at(&[]);
-    let mut hessian = [[0.0; D]; D];
-    for i in 0..D {
-        hessian[i][i] = (at(&[(i, 1.0)]) - 2.0 * middle + at(&[(i, -1.0)])) / (step * step);
-        for j in 0..i {
-            let mixed = at(&[(i, 1.0), (j, 1.0)]) - at(&[(i, 1.0), (j, -1.0)]) - at(&[(i, -1.0), (j, 1.0)])
-                + at(&[(i, -1.0), (j, -1.0)]);
-            hessian[i][j] = mixed / (4.0 * step * step);
-            hessian[j][i] = hessian[i][j];
-        }
-    }
-    hessian
+    let own = |i: usize| (at(&[(i, 1.0)]) - 2.0 * middle + at(&[(i, -1.0)])) / (step * step);
+    let mixed = |i: usize, j: usize| {
+        let corner = |a: f64, b: f64| at(&[(i, a), (j, b)]);
+        (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0)) / (4.0 * step * step)
+    };
+    let lower: [[f64; D]; D] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| match i.cmp(&j) {
+            Ordering::Equal => own(i),
+            Ordering::Greater => mixed(i, j),
+            Ordering::Less => 0.0,
+        })
+    });
+    std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
 }
 
 /// The least value of a smooth function of a few logarithms, near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with

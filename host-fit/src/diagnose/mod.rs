@@ -135,10 +135,11 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
     }
     let (effects, untested) = candidates(question, &hypotheses);
-    let stairs = faults.iter().any(|fault| match fault {
-        Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
-        _ => false,
-    });
+    let stairs = reduced.clipped_through
+        || faults.iter().any(|fault| match fault {
+            Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
+            _ => false,
+        });
     let shaken =
         quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
     let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, shaken)? };
@@ -278,9 +279,13 @@ fn left_over(
     let explained: f64 = slow.found.iter().map(|found| found.gain).sum();
     let mut leads = left(&regressors(&|_| true), &slow.fitted, &slow.prior);
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
-    let mut misshapes: Vec<Misshape> = shape::jumps(&slow.fitted.gls.residual).into_iter().collect();
+    let mut misshapes = Vec::new();
     // the noise of an accelerometer that is shaken is the shaking
-    if sound && !(shaken && column.ends_with("_mps2")) {
+    let own_noise = !(shaken && column.ends_with("_mps2"));
+    if own_noise {
+        misshapes.extend(shape::jumps(&slow.fitted.gls.residual));
+    }
+    if sound && own_noise {
         misshapes.extend(shape::level(question.field, &reduced.blocks, column));
     }
     // what follows nothing that is logged may stand for something that does

@@ -86,9 +86,7 @@ impl NoiseLevels {
                     let predicted: f64 = state.iter().sum();
                     let innovation = value - predicted;
                     whitened.push(innovation * step.weight);
-                    for i in 0..STATES {
-                        state[i] = step.decay[i] * (state[i] + step.gain[i] * innovation);
-                    }
+                    step.advance(&mut state, innovation);
                 }
                 whitened
             })
@@ -108,9 +106,7 @@ impl NoiseLevels {
                 let unit: f64 = StandardNormal.sample(random);
                 let innovation = unit / step.weight;
                 let value = state.iter().sum::<f64>() + innovation;
-                for i in 0..STATES {
-                    state[i] = step.decay[i] * (state[i] + step.gain[i] * innovation);
-                }
+                step.advance(&mut state, innovation);
                 value
             })
             .collect()
@@ -182,4 +178,13 @@ struct Step {
     decay: [f64; STATES],
     gain: [f64; STATES],
     weight: f64,
+}
+
+impl Step {
+    /// The state at the next block, once the innovation of this one is known.
+    fn advance(&self, state: &mut [f64; STATES], innovation: f64) {
+        for ((state, decay), gain) in state.iter_mut().zip(&self.decay).zip(&self.gain) {
+            *state = decay * (*state + gain * innovation);
+        }
+    }
 }

@@ -66,6 +66,7 @@ impl LevelPrior {
         let regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
         let regression = Regression { blocks, y, regressors: &regressors, prior: self };
         let fitted = regression.fit(NoiseLevels::from_logs(&self.mean));
-        regression.posterior(&fitted).widened(NEXT_LOG)
+        let wall = Some(regression.wall(&fitted));
+        Self { wall, ..regression.posterior(&fitted).widened(NEXT_LOG) }
     }
 }

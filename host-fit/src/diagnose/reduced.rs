@@ -21,6 +21,8 @@ pub(crate) struct Reduced {
     pub(crate) blocks: Blocks,
     /// Block means of the error.
     pub(crate) means: Vec<f64>,
+    /// Most samples lie near a stop: what is left away from it says nothing of the bias.
+    pub(crate) clipped_through: bool,
 }
 
 impl Reduced {
@@ -57,9 +59,14 @@ impl Reduced {
         let known: Vec<bool> = (0..recording.n_rows())
             .map(|row| series.values[row].is_finite() && inside(measured[row]) && (vouched || at_rest(row)))
             .collect();
-        let blocks = Blocks::new(recording, length_s, known);
+        let unclipped = known.iter().filter(|known| **known).count();
+        let all: Vec<bool> = (0..recording.n_rows())
+            .map(|row| series.values[row].is_finite() && (vouched || at_rest(row)))
+            .collect();
+        let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
+        let blocks = Blocks::new(recording, length_s, if clipped_through { all } else { known });
         let means = blocks.means(&series.values);
-        Ok(Self { error: series.values, blocks, means })
+        Ok(Self { error: series.values, blocks, means, clipped_through })
     }
 
     /// Standard deviation of the noise from one sample to the next.

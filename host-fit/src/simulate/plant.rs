@@ -21,6 +21,9 @@ pub struct Plant {
     pub size: f64,
 }
 
+/// Number of the evaluation among the logs of a case.
+const EVAL: u64 = 2;
+
 /// The shape of a planted effect: everything but its size.
 #[derive(Debug, Clone)]
 pub(super) struct Shape {
@@ -54,7 +57,7 @@ impl Shape {
     ) -> Self {
         let random = &mut random(seed, Stream::Plant(number));
         let range = match plant.effect {
-            // within every log, or there would be nothing to correct
+            // well inside the field
             Effect::BiasStep => [0.25 * shortest_s, 0.75 * shortest_s],
             effect => effect.description().parameter.map_or([1.0; 2], |(_, range)| range),
         };
@@ -74,6 +77,10 @@ impl Shape {
     /// The columns of its error in a log: 1 the field, 2 the evaluation.
     pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<Column> {
         let found = regressors(self.effect, self.parameter, world, self.target, &self.anchor);
+        if self.effect == Effect::BiasStep && log == EVAL {
+            // the shock is over: the offset that it left stays
+            return found.into_iter().map(|(name, values)| (name, vec![1.0; values.len()])).collect();
+        }
         if found.is_empty() {
             return course(self, world, &mut random(seed, Stream::Course(log, self.number)));
         }
