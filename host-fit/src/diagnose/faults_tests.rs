@@ -80,6 +80,19 @@ fn at_full_scale_a_coarse_converter_clips_too() {
 }
 
 #[test]
+fn a_fifth_of_all_samples_on_the_last_code_is_a_stop() {
+    let missed: Vec<(f64, (bool, bool))> = [0.3, 0.5, 0.8]
+        .into_iter()
+        .flat_map(|step| SIDES.map(|sides| (step, sides)))
+        .filter(|(step, sides)| {
+            let (values, wanted) = clipped(1, 0.2, *sides, Some(*step));
+            faults(values) != [wanted]
+        })
+        .collect();
+    assert!(missed.is_empty(), "step in standard deviations, stops: {missed:?}");
+}
+
+#[test]
 fn noise_that_is_not_clipped_is_not_called_saturated() {
     for seed in 0..300 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -118,6 +131,15 @@ fn levels_that_are_held_are_not_stops() {
         let step = [0.05, 0.3, 1.0][seed as usize % 3];
         assert_eq!(faults(dwells(seed, step)), [], "seed {seed}, step {step}");
     }
+}
+
+#[test]
+fn levels_that_are_held_under_a_coarse_converter_are_not_stops() {
+    let wrong: Vec<(u64, Vec<Fault>)> = (0..300)
+        .map(|seed| (seed, faults(dwells(seed, [2.5, 4.0, 8.0][seed as usize % 3]))))
+        .filter(|(_, found)| !found.is_empty())
+        .collect();
+    assert!(wrong.is_empty(), "{} of 300 logs, the first {:?}", wrong.len(), wrong[0]);
 }
 
 fn dropped(found: &[Fault]) -> Option<f64> {

@@ -99,6 +99,13 @@ fn no_levels_around_the_optimum_are_more_probable() {
     assert!(missed < NEAR, "{missed}");
 }
 
+#[test]
+fn the_optimum_is_found_from_afar() {
+    // a factor of 5: without a data sheet or a quiet log the start is a guess
+    let missed = [missed(-1.6), missed(1.6)];
+    assert!(missed.iter().all(|missed| *missed < NEAR), "{missed:?}");
+}
+
 /// Half of the second derivatives of the deviance by differences of fourth order.
 fn curvature(regression: &Regression<'_>, centre: LogLevels) -> Matrix3<f64> {
     const STEP: f64 = 0.05;

@@ -28,6 +28,8 @@ mod gls_tests;
 #[cfg(test)]
 mod levels_tests;
 #[cfg(test)]
+mod lines_tests;
+#[cfg(test)]
 mod noise_tests;
 
 use std::rc::Rc;

@@ -153,6 +153,21 @@ fn whitening_is_that_of_the_dense_covariance_for_any_levels_and_gaps() {
 }
 
 #[test]
+fn noise_of_any_strength_against_the_white_noise_is_whitened() {
+    let blocks = blocks_of(&[8; 40]);
+    let short = GaussMarkov { deviation: 1.0, tau_s: 0.3 * LENGTH_S };
+    let cases = [
+        // a block of 36 s of a part whose flicker meets its white noise after 4 s
+        NoiseLevels { flicker: 3.0, ..UNIT_WHITE },
+        NoiseLevels { gauss_markov: Some(short), ..UNIT_WHITE },
+        NoiseLevels { gauss_markov: Some(GaussMarkov { tau_s: 0.02 * LENGTH_S, ..short }), ..UNIT_WHITE },
+    ];
+    let off: Vec<f64> = cases.iter().map(|levels| difference(levels, &blocks, 1)).collect();
+    // short processes are the small difference of two large numbers
+    assert!(off.iter().all(|off| *off < 1e-6), "{off:?}");
+}
+
+#[test]
 fn the_closed_form_of_block_means_is_the_mean_of_a_sampled_process() {
     const SAMPLES: usize = 600;
     for x in [1.0 / 3000.0, 0.009, 0.011, 0.3, 1.0, 1.0 / 0.3] {
