@@ -21,6 +21,17 @@ mod reduced;
 mod shape;
 mod slow;
 
+#[cfg(test)]
+mod faults_tests;
+#[cfg(test)]
+mod gls_tests;
+#[cfg(test)]
+mod levels_tests;
+#[cfg(test)]
+mod lines_tests;
+#[cfg(test)]
+mod noise_tests;
+
 use std::rc::Rc;
 
 pub use answer::{
