@@ -51,8 +51,11 @@ pub(super) struct Hypotheses<'a> {
     inputs: &'a Inputs<'a>,
     blocks: &'a Blocks,
     target: &'a str,
-    made: RefCell<HashMap<(String, u64), Rc<Vec<Vec<f64>>>>>,
+    made: RefCell<HashMap<(String, u64), Regressors>>,
 }
+
+/// Regressors of an effect in block means, and which of its terms they are.
+type Regressors = (Rc<Vec<Vec<f64>>>, Vec<usize>);
 
 impl<'a> Hypotheses<'a> {
     /// For the axis of column `target`.
@@ -61,6 +64,9 @@ impl<'a> Hypotheses<'a> {
     }
 
     /// Columns that `effect` needs and the recording does not have; `None` if the effect cannot strike the target at all.
+    ///
+    /// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single
+    /// accelerometer axis already shows vibration.
     pub(super) fn missing_columns(&self, effect: &Effect) -> Option<Vec<String>> {
         if !effect.strikes(self.target) {
             return None;
@@ -69,6 +75,9 @@ impl<'a> Hypotheses<'a> {
             return Some(Vec::new());
         }
         let products = effect.products(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
+        if products.iter().any(|product| product.columns().next().is_some() && self.inputs.has(product)) {
+            return Some(Vec::new());
+        }
         let mut missing: Vec<String> = products
             .iter()
             .flat_map(|product| product.columns())
@@ -109,29 +118,35 @@ impl<'a> Hypotheses<'a> {
     /// A column is missing.
     pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
-        if let Some(columns) = self.made.borrow().get(&key) {
-            let terms = (0..columns.len()).collect();
-            return Ok(Hypothesis { effect: effect.clone(), value, columns: columns.clone(), terms });
+        if let Some((columns, terms)) = self.made.borrow().get(&key) {
+            let (columns, terms) = (columns.clone(), terms.clone());
+            return Ok(Hypothesis { effect: effect.clone(), value, columns, terms });
         }
-        let columns = Rc::new(self.columns(effect, value)?);
-        self.made.borrow_mut().insert(key, columns.clone());
-        let terms = (0..columns.len()).collect();
+        let (columns, terms) = self.regressors(effect, value)?;
+        self.made.borrow_mut().insert(key, (columns.clone(), terms.clone()));
         Ok(Hypothesis { effect: effect.clone(), value, columns, terms })
     }
 
-    fn columns(&self, effect: &Effect, value: Option<f64>) -> Result<Vec<Vec<f64>>, RecordingError> {
+    fn regressors(&self, effect: &Effect, value: Option<f64>) -> Result<Regressors, RecordingError> {
         if effect.search == Search::Step {
             let time_s = value.unwrap_or(0.0);
             let length_s = self.blocks.length_s;
             let after =
                 |block: usize| ((self.blocks.middle_s(block) - time_s) / length_s + 0.5).clamp(0.0, 1.0);
-            return Ok(vec![centred((0..self.blocks.len()).map(after).collect())]);
+            return Ok((Rc::new(vec![centred((0..self.blocks.len()).map(after).collect())]), vec![0]));
         }
         let products = effect.products(self.target, value).unwrap_or_default();
-        products
+        let mut terms: Vec<usize> =
+            (0..products.len()).filter(|term| self.inputs.has(&products[*term])).collect();
+        if terms.is_empty() {
+            // all of them, for the error that names the column
+            terms = (0..products.len()).collect();
+        }
+        let columns = terms
             .iter()
-            .map(|product| Ok(centred(self.blocks.means(&self.inputs.product(product)?))))
-            .collect()
+            .map(|term| Ok(centred(self.blocks.means(&self.inputs.product(&products[*term])?))))
+            .collect::<Result<_, RecordingError>>()?;
+        Ok((Rc::new(columns), terms))
     }
 }
 
