@@ -143,7 +143,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
     });
     let seconds = outcomes.iter().map(|o| o.seconds);
     vec![
-        rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(&o))),
+        rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(o))),
         rate("  weak (10–16)", Goal::AtLeast(0.80, 0.90), at_level(Level::Weak)),
         rate("  medium (22–45)", Goal::AtLeast(0.90, 0.96), at_level(Level::Medium)),
         rate("  strong (80–300)", Goal::AtLeast(0.97, 0.995), at_level(Level::Strong)),
@@ -155,7 +155,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         rate(
             "wrong name claimed with verdict missing",
             Goal::AtMost(0.04, 0.01),
-            singles.iter().map(|o| o.verdict == Verdict::Missing && !first(&o)),
+            singles.iter().map(|o| o.verdict == Verdict::Missing && !first(o)),
         ),
         rate(
             "false alarm with nothing missing",

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::CalibrationError;
-use crate::diagnose::{Diagnosis, Gls, NoiseLevels, Question, Verdict, correction, diagnose};
+use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Question, Verdict, correction, diagnose};
 use crate::effects::Library;
 use crate::recording::{LoadOptions, Recording, Source};
 use crate::signal;
@@ -82,8 +82,7 @@ pub struct FoundIn {
 pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcome, CalibrationError> {
     let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
     let SimulatedCase { meta, baseline, field, eval, truth } = simulated;
-    let failed =
-        |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
+    let failed = |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
     let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
     let recording = |name: &str, columns| {
         Recording::from_columns(Source::made_by(name), columns, &options)
@@ -165,7 +164,7 @@ impl Corrected<'_> {
         eval_truth: &LogTruth,
         noise: &AxisNoise,
         wide: bool,
-    ) -> Result<(Option<f64>, Option<f64>), crate::diagnose::DiagnoseError> {
+    ) -> Result<(Option<f64>, Option<f64>), DiagnoseError> {
         let reduced = Reduced1s::new(self.eval, self.target)?;
         let take = |correction: &[f64]| -> f64 { reduced.fall(correction, wide) };
         let own = correction(&answer.findings, self.field, self.eval)?;
@@ -186,7 +185,7 @@ struct Reduced1s {
 }
 
 impl Reduced1s {
-    fn new(log: &Recording, target: &str) -> Result<Self, crate::diagnose::DiagnoseError> {
+    fn new(log: &Recording, target: &str) -> Result<Self, DiagnoseError> {
         Ok(Self { reduced: crate::diagnose::Reduced::in_blocks_of(log, target, &[], SLOW_BLOCK_S)? })
     }
 
@@ -212,7 +211,7 @@ fn best_correction(
     eval_truth: &LogTruth,
     noise: &AxisNoise,
     wide: bool,
-) -> Result<Vec<f64>, crate::diagnose::DiagnoseError> {
+) -> Result<Vec<f64>, DiagnoseError> {
     let reduced = crate::diagnose::Reduced::new(field, target, &[])?;
     let coefficients: Vec<f64> = if wide {
         // a line stands in locally white noise: plain least squares

@@ -17,7 +17,8 @@ pub fn correction(
     fitted: &Recording,
     log: &Recording,
 ) -> Result<Vec<f64>, RecordingError> {
-    let (own, other) = (Inputs::new(fitted), Inputs::new(log));
+    let own = Inputs::new(fitted);
+    let other = Inputs::within(log, &own);
     let mut sum = vec![0.0; log.n_rows()];
     for CorrectionTerm { regressor: product, coefficient, .. } in
         findings.iter().flat_map(|finding| &finding.correction)

@@ -265,14 +265,13 @@ impl Assembly<'_> {
         for (found, fall) in order.iter().zip(falls) {
             let effect: &Rc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
-            let products = effect.regressors(self.column, value).unwrap_or_default();
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
-            for (&term, place) in found.hypothesis.terms.iter().zip(found.place.clone()) {
+            for ((own, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone()) {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
                 let (coefficient, error) = (coefficients[place], covariance[(at, at)].sqrt());
                 let product = match effect.search {
-                    Search::Terms => products.get(term).map(ToString::to_string).unwrap_or_default(),
+                    Search::Terms => found.hypothesis.regressors[own].to_string(),
                     _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
                 if let Some(unit) = effect.unit(term, self.column) {
@@ -302,7 +301,11 @@ impl Assembly<'_> {
                 expected_drop_ci: fall.interval,
                 separate: self.separations(&effect.id, &confounded_with),
                 confounded_with,
-                shows_against: products.first().and_then(|p| p.columns().next().map(str::to_owned)),
+                shows_against: found
+                    .hypothesis
+                    .regressors
+                    .iter()
+                    .find_map(|regressor| regressor.columns().next().map(str::to_owned)),
                 shows_from_to_s: self.shows(found, &coefficients),
                 correction,
                 ..bare(effect, found.score)
@@ -336,27 +339,23 @@ impl Assembly<'_> {
     ) -> Result<Vec<Fall>, DiagnoseError> {
         let judged = self.question.judged.filter(|judged| {
             let inputs = Inputs::new(judged);
-            order.iter().all(|found| {
-                let effect = &found.hypothesis.effect;
-                let products = effect.regressors(self.column, found.hypothesis.value).unwrap_or_default();
-                effect.search != Search::Terms || products.iter().all(|product| inputs.has(product))
-            })
+            let is_known = |regressor| inputs.logged(regressor).as_ref() == Some(regressor);
+            order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
         let blocks = Reduced::in_blocks_of(log, self.column, &[], SLOW_BLOCK_S)?.blocks;
-        let inputs = Inputs::new(log);
+        let field = Inputs::new(self.question.field);
+        let inputs = Inputs::within(log, &field);
         let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
         for found in order {
             let effect = &found.hypothesis.effect;
             columns.push(match effect.search {
                 Search::Terms => {
-                    let products = effect.regressors(self.column, found.hypothesis.value).unwrap_or_default();
-                    let terms = found.hypothesis.terms.iter().filter_map(|term| products.get(*term));
-                    terms.map(|product| Ok(blocks.means(&inputs.regressor(product)?))).collect::<Result<
-                        _,
-                        DiagnoseError,
-                    >>(
-                    )?
+                    let mut own = Vec::new();
+                    for regressor in &found.hypothesis.regressors {
+                        own.push(blocks.means(&inputs.regressor(regressor)?));
+                    }
+                    own
                 }
                 // a step of the past is a constant in another log
                 _ if judged.is_some() => vec![vec![0.0; blocks.len()]],
@@ -452,9 +451,9 @@ fn param(effect: &Effect, value: f64) -> BTreeMap<String, f64> {
 
 fn lead_of(misshape: &Misshape) -> Lead {
     match misshape {
-        Misshape::Jumps { kurtosis } => Lead {
+        Misshape::Jumps { kurtosis, gain } => Lead {
             follows: format!("jumps at moments of their own (excess kurtosis {kurtosis:.1} of what is left)"),
-            gain: 0.0,
+            gain: *gain,
             score: *kurtosis,
             share: 0.0,
         },

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::blocks::Blocks;
-use crate::effects::{Effect, Inputs, Search};
+use crate::effects::{Effect, Inputs, Regressor, Search};
 use crate::recording::RecordingError;
 
 /// Neighbours on the grid of a parameter are this factor apart, about: between two of them nothing is lost that a later
@@ -23,6 +23,8 @@ pub(super) struct Hypothesis {
     pub(super) columns: Rc<Vec<Vec<f64>>>,
     /// Which terms of the effect they are; terms that explain nothing are left out.
     pub(super) terms: Vec<usize>,
+    /// The regressors, one per column; none for a step.
+    pub(super) regressors: Vec<Regressor>,
 }
 
 impl Hypothesis {
@@ -35,7 +37,8 @@ impl Hypothesis {
     pub(super) fn of_terms(&self, places: &[usize]) -> Self {
         let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
         let terms = places.iter().map(|place| self.terms[*place]).collect();
-        Self { columns: Rc::new(columns), terms, ..self.clone() }
+        let regressors = places.iter().filter_map(|place| self.regressors.get(*place).cloned()).collect();
+        Self { columns: Rc::new(columns), terms, regressors, ..self.clone() }
     }
 
     /// Whether it is the same effect, whatever the value.
@@ -50,7 +53,7 @@ pub(super) struct Hypotheses<'a> {
     inputs: &'a Inputs<'a>,
     blocks: &'a Blocks,
     target: &'a str,
-    made: RefCell<HashMap<(String, u64), Rc<Vec<Vec<f64>>>>>,
+    made: RefCell<HashMap<(String, u64), Hypothesis>>,
 }
 
 impl<'a> Hypotheses<'a> {
@@ -60,6 +63,9 @@ impl<'a> Hypotheses<'a> {
     }
 
     /// Columns that `effect` needs and the recording does not have; `None` if the effect cannot strike the target at all.
+    ///
+    /// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single
+    /// accelerometer axis already shows vibration.
     pub(super) fn missing_columns(&self, effect: &Effect) -> Option<Vec<String>> {
         if !effect.strikes(self.target) {
             return None;
@@ -67,10 +73,16 @@ impl<'a> Hypotheses<'a> {
         if effect.search != Search::Terms {
             return Some(Vec::new());
         }
-        let products = effect.regressors(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
-        let mut missing: Vec<String> = products
+        let regressors = effect.regressors(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
+        let is_known = |regressor: &Regressor| {
+            self.inputs.logged(regressor).is_some_and(|logged| logged.columns().next().is_some())
+        };
+        if regressors.iter().any(is_known) {
+            return Some(Vec::new());
+        }
+        let mut missing: Vec<String> = regressors
             .iter()
-            .flat_map(|product| product.columns())
+            .flat_map(|regressor| regressor.columns())
             .filter(|column| self.inputs.recording().channel(column).is_err())
             .map(str::to_owned)
             .collect();
@@ -108,29 +120,42 @@ impl<'a> Hypotheses<'a> {
     /// A column is missing.
     pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
-        if let Some(columns) = self.made.borrow().get(&key) {
-            let terms = (0..columns.len()).collect();
-            return Ok(Hypothesis { effect: effect.clone(), value, columns: columns.clone(), terms });
+        if let Some(made) = self.made.borrow().get(&key) {
+            return Ok(made.clone());
         }
-        let columns = Rc::new(self.columns(effect, value)?);
-        self.made.borrow_mut().insert(key, columns.clone());
-        let terms = (0..columns.len()).collect();
-        Ok(Hypothesis { effect: effect.clone(), value, columns, terms })
+        let made = match effect.search {
+            Search::Step => self.step(effect, value),
+            _ => self.of_regressors(effect, value)?,
+        };
+        self.made.borrow_mut().insert(key, made.clone());
+        Ok(made)
     }
 
-    fn columns(&self, effect: &Effect, value: Option<f64>) -> Result<Vec<Vec<f64>>, RecordingError> {
-        if effect.search == Search::Step {
-            let time_s = value.unwrap_or(0.0);
-            let length_s = self.blocks.length_s;
-            let after =
-                |block: usize| ((self.blocks.middle_s(block) - time_s) / length_s + 0.5).clamp(0.0, 1.0);
-            return Ok(vec![centred((0..self.blocks.len()).map(after).collect())]);
-        }
-        let products = effect.regressors(self.target, value).unwrap_or_default();
-        products
+    fn step(&self, effect: &Rc<Effect>, value: Option<f64>) -> Hypothesis {
+        let time_s = value.unwrap_or(0.0);
+        let after = |block: usize| {
+            ((self.blocks.middle_s(block) - time_s) / self.blocks.length_s + 0.5).clamp(0.0, 1.0)
+        };
+        let column = centred((0..self.blocks.len()).map(after).collect());
+        let columns = Rc::new(vec![column]);
+        Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
+    }
+
+    fn of_regressors(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+        let all = effect.regressors(self.target, value).unwrap_or_default();
+        let logged = || all.iter().map(|regressor| self.inputs.logged(regressor));
+        let logged: Vec<Option<Regressor>> = match logged().any(|regressor| regressor.is_some()) {
+            true => logged().collect(),
+            // all of them, for the error that names the column
+            false => all.into_iter().map(Some).collect(),
+        };
+        let (terms, regressors): (Vec<usize>, Vec<Regressor>) =
+            logged.into_iter().enumerate().filter_map(|(term, regressor)| Some((term, regressor?))).unzip();
+        let columns: Vec<Vec<f64>> = regressors
             .iter()
-            .map(|product| Ok(centred(self.blocks.means(&self.inputs.regressor(product)?))))
-            .collect()
+            .map(|regressor| Ok(centred(self.blocks.means(&self.inputs.regressor(regressor)?))))
+            .collect::<Result<_, RecordingError>>()?;
+        Ok(Hypothesis { effect: effect.clone(), value, columns: Rc::new(columns), terms, regressors })
     }
 }
 

@@ -41,6 +41,7 @@ fn the_deviance_of_a_prior_is_its_quadratic_form() {
     let prior = LevelPrior {
         mean: [0.0, 1.0, 2.0],
         precision: [[2.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 1.0]],
+        wall: None,
     };
     // off (1, 2, −1): 2·1 + 3·4 + 1·1 + 2·(1·1·2) + 2·(−1·2·−1)
     assert!((prior.deviance(&[1.0, 3.0, 1.0]) - 23.0).abs() < 1e-12);
@@ -57,7 +58,7 @@ fn without_data_the_optimum_is_the_prior() {
     let covariance = Matrix3::new(0.09, 0.1215, 0.0, 0.1215, 0.2025, 0.1, 0.0, 0.1, 0.64);
     let inverse = covariance.try_inverse().expect("regular");
     let precision = std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]));
-    let prior = LevelPrior { mean: [0.3, -1.0, -4.0], precision };
+    let prior = LevelPrior { mean: [0.3, -1.0, -4.0], precision, wall: None };
     let regression = Regression { blocks: &blocks, y: &[], regressors: &[], prior: &prior };
     for start in [[0.3, -1.0, -4.0], [0.0, -1.3, -4.5], [0.8, -0.7, -3.3], [-1.5, 0.0, -6.0]] {
         let fitted = regression.fit(NoiseLevels::from_logs(&start));

@@ -294,7 +294,7 @@ fn left_over(
     // the noise of an accelerometer that is shaken is the shaking
     let own_noise = !(shaken && column.ends_with("_mps2"));
     if own_noise {
-        misshapes.extend(shape::jumps(&slow.fitted.gls.residual));
+        misshapes.extend(shape::jumps(&slow.fitted.gls.residual, LEAD_SHARE * explained));
     }
     if sound && own_noise {
         misshapes.extend(shape::level(question.field, &reduced.blocks, column));

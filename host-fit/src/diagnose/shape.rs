@@ -8,6 +8,9 @@ use crate::recording::Recording;
 /// then makes a few of them huge.
 const KURTOSIS_ERRORS: f64 = 7.0;
 
+/// A block mean so many standard deviations out is part of a jump.
+const FAR_OUT: f64 = 3.0;
+
 /// Least score of a change of the noise level.
 const LEVEL_ACCEPT: f64 = 15.0;
 
@@ -21,6 +24,8 @@ pub(super) enum Misshape {
     Jumps {
         /// Excess kurtosis of the whitened block means.
         kurtosis: f64,
+        /// Sum of the squares of the block means that are too far out, in standard deviations.
+        gain: f64,
     },
     /// The level of the noise in the samples is not constant.
     Level {
@@ -33,13 +38,16 @@ pub(super) enum Misshape {
     },
 }
 
-/// Jumps in the whitened residual of a fit.
-pub(super) fn jumps(whitened: &[f64]) -> Option<Misshape> {
+/// Jumps in the whitened residual of a fit, if they make up more than `least` of −2 ln L.
+pub(super) fn jumps(whitened: &[f64], least: f64) -> Option<Misshape> {
     let n = whitened.len() as f64;
     let mean = whitened.iter().sum::<f64>() / n;
     let moment = |power: i32| whitened.iter().map(|u| (u - mean).powi(power)).sum::<f64>() / n;
     let kurtosis = moment(4) / (moment(2) * moment(2)) - 3.0;
-    (kurtosis > KURTOSIS_ERRORS * (24.0 / n).sqrt()).then_some(Misshape::Jumps { kurtosis })
+    let squares = whitened.iter().map(|u| (u - mean).powi(2) / moment(2));
+    let gain: f64 = squares.filter(|square| *square > FAR_OUT * FAR_OUT).sum();
+    (gain > least && kurtosis > KURTOSIS_ERRORS * (24.0 / n).sqrt())
+        .then_some(Misshape::Jumps { kurtosis, gain })
 }
 
 /// A noise level of `target` that changes and is not that of the other axes: vibration shows in all of them.

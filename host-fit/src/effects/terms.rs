@@ -104,14 +104,26 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
 #[derive(Debug)]
 pub struct Inputs<'a> {
     recording: &'a Recording,
+    /// The inputs of the log that a model was fitted to, if they differ from these.
+    fitted: Option<&'a Inputs<'a>>,
     /// Inputs without a parameter, which are asked for again and again.
     kept: RefCell<HashMap<String, Rc<[f64]>>>,
 }
 
+/// By how much of its width the range of an input in the log that a model was fitted to is widened before a value is
+/// limited to it: as fos-core does on the device.
+const MARGIN: f64 = 0.05;
+
 impl<'a> Inputs<'a> {
     /// Of this recording.
     pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, kept: RefCell::default() }
+        Self { recording, fitted: None, kept: RefCell::default() }
+    }
+
+    /// Of this recording, each kept inside its range in the log that a model was fitted to: nothing is known of a cubic
+    /// outside.
+    pub fn within(recording: &'a Recording, fitted: &'a Inputs<'a>) -> Self {
+        Self { recording, fitted: Some(fitted), kept: RefCell::default() }
     }
 
     /// The recording.
@@ -119,9 +131,12 @@ impl<'a> Inputs<'a> {
         self.recording
     }
 
-    /// Whether the recording has what a regressor needs.
-    pub fn has(&self, regressor: &Regressor) -> bool {
-        regressor.columns().all(|column| self.recording.channel(column).is_ok())
+    /// What the recording has of a regressor: the sum of those of its products whose columns are all logged, if any are.
+    pub fn logged(&self, regressor: &Regressor) -> Option<Regressor> {
+        let is_logged =
+            |product: &&Product| product.columns().all(|column| self.recording.channel(column).is_ok());
+        let products: Vec<Product> = regressor.products.iter().filter(is_logged).cloned().collect();
+        (!products.is_empty()).then_some(Regressor { products })
     }
 
     /// A regressor over all rows.
@@ -166,7 +181,18 @@ impl<'a> Inputs<'a> {
         if let Some(known) = self.kept.borrow().get(&name) {
             return Ok(known.clone());
         }
-        let values: Rc<[f64]> = self.evaluate(spec)?.into();
+        let mut values = self.evaluate(spec)?;
+        if let Some(fitted) = self.fitted {
+            let known = fitted.input(spec)?;
+            let finite = || known.iter().copied().filter(|value| value.is_finite());
+            let (low, high) =
+                (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+            let margin = MARGIN * (high - low);
+            if low <= high {
+                values.iter_mut().for_each(|value| *value = value.clamp(low - margin, high + margin));
+            }
+        }
+        let values: Rc<[f64]> = values.into();
         if !name.contains('(') {
             self.kept.borrow_mut().insert(name, values.clone());
         }

@@ -131,6 +131,8 @@ pub fn fit(
 }
 
 #[cfg(test)]
+mod effect_reference_tests;
+#[cfg(test)]
 mod exact_tests;
 #[cfg(test)]
 mod reference_tests;

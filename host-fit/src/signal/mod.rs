@@ -15,15 +15,19 @@
 //! | `spectrum` | power spectral density (Welch) |
 //! | `autocorrelation` | does the series remember? with the bound for white noise |
 //! | `allan` | Allan deviation with its confidence interval |
+//! | `allan_variants` | the same without overlap and modified, as others print it |
 //! | `noise_floor` | what no causal linear predictor can beat |
 //! | `wavelet` | what is left when the noise of single samples is taken out |
+//! | `residual_tests` | textbook tests of a residual: white, normal, of constant size? |
 //! | `quantisation` | step of the converter, seen from the data |
 
 pub mod allan;
+pub mod allan_variants;
 pub mod autocorrelation;
 pub mod blocks;
 pub mod noise_floor;
 pub mod quantisation;
+pub mod residual_tests;
 pub mod spectrum;
 pub mod wavelet;
 
