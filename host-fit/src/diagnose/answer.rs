@@ -78,6 +78,9 @@ pub struct Finding {
     pub shows_from_to_s: Option<[f64; 2]>,
     /// Its regressors and their coefficients in SI, as the model takes them.
     pub correction: Vec<CorrectionTerm>,
+    /// Limits that inputs are kept inside, by their text: how far a curve may be followed.
+    #[serde(default)]
+    pub limits: BTreeMap<String, [f64; 2]>,
 }
 
 /// A coefficient in data-sheet units.

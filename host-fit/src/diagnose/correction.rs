@@ -17,34 +17,38 @@ pub fn correction(
     fitted: &Recording,
     log: &Recording,
 ) -> Result<Vec<f64>, RecordingError> {
-    let own = Inputs::new(fitted);
-    let other = Inputs::within(log, &own);
+    let (own, other) = (Inputs::new(fitted), Inputs::new(log));
     let mut sum = vec![0.0; log.n_rows()];
-    for CorrectionTerm { regressor: product, coefficient, .. } in
-        findings.iter().flat_map(|finding| &finding.correction)
-    {
-        if let Some(time_s) = step_time(product) {
-            let after = |log: &Recording, time: &f64| f64::from(u8::from(time - log.time_s[0] > time_s));
-            let mean =
-                fitted.time_s.iter().map(|time| after(fitted, time)).sum::<f64>() / fitted.n_rows() as f64;
-            let own = fitted.sources == log.sources;
-            for (sum, time) in sum.iter_mut().zip(&log.time_s) {
-                *sum += coefficient * (if own { after(log, time) } else { 1.0 } - mean);
+    for finding in findings {
+        for CorrectionTerm { regressor, coefficient, .. } in &finding.correction {
+            if let Some(time_s) = step_time(regressor) {
+                add_step(&mut sum, *coefficient, time_s, fitted, log);
+                continue;
             }
-            continue;
-        }
-        let Ok(product) = Regressor::parse(product) else { continue };
-        let at_fit = own.regressor(&product)?;
-        let finite = || at_fit.iter().copied().filter(|value| value.is_finite());
-        let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
-        for (sum, value) in sum.iter_mut().zip(other.regressor(&product)?.iter()) {
-            // a quantity that was not logged yet takes nothing out
-            if value.is_finite() {
-                *sum += coefficient * (value - mean);
+            let Ok(regressor) = Regressor::parse(regressor) else { continue };
+            let at_fit = own.regressor(&regressor)?;
+            let finite = || at_fit.iter().copied().filter(|value| value.is_finite());
+            let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
+            let values = other.regressor_within(&regressor, &finding.limits)?;
+            for (sum, value) in sum.iter_mut().zip(values.iter()) {
+                // a quantity that was not logged yet takes nothing out
+                if value.is_finite() {
+                    *sum += coefficient * (value - mean);
+                }
             }
         }
     }
     Ok(sum)
+}
+
+/// Adds a step about its mean in the log that it was found in; in another log all of it has happened.
+fn add_step(sum: &mut [f64], coefficient: f64, time_s: f64, fitted: &Recording, log: &Recording) {
+    let after = |log: &Recording, time: f64| f64::from(u8::from(time - log.time_s[0] > time_s));
+    let mean = fitted.time_s.iter().map(|time| after(fitted, *time)).sum::<f64>() / fitted.n_rows() as f64;
+    let own = fitted.sources == log.sources;
+    for (sum, time) in sum.iter_mut().zip(&log.time_s) {
+        *sum += coefficient * (if own { after(log, *time) } else { 1.0 } - mean);
+    }
 }
 
 /// The time of a step, s after the first sample, if the text of a product is one.

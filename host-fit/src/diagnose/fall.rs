@@ -7,7 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::blocks::Blocks;
-use super::noise::NoiseLevels;
+use super::levels::LevelPrior;
+use super::noise::{GaussMarkov, NoiseLevels};
+use super::slow::{Found, SlowResult};
 
 /// Draws of noise and coefficients.
 const DRAWS: usize = 300;
@@ -22,26 +24,68 @@ pub(super) struct Fall {
     pub(super) interval: [f64; 2],
 }
 
-/// A slow correction on the blocks of a log: its regressors there and what is known of their coefficients.
-pub(super) struct SlowCorrection<'a> {
-    pub(super) blocks: &'a Blocks,
-    pub(super) columns: &'a [Vec<f64>],
-    pub(super) coefficients: &'a [f64],
-    pub(super) covariance: &'a DMatrix<f64>,
-    /// Draws of the noise levels: what is known of them.
-    pub(super) levels: &'a super::levels::LevelPrior,
-    pub(super) extra: Option<super::noise::GaussMarkov>,
-    /// Regressors of later findings, which are still in the error.
-    pub(super) still_missing: &'a [f64],
+/// The coefficients of an effect, one per regressor; those that could not be estimated are 0.
+pub(super) struct Estimate {
+    pub(super) coefficients: DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
 }
 
-impl SlowCorrection<'_> {
-    /// The fall.
-    pub(super) fn fall(&self) -> Fall {
+impl Estimate {
+    /// Of an effect that was found.
+    pub(super) fn of(found: &Found, slow: &SlowResult) -> Self {
+        let (all, covariance) = (slow.fitted.gls.coefficients(), slow.fitted.gls.covariance());
+        let kept = |place: usize| slow.fitted.gls.kept.iter().position(|index| *index == place);
+        let places: Vec<usize> = found.place.clone().collect();
+        Self {
+            coefficients: DVector::from_iterator(places.len(), places.iter().map(|place| all[*place])),
+            covariance: DMatrix::from_fn(places.len(), places.len(), |i, j| {
+                kept(places[i]).zip(kept(places[j])).map_or(0.0, |(i, j)| covariance[(i, j)])
+            }),
+        }
+    }
+}
+
+/// A slow effect on the blocks of a log.
+pub(super) struct SlowEffect {
+    /// Its regressors.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// The same as a correction takes them, kept inside limits.
+    pub(super) corrected: Vec<Vec<f64>>,
+    pub(super) coefficients: DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
+}
+
+impl SlowEffect {
+    /// The sum of `columns` with these coefficients.
+    fn sum(columns: &[Vec<f64>], coefficients: &DVector<f64>, blocks: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; blocks];
+        for (column, coefficient) in columns.iter().zip(coefficients.iter()) {
+            sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
+        }
+        sum
+    }
+}
+
+/// What is known of the log that is to be judged.
+pub(super) struct Falls<'a> {
+    pub(super) blocks: &'a Blocks,
+    /// What is known of the noise levels.
+    pub(super) levels: &'a LevelPrior,
+    pub(super) extra: Option<GaussMarkov>,
+}
+
+impl Falls<'_> {
+    /// The fall that goes with `effect`, those of `later` findings still in the error.
+    pub(super) fn of(&self, effect: &SlowEffect, later: &[SlowEffect]) -> Fall {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let n = self.blocks.len();
-        let k = self.coefficients.len();
-        let factor = self.covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(k, k), |c| c.l());
+        let (n, k) = (self.blocks.len(), effect.coefficients.len());
+        let mut missing = vec![0.0; n];
+        for other in later {
+            let own = SlowEffect::sum(&other.columns, &other.coefficients, n);
+            missing.iter_mut().zip(own).for_each(|(sum, value)| *sum += value);
+        }
+        let correction = SlowEffect::sum(&effect.corrected, &effect.coefficients, n);
+        let factor = effect.covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(k, k), |c| c.l());
         let precision = nalgebra::Matrix3::from_fn(|i, j| self.levels.precision[i][j]);
         let level_factor = precision
             .try_inverse()
@@ -53,16 +97,11 @@ impl SlowCorrection<'_> {
                 let off = level_factor * nalgebra::Vector3::from_fn(|_, _| normal());
                 let logs = std::array::from_fn(|i| self.levels.mean[i] + off[i]);
                 let levels = NoiseLevels { gauss_markov: self.extra, ..NoiseLevels::from_logs(&logs) };
-                let error = &factor * DVector::from_fn(k, |_, _| normal());
+                let coefficients = &effect.coefficients + &factor * DVector::from_fn(k, |_, _| normal());
                 let noise = levels.simulate(self.blocks, &mut random);
-                let rest =
-                    |block: usize| noise[block] + self.still_missing.get(block).copied().unwrap_or(0.0);
-                let dot = |weights: &dyn Fn(usize) -> f64, block: usize| -> f64 {
-                    (0..k).map(|j| weights(j) * self.columns[j][block]).sum()
-                };
-                let before: Vec<f64> =
-                    (0..n).map(|b| rest(b) + dot(&|j| self.coefficients[j] + error[j], b)).collect();
-                let after: Vec<f64> = (0..n).map(|b| rest(b) + dot(&|j| error[j], b)).collect();
+                let truth = SlowEffect::sum(&effect.columns, &coefficients, n);
+                let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
+                let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
                 1.0 - crate::signal::variance(&[&after]) / crate::signal::variance(&[&before])
             })
             .collect();

@@ -5,12 +5,13 @@ use crate::recording::Recording;
 use crate::signal::quantisation::quantisation;
 
 /// Share of samples at one extreme value above which they count as clipped, and by how many standard errors they must
-/// outnumber those on the value next to it: the tail of noise falls off, a stop piles up.
+/// outnumber what the tail of noise would leave there.
 const CLIPPED_SHARE: f64 = 2e-4;
 const PILE_UP_ERRORS: f64 = 4.0;
 
-/// Steps above this many standard deviations of the noise make heaps of their own at the extremes.
-const HEAPS: f64 = 2.0;
+/// Changes of more than one step for each change of one below which steps make heaps of their own: those of more than 1.3
+/// standard deviations of the noise do.
+const HEAPS: f64 = 0.3;
 
 /// Share of missing samples that counts, beyond that of the quiet log.
 const DROPPED_SHARE: f64 = 5e-4;
@@ -84,16 +85,32 @@ pub(super) fn find(
     faults
 }
 
-/// Standard deviation of the noise, from the changes between neighbours.
-fn fast_deviation(values: &[f64]) -> f64 {
-    let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-    (squares / 2.0 / values.len().max(1) as f64).sqrt()
+/// Whether steps are so coarse that a sample hardly ever lies more than one from its neighbour.
+fn in_heaps(values: &[f64], step: f64) -> bool {
+    let changes =
+        values.windows(2).map(|pair| (pair[1] - pair[0]).abs() / step).filter(|change| *change > 0.5);
+    let (one, more) = changes.fold((0_u32, 0_u32), |(one, more), change| match change < 1.5 {
+        true => (one + 1, more),
+        false => (one, more + 1),
+    });
+    f64::from(more) < HEAPS * f64::from(one)
+}
+
+/// Whether more samples lie on the outermost value than the tail of noise would leave there, given those on the two values
+/// next to it. The logarithm of a normal density is concave, so that it would leave at most next²/second, and it falls off
+/// outwards.
+fn is_pile(count: f64, next: f64, second: f64) -> bool {
+    let (most, variance) = match next < second {
+        true => (next * next / second, (next * next / second).powi(2) * (4.0 / next + 1.0 / second)),
+        false => (next, next),
+    };
+    count > most + PILE_UP_ERRORS * (count + variance).sqrt()
 }
 
 fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<Fault> {
-    let heaps = step.is_some_and(|step| step > HEAPS * fast_deviation(values));
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
+    let heaps = step.is_some_and(|step| in_heaps(values, step));
     let n = sorted.len() as f64;
     let stop = |sorted: &mut dyn Iterator<Item = f64>| -> Option<(f64, f64)> {
         // samples on the outermost value and on the two next to it
@@ -107,10 +124,13 @@ fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<F
             }
         }
         let (extreme, count) = *counts.first()?;
-        let next = counts.get(1).map_or(0, |(_, count)| *count);
         let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
-        let (count, next) = (count as f64, next as f64);
-        let piled = !heaps && count > next + PILE_UP_ERRORS * (count + next).sqrt() && counts.len() == 3;
+        let count = count as f64;
+        let piled = !heaps
+            && match counts[..] {
+                [_, (_, next), (_, second)] => is_pile(count, next as f64, second as f64),
+                _ => false,
+            };
         (count >= CLIPPED_SHARE * n && (piled || at_full_scale)).then_some((extreme, count))
     };
     let low = stop(&mut sorted.iter().copied());

@@ -7,10 +7,11 @@ use std::rc::Rc;
 use super::answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
 };
-use super::fall::{Fall, SlowCorrection};
+use super::fall::{Estimate, Fall, Falls, SlowEffect};
 use super::faults::Fault;
 use super::levels::Regression;
-use super::lines::Line;
+use super::limits;
+use super::lines::{self, Line};
 use super::open::Lead;
 use super::reduced::Reduced;
 use super::shape::Misshape;
@@ -28,9 +29,6 @@ const SLOW_BLOCK_S: f64 = 1.0;
 
 /// More steps than this are jumps to and fro and no longer a shock.
 const MOST_STEPS: usize = 1;
-
-/// A line that is there for less than this share of the time comes and goes.
-const STEADY: f64 = 0.45;
 
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
 const OUTWEIGHS: f64 = 5.0;
@@ -76,7 +74,7 @@ impl Assembly<'_> {
             leads.push(Lead { follows: format!("{steps} jumps of the bias"), gain, score: gain, share: 0.0 });
             findings.retain(|finding| finding.effect != "bias_step");
         }
-        for line in self.lines.iter().filter(|line| line.duty < STEADY) {
+        for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
             leads.push(Lead {
                 follows: format!(
                     "interference near {:.2} Hz that is there for {:.0} % of the time",
@@ -168,7 +166,7 @@ impl Assembly<'_> {
         let samples: Vec<f64> =
             self.reduced.error.iter().zip(known).filter(|(_, known)| **known).map(|(e, _)| *e).collect();
         let variance = crate::signal::variance(&[&samples]);
-        let steady = self.lines.iter().filter(|line| line.duty >= STEADY);
+        let steady = self.lines.iter().filter(|line| line.duty >= lines::STEADY);
         steady
             .map(|line| {
                 let effect = self.effect(if line.coherent { "spectral_line" } else { "drifting_line" })?;
@@ -260,18 +258,26 @@ impl Assembly<'_> {
         let kept = &slow.fitted.gls.kept;
         let mut order: Vec<&Found> = slow.found.iter().collect();
         order.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let falls = self.falls(&order, &coefficients, &covariance)?;
+        let inputs = Inputs::new(self.question.field);
+        let mut limits = Vec::new();
+        for found in &order {
+            let hypothesis = &found.hypothesis;
+            let own = Estimate::of(found, slow);
+            limits.push(limits::limits(&inputs, &hypothesis.regressors, &own.coefficients, &own.covariance)?);
+        }
+        let falls = self.falls(&order, &limits)?;
         let mut findings = Vec::new();
-        for (found, fall) in order.iter().zip(falls) {
+        for (own, (found, fall)) in order.iter().zip(falls).enumerate() {
             let effect: &Rc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
-            for ((own, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone()) {
+            for ((column, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone())
+            {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
                 let (coefficient, error) = (coefficients[place], covariance[(at, at)].sqrt());
                 let product = match effect.search {
-                    Search::Terms => found.hypothesis.regressors[own].to_string(),
+                    Search::Terms => found.hypothesis.regressors[column].to_string(),
                     _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
                 if let Some(unit) = effect.unit(term, self.column) {
@@ -308,6 +314,7 @@ impl Assembly<'_> {
                     .find_map(|regressor| regressor.columns().next().map(str::to_owned)),
                 shows_from_to_s: self.shows(found, &coefficients),
                 correction,
+                limits: limits[own].clone(),
                 ..bare(effect, found.score)
             });
         }
@@ -334,8 +341,7 @@ impl Assembly<'_> {
     fn falls(
         &self,
         order: &[&Found],
-        coefficients: &[f64],
-        covariance: &nalgebra::DMatrix<f64>,
+        limits: &[BTreeMap<String, [f64; 2]>],
     ) -> Result<Vec<Fall>, DiagnoseError> {
         let judged = self.question.judged.filter(|judged| {
             let inputs = Inputs::new(judged);
@@ -344,28 +350,24 @@ impl Assembly<'_> {
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
         let blocks = Reduced::in_blocks_of(log, self.column, &[], SLOW_BLOCK_S)?.blocks;
-        let field = Inputs::new(self.question.field);
-        let inputs = Inputs::within(log, &field);
-        let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
-        for found in order {
-            let effect = &found.hypothesis.effect;
-            columns.push(match effect.search {
-                Search::Terms => {
-                    let mut own = Vec::new();
-                    for regressor in &found.hypothesis.regressors {
-                        own.push(blocks.means(&inputs.regressor(regressor)?));
-                    }
-                    own
-                }
+        let inputs = Inputs::new(log);
+        let mut effects: Vec<SlowEffect> = Vec::new();
+        for (found, limits) in order.iter().zip(limits) {
+            let Estimate { coefficients, covariance } = Estimate::of(found, self.slow);
+            let (mut columns, mut corrected) = (Vec::new(), Vec::new());
+            for regressor in &found.hypothesis.regressors {
+                columns.push(blocks.means(&inputs.regressor(regressor)?));
+                corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
+            }
+            if found.hypothesis.effect.search == Search::Step {
+                let time_s = found.hypothesis.value.unwrap_or(0.0);
                 // a step of the past is a constant in another log
-                _ if judged.is_some() => vec![vec![0.0; blocks.len()]],
-                _ => {
-                    let time_s = found.hypothesis.value.unwrap_or(0.0);
-                    vec![
-                        (0..blocks.len()).map(|b| f64::from(u8::from(blocks.middle_s(b) > time_s))).collect(),
-                    ]
-                }
-            });
+                let after =
+                    |block: usize| f64::from(u8::from(judged.is_none() && blocks.middle_s(block) > time_s));
+                columns.push((0..blocks.len()).map(after).collect());
+                corrected.push(columns[0].clone());
+            }
+            effects.push(SlowEffect { columns, corrected, coefficients, covariance });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {
@@ -378,46 +380,8 @@ impl Assembly<'_> {
             prior: &self.slow.prior,
         }
         .posterior(&self.slow.fitted);
-        let kept = &self.slow.fitted.gls.kept;
-        let effect_on = |at: usize| -> Vec<f64> {
-            let parts = order[at].place.clone().zip(&columns[at]);
-            let mut sum = vec![0.0; blocks.len()];
-            for (place, column) in parts {
-                sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficients[place] * value);
-            }
-            sum
-        };
-        Ok((0..order.len())
-            .map(|at| {
-                let mut still_missing = vec![0.0; blocks.len()];
-                for later in at + 1..order.len() {
-                    still_missing.iter_mut().zip(effect_on(later)).for_each(|(sum, value)| *sum += value);
-                }
-                let known: Vec<(usize, usize)> = order[at]
-                    .place
-                    .clone()
-                    .enumerate()
-                    .filter_map(|(term, place)| Some((term, kept.iter().position(|index| *index == place)?)))
-                    .collect();
-                let own_columns: Vec<Vec<f64>> =
-                    known.iter().map(|(term, _)| columns[at][*term].clone()).collect();
-                let own: Vec<f64> =
-                    known.iter().map(|(term, _)| coefficients[order[at].place.start + term]).collect();
-                let own_covariance = nalgebra::DMatrix::from_fn(known.len(), known.len(), |i, j| {
-                    covariance[(known[i].1, known[j].1)]
-                });
-                SlowCorrection {
-                    blocks: &blocks,
-                    columns: &own_columns,
-                    coefficients: &own,
-                    covariance: &own_covariance,
-                    levels: &levels,
-                    extra: self.slow.fitted.levels.gauss_markov,
-                    still_missing: &still_missing,
-                }
-                .fall()
-            })
-            .collect())
+        let falls = Falls { blocks: &blocks, levels: &levels, extra: self.slow.fitted.levels.gauss_markov };
+        Ok((0..effects.len()).map(|at| falls.of(&effects[at], &effects[at + 1..])).collect())
     }
 }
 
@@ -442,6 +406,7 @@ fn bare(effect: &Effect, score: f64) -> Finding {
         shows_against: None,
         shows_from_to_s: None,
         correction: Vec::new(),
+        limits: BTreeMap::new(),
     }
 }
 

@@ -74,7 +74,7 @@ impl<'a> Hypotheses<'a> {
             return Some(Vec::new());
         }
         let regressors = effect.regressors(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
-        let is_known = |regressor: &Regressor| {
+        let is_known = |(_, regressor): &(usize, Regressor)| {
             self.inputs.logged(regressor).is_some_and(|logged| logged.columns().next().is_some())
         };
         if regressors.iter().any(is_known) {
@@ -82,7 +82,7 @@ impl<'a> Hypotheses<'a> {
         }
         let mut missing: Vec<String> = regressors
             .iter()
-            .flat_map(|regressor| regressor.columns())
+            .flat_map(|(_, regressor)| regressor.columns())
             .filter(|column| self.inputs.recording().channel(column).is_err())
             .map(str::to_owned)
             .collect();
@@ -143,14 +143,13 @@ impl<'a> Hypotheses<'a> {
 
     fn of_regressors(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
-        let logged = || all.iter().map(|regressor| self.inputs.logged(regressor));
-        let logged: Vec<Option<Regressor>> = match logged().any(|regressor| regressor.is_some()) {
-            true => logged().collect(),
-            // all of them, for the error that names the column
-            false => all.into_iter().map(Some).collect(),
-        };
-        let (terms, regressors): (Vec<usize>, Vec<Regressor>) =
-            logged.into_iter().enumerate().filter_map(|(term, regressor)| Some((term, regressor?))).unzip();
+        let logged: Vec<(usize, Regressor)> = all
+            .iter()
+            .filter_map(|(term, regressor)| Some((*term, self.inputs.logged(regressor)?)))
+            .collect();
+        // all of them, for the error that names the column
+        let used = if logged.is_empty() { all } else { logged };
+        let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
         let columns: Vec<Vec<f64>> = regressors
             .iter()
             .map(|regressor| Ok(centred(self.blocks.means(&self.inputs.regressor(regressor)?))))

@@ -48,8 +48,8 @@ const REACH: f64 = 5.0;
 /// less than 1 and far more than rounding.
 const STEP: f64 = 0.02;
 
-const MAX_ROUNDS: usize = 8;
-const DONE: f64 = 0.02;
+const MAX_ROUNDS: usize = 20;
+const DONE: f64 = 0.005;
 
 impl LevelPrior {
     /// Independent logarithms with these standard deviations.

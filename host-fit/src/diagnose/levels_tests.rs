@@ -9,7 +9,7 @@ use super::levels::{LevelPrior, LogLevels, Regression};
 use super::noise::NoiseLevels;
 use super::noise_tests::{awkward, blocks_of};
 
-/// Deviance by which an optimum may be missed: the search ends where a Newton step promises less than 0.02, and a
+/// Deviance by which an optimum may be missed: the search ends where a Newton step promises less than 0.005, and a
 /// likelihood ratio of 2·ln below 0.05 is no evidence of anything.
 const NEAR: f64 = 0.05;
 

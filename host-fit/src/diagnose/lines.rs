@@ -17,8 +17,11 @@ use crate::recording::Recording;
 /// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
 pub(crate) const ACCEPT: f64 = 15.0;
 
-/// Lowest frequency looked at, Hz: below it block means see more.
-pub(crate) const LOWEST_HZ: f64 = 0.05;
+/// Length of the means that stand for the slow part, s, and in sample periods: lines are looked for from eight tenths of a
+/// turn in it; below, block means see more.
+const SLOW_S: f64 = 3.0;
+const SLOW_PERIODS: f64 = 10.0;
+const TURNS: f64 = 0.8;
 
 /// Most lines named.
 const MAX_LINES: usize = 6;
@@ -26,12 +29,20 @@ const MAX_LINES: usize = 6;
 /// Widest band, Hz.
 const WIDEST_HZ: f64 = 0.7;
 
-/// Ordinates over which the local median is taken: half of the frequency, within these limits.
+/// Ordinates over which the local median is taken: half of the frequency, at least so many, at most so many Hz, over which
+/// the colour of a sensor's noise changes little.
 const MEDIAN_SHARE: f64 = 0.5;
-const MEDIAN_OVER: Range<usize> = 60..3000;
+const FEWEST_ORDINATES: usize = 60;
+const MEDIAN_OVER_HZ: f64 = 3.0;
+
+/// A band is no wider than this share of the stretch that its noise is known from: the median's own error must not add up.
+const BAND_SHARE: f64 = 1.0 / 3.0;
 
 /// A line of which a sine of constant phase leaves less than this share keeps its phase.
 const COHERENT: f64 = 0.35;
+
+/// A line that is there for less than this share of the time comes and goes.
+pub(crate) const STEADY: f64 = 0.45;
 
 /// A line that was found.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,42 +74,68 @@ struct Series {
     period_s: f64,
 }
 
-/// Looks for lines in `error`, one value per row.
-pub(crate) fn find(recording: &Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Vec<Line> {
-    let mut series = Series::new(recording, blocks, means, error);
+/// Looks for lines in `error`, one value per row, among the rows that `known` marks.
+pub(crate) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<Line> {
+    let slow = Slow::blocks(recording, known);
+    let mut error = error.to_vec();
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
     while found.len() < MAX_LINES {
+        let series = Series::new(recording, &slow, &error);
         let Some(periodogram) = Periodogram::of(&series) else { break };
         let Some(band) = periodogram.best_band(&taken) else { break };
         let mut line = periodogram.describe(&band);
         line.duty = duty(&series, &line);
-        let (frequency_hz, amplitude, phase) = series.sine_near(line.frequency_hz, &periodogram, &band);
-        let mut without = series.values.clone();
-        for (tick, value) in without.iter_mut().enumerate().filter(|(_, value)| **value != 0.0) {
-            *value -= amplitude * (TAU * frequency_hz * tick as f64 * series.period_s + phase).sin();
-        }
-        let rest = Series { values: without, ..series };
-        let left = Periodogram::of(&rest).map_or(0.0, |after| after.excess(&band, &periodogram.floor));
+        let (sine, without) = series.sine(&periodogram, &band, recording, &slow, &error);
+        let rest = Series::new(recording, &slow, &without);
+        let after = Periodogram::of(&rest);
+        let left = after.as_ref().map_or(0.0, |after| after.excess(&band, &periodogram.floor));
         line.coherent = left < COHERENT * periodogram.excess(&band, &periodogram.floor);
         if line.coherent {
-            (line.frequency_hz, line.amplitude, line.phase) = (frequency_hz, amplitude, phase);
-            // Rife and Boorstyn 1974, eq. 44: σ_f = √6·σ_φ/(π·T) with σ_φ = σ_A/A
-            let length_s = rest.values.len() as f64 * rest.period_s;
-            line.frequency_error =
-                6.0_f64.sqrt() * line.amplitude_error / (line.amplitude * TAU / 2.0 * length_s);
-            series = rest;
+            (line.frequency_hz, line.amplitude, line.phase) = (sine.frequency_hz, sine.amplitude, sine.phase);
+            // the noise once the line and its skirts are gone; white noise of variance s has σ_A² = 2s/n
+            if let Some(after) = after {
+                line.amplitude_error = (2.0 * after.floor[band.start] / rest.known as f64).sqrt();
+            }
+            line.frequency_error = line.amplitude_error / line.amplitude * rest.frequency_bound_hz();
+            error = without;
         }
         taken.push(line.band_hz);
         found.push(line);
     }
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
-    found
+    merged(found)
+}
+
+/// A line that wanders further than the widest band shows in several next to one another: one line.
+fn merged(found: Vec<Line>) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for line in found {
+        let near = |other: &&mut Line| {
+            !other.coherent
+                && !line.coherent
+                && line.band_hz.0 < other.band_hz.1 + WIDEST_HZ
+                && line.band_hz.1 > other.band_hz.0 - WIDEST_HZ
+        };
+        let Some(other) = lines.iter_mut().find(near) else {
+            lines.push(line);
+            continue;
+        };
+        let (own, more) = (other.amplitude.powi(2), line.amplitude.powi(2));
+        other.frequency_hz = (own * other.frequency_hz + more * line.frequency_hz) / (own + more);
+        other.amplitude = (own + more).sqrt();
+        other.band_hz = (other.band_hz.0.min(line.band_hz.0), other.band_hz.1.max(line.band_hz.1));
+        other.frequency_error = (other.band_hz.1 - other.band_hz.0) / 12.0_f64.sqrt();
+        // in one band while it is not in the other
+        other.duty = (other.duty + line.duty).min(1.0);
+    }
+    lines
 }
 
 /// Whether another axis has the same line, at least a tenth as strong: then it is motion.
 pub(crate) fn is_shared(recording: &Recording, other: &Reduced, line: &Line) -> bool {
-    let series = Series::new(recording, &other.blocks, &other.means, &other.error);
+    let slow = Slow::blocks(recording, other.blocks.known());
+    let series = Series::new(recording, &slow, &other.error);
     Periodogram::of(&series).is_some_and(|periodogram| {
         let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
         let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
@@ -110,43 +147,82 @@ pub(crate) fn is_shared(recording: &Recording, other: &Reduced, line: &Line) -> 
 /// Share of a line's power that another axis must have to share it.
 const SHARED: f64 = 0.01;
 
+/// A sine.
+#[derive(Debug, Clone, Copy)]
+struct Sine {
+    frequency_hz: f64,
+    amplitude: f64,
+    /// At the first sample.
+    phase: f64,
+}
+
 impl Series {
-    fn new(recording: &Recording, blocks: &Blocks, means: &[f64], error: &[f64]) -> Self {
+    /// Of `error` without its slow part.
+    fn new(recording: &Recording, slow: &Blocks, error: &[f64]) -> Self {
         let last = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
-        let mut values = vec![0.0; last as usize];
+        // lengths whose transform is fast lose a fraction of a percent of the log
+        let length = fast_length(last as usize);
+        let mut values = vec![0.0; length];
         let mut known = 0;
-        let slow = Slow { blocks, means };
+        let slow = Slow { blocks: slow, means: &slow.means(error) };
         for segment in &recording.segments {
             let mut near = 0;
-            for row in segment.rows.clone().filter(|row| blocks.known()[*row]) {
+            for row in segment.rows.clone().filter(|row| slow.blocks.known()[*row]) {
                 let tick = segment.tick as usize + row - segment.rows.start;
-                let left = error[row] - slow.at(tick as f64 * blocks.period_s, &mut near);
-                if left != 0.0 && left.is_finite() {
+                let left = error[row] - slow.at(tick as f64 * slow.blocks.period_s, &mut near);
+                if tick < length && left != 0.0 && left.is_finite() {
                     values[tick] = left;
                     known += 1;
                 }
             }
         }
-        // lengths whose transform is fast lose less than a percent of the log
-        values.truncate(fast_length(values.len()));
-        Self { values, known, period_s: blocks.period_s }
+        Self { values, known, period_s: slow.blocks.period_s }
     }
 
-    /// Frequency, amplitude and phase of the sine that explains most near `frequency_hz`.
-    fn sine_near(
+    /// Standard error of the frequency of a sine in white noise for one of 1 of amplitude and phase, Hz: √3/(π·T) (Rife and
+    /// Boorstyn 1974, eq. 44).
+    fn frequency_bound_hz(&self) -> f64 {
+        3.0_f64.sqrt() / (TAU / 2.0 * self.values.len() as f64 * self.period_s)
+    }
+
+    /// The sine that explains most near the largest ordinate of a band, and `error` without it.
+    ///
+    /// The slow part holds a share of a slow sine, and takes it off: what of the sine is left once it and its slow part are
+    /// gone is added to it.
+    fn sine(
         &self,
-        frequency_hz: f64,
         periodogram: &Periodogram,
         band: &Range<usize>,
-    ) -> (f64, f64, f64) {
+        recording: &Recording,
+        slow: &Blocks,
+        error: &[f64],
+    ) -> (Sine, Vec<f64>) {
         let peak = band.clone().max_by(|a, b| periodogram.power[*a].total_cmp(&periodogram.power[*b]));
-        let peak_hz = peak.map_or(frequency_hz, |bin| bin as f64 * periodogram.resolution_hz);
+        let peak = peak.unwrap_or(band.start);
+        let relative_error =
+            (periodogram.floor[peak] / periodogram.power[peak].max(periodogram.floor[peak])).sqrt();
+        let within_hz = WELL_WITHIN * relative_error * self.frequency_bound_hz();
+        let frequency_hz = self.peak_hz(peak as f64 * periodogram.resolution_hz, periodogram, within_hz);
+        let mut phasor = self.phasor(frequency_hz);
+        let mut without = subtracted(error, recording, frequency_hz, phasor);
+        for _ in 0..SLOW_PASSES {
+            let more = Self::new(recording, slow, &without).phasor(frequency_hz);
+            without = subtracted(&without, recording, frequency_hz, more);
+            phasor += more;
+        }
+        (Sine { frequency_hz, amplitude: phasor.norm(), phase: phasor.arg() }, without)
+    }
+
+    /// The frequency of the most power within an ordinate of `peak_hz`, by golden section: the main lobe has one maximum.
+    fn peak_hz(&self, peak_hz: f64, periodogram: &Periodogram, within_hz: f64) -> f64 {
         let (mut low, mut high) = (peak_hz - periodogram.resolution_hz, peak_hz + periodogram.resolution_hz);
-        // golden section: the main lobe has one maximum
         let golden = 0.381_966_011_250_105;
         let (mut a, mut b) = (low + golden * (high - low), high - golden * (high - low));
         let (mut at_a, mut at_b) = (self.transform(a).norm_sqr(), self.transform(b).norm_sqr());
-        for _ in 0..12 {
+        for _ in 0..MOST_SECTIONS {
+            if high - low < within_hz {
+                break;
+            }
             if at_a > at_b {
                 (high, b, at_b) = (b, a, at_a);
                 a = low + golden * (high - low);
@@ -157,10 +233,13 @@ impl Series {
                 at_b = self.transform(b).norm_sqr();
             }
         }
-        let best = 0.5 * (low + high);
-        let sum = self.transform(best);
+        0.5 * (low + high)
+    }
+
+    /// Amplitude and phase of the sine of a frequency that explains most.
+    fn phasor(&self, frequency_hz: f64) -> Complex<f64> {
         // Σ x·e^(−iωt) = (n/2)·A·e^(i(φ − π/2)) for x = A·sin(ωt + φ)
-        (best, 2.0 * sum.norm() / self.known.max(1) as f64, sum.arg() + TAU / 4.0)
+        self.transform(frequency_hz) * Complex::new(0.0, 2.0 / self.known.max(1) as f64)
     }
 
     /// Σ x(n)·e^(−iωnT).
@@ -180,6 +259,26 @@ impl Series {
     }
 }
 
+/// A frequency is looked for to this share of its standard error, in at most so many steps.
+const WELL_WITHIN: f64 = 0.2;
+const MOST_SECTIONS: usize = 40;
+
+/// What the slow part holds of a sine falls to less than a tenth with each pass.
+const SLOW_PASSES: usize = 2;
+
+/// `error` without a sine of this phasor, one value per row.
+fn subtracted(error: &[f64], recording: &Recording, frequency_hz: f64, phasor: Complex<f64>) -> Vec<f64> {
+    let mut without = error.to_vec();
+    for segment in &recording.segments {
+        for row in segment.rows.clone() {
+            let tick = segment.tick as f64 + (row - segment.rows.start) as f64;
+            let angle = TAU * frequency_hz * tick * recording.rate.period_s + phasor.arg();
+            without[row] -= phasor.norm() * angle.sin();
+        }
+    }
+    without
+}
+
 /// The slow part: block means joined by straight lines.
 struct Slow<'a> {
     blocks: &'a Blocks,
@@ -187,6 +286,12 @@ struct Slow<'a> {
 }
 
 impl Slow<'_> {
+    /// The blocks that it is known from.
+    fn blocks(recording: &Recording, known: &[bool]) -> Blocks {
+        let length_s = SLOW_S.max(SLOW_PERIODS * recording.rate.period_s);
+        Blocks::new(recording, length_s, known.to_vec())
+    }
+
     /// At a time; `near` is the block that was near the last time asked for.
     fn at(&self, time_s: f64, near: &mut usize) -> f64 {
         let last = self.blocks.len() - 1;
@@ -213,6 +318,8 @@ struct Periodogram {
     floor: Vec<f64>,
     resolution_hz: f64,
     samples: usize,
+    /// The first ordinate looked at.
+    first: usize,
 }
 
 impl Periodogram {
@@ -226,14 +333,17 @@ impl Periodogram {
         let mut bins = transform.make_output_vec();
         transform.process(&mut buffer, &mut bins).ok()?;
         let power: Vec<f64> = bins.iter().map(|bin| bin.norm_sqr() / series.known as f64).collect();
-        let floor = floor(&power);
-        Some(Self { power, floor, resolution_hz: 1.0 / (n as f64 * series.period_s), samples: series.known })
+        let resolution_hz = 1.0 / (n as f64 * series.period_s);
+        let lowest_hz = TURNS / SLOW_S.max(SLOW_PERIODS * series.period_s);
+        let first = ((lowest_hz / resolution_hz).ceil() as usize).max(1);
+        let floor = floor(&power, first, (MEDIAN_OVER_HZ / resolution_hz) as usize);
+        Some(Self { power, floor, resolution_hz, samples: series.known, first })
     }
 
     /// The ordinates of the best band, if it is good enough.
     fn best_band(&self, taken: &[(f64, f64)]) -> Option<Range<usize>> {
         let ratio = |bin: usize| self.power[bin] / self.floor[bin];
-        let first = (LOWEST_HZ / self.resolution_hz).ceil() as usize;
+        let first = self.first;
         let last = self.power.len() - 1;
         let widest = ((WIDEST_HZ / self.resolution_hz) as usize).max(1);
         let mut sums = vec![0.0; self.power.len() + 1];
@@ -246,6 +356,9 @@ impl Periodogram {
         let mut width = 1;
         while width <= widest {
             for start in (first..last.saturating_sub(width)).step_by((width / 2).max(1)) {
+                if width > 1 && width as f64 > BAND_SHARE * stretch(start, self.most_ordinates()) as f64 {
+                    continue;
+                }
                 let gain = gain(sums[start + width] - sums[start], width);
                 if best.as_ref().is_none_or(|(other, _)| gain > *other) {
                     best = Some((gain, start..start + width));
@@ -254,6 +367,10 @@ impl Periodogram {
             width *= 2;
         }
         best.filter(|(gain, _)| gain - self.price() >= ACCEPT).map(|(_, band)| band)
+    }
+
+    fn most_ordinates(&self) -> usize {
+        (MEDIAN_OVER_HZ / self.resolution_hz) as usize
     }
 
     /// 2·ln(bands looked at): over all widths, two for each ordinate of the narrowest.
@@ -301,35 +418,41 @@ fn gain(sum: f64, width: usize) -> f64 {
     if mean > 1.0 { 2.0 * width * (mean - 1.0 - mean.ln()) } else { 0.0 }
 }
 
-/// The noise around each ordinate: medians over stretches, over ln 2, joined by straight lines in the logarithm.
-fn floor(power: &[f64]) -> Vec<f64> {
+/// Ordinates that the noise around the one at `start` is known from, at most `most`.
+fn stretch(start: usize, most: usize) -> usize {
+    let wanted = (MEDIAN_SHARE * start as f64) as usize;
+    wanted.clamp(FEWEST_ORDINATES, most.max(FEWEST_ORDINATES))
+}
+
+/// The noise around each ordinate from `first` on: medians over stretches of at most `most`, over ln 2, joined by straight
+/// lines in logarithms of level and frequency.
+fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
-    let mut start = 1;
+    let mut start = first;
     while start < power.len() {
-        let wanted = (MEDIAN_SHARE * start as f64) as usize;
-        let mut end = (start + wanted.clamp(MEDIAN_OVER.start, MEDIAN_OVER.end)).min(power.len());
-        if power.len() - end < MEDIAN_OVER.start {
+        let mut end = (start + stretch(start, most)).min(power.len());
+        if power.len() - end < FEWEST_ORDINATES {
             end = power.len();
         }
         let mut values = power[start..end].to_vec();
         let middle = values.len() / 2;
         let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
         let level = (*median / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
-        knots.push((0.5 * (start + end) as f64, level.ln()));
+        knots.push(((0.5 * (start + end) as f64).ln(), level.ln()));
         start = end;
     }
-    let mut floor = Vec::with_capacity(power.len());
     let mut near = 0;
-    for bin in 0..power.len() {
-        while near + 2 < knots.len() && knots[near + 1].0 <= bin as f64 {
+    let at = |bin: usize| {
+        let log = (bin.max(first) as f64).ln();
+        while near + 2 < knots.len() && knots[near + 1].0 <= log {
             near += 1;
         }
         let (begin, end) = (knots[near], knots[(near + 1).min(knots.len() - 1)]);
-        let share =
-            if end.0 > begin.0 { ((bin as f64 - begin.0) / (end.0 - begin.0)).clamp(0.0, 1.0) } else { 0.0 };
-        floor.push((begin.1 + share * (end.1 - begin.1)).exp());
-    }
-    floor
+        // goes on below the first as between the first two
+        let share = if end.0 > begin.0 { ((log - begin.0) / (end.0 - begin.0)).min(1.0) } else { 0.0 };
+        (begin.1 + share * (end.1 - begin.1)).exp()
+    };
+    (0..power.len()).map(at).collect()
 }
 
 /// Share of the log in which a line is there: (Σ p)²/(m·Σ p²) of its power p over m stretches, above the noise; 1 for a
@@ -368,10 +491,10 @@ fn duty(series: &Series, line: &Line) -> f64 {
 /// Length of the stretches whose power is compared, s.
 const DUTY_STRETCH_S: f64 = 5.0;
 
-/// The largest length up to `n` without prime factors above 5.
+/// The largest length up to `n` without prime factors above 13.
 fn fast_length(n: usize) -> usize {
     let is_fast = |mut n: usize| {
-        for factor in [2, 3, 5] {
+        for factor in [2, 3, 5, 7, 11, 13] {
             while n.is_multiple_of(factor) {
                 n /= factor;
             }

@@ -38,7 +38,7 @@ impl Log {
     }
 
     fn lines(&self, error: &[f64]) -> Vec<Line> {
-        find(&self.recording, &self.blocks, &self.blocks.means(error), error)
+        find(&self.recording, self.blocks.known(), error)
     }
 
     /// White noise of unit variance and a signal of time.

@@ -13,6 +13,7 @@ mod findings;
 mod gls;
 mod hypothesis;
 mod levels;
+mod limits;
 mod lines;
 mod noise;
 mod open;
@@ -53,7 +54,7 @@ use hypothesis::Hypotheses;
 use lines::Line;
 pub(crate) use reduced::Reduced;
 use shape::Misshape;
-use slow::{SlowResult, SlowSearch};
+use slow::{ExtraNoise, SlowResult, SlowSearch};
 
 /// What to explain, and what is known beside it.
 #[derive(Debug, Clone, Copy)]
@@ -137,7 +138,12 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         return Err(DiagnoseError::TooShort { column, blocks, length_s });
     }
     let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
+    // an accelerometer on a shaker measures the shaking, and no reference says what of it
+    let shaken = column.ends_with("_mps2")
+        && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
     let prior = prior(question, &reduced, quiet.as_ref());
+    // shaking adds to the noise of block means what no quiet log tells of
+    let prior = if shaken { prior.widened(SHAKING) } else { prior };
     let inputs = Inputs::new(field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
     let mut given = vec![vec![1.0; reduced.blocks.len()]];
@@ -149,10 +155,10 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let stairs = reduced.clipped_through
         || faults.iter().any(|fault| match fault {
             Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
-            _ => false,
+            // the mean of a swing that is cut off moves with the swing
+            Fault::Saturation { .. } => shaken,
+            Fault::Dropped { .. } => false,
         });
-    let shaken =
-        quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
     let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, shaken)? };
     let search = SlowSearch {
         blocks: &reduced.blocks,
@@ -185,7 +191,11 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
 /// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
 const SHAKEN: f64 = 1.5;
 
-/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too.
+/// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as much.
+const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
+
+/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too, and those that come
+/// and go.
 fn lines(
     question: &Question<'_>,
     column: &str,
@@ -193,7 +203,8 @@ fn lines(
     shaken: bool,
 ) -> Result<Vec<Line>, DiagnoseError> {
     let mut lines = reduced.lines(question.field);
-    if shaken && column.ends_with("_mps2") {
+    if shaken {
+        lines.retain(|line| line.duty >= lines::STEADY);
         for other in ["ax_mps2", "ay_mps2", "az_mps2"].into_iter().filter(|other| *other != column) {
             if question.field.channel(other).is_ok() {
                 let other = Reduced::new(question.field, other, &[])?;
@@ -202,6 +213,27 @@ fn lines(
         }
     }
     Ok(lines)
+}
+
+/// The whitened residual but for the tenth of the blocks in which the effects that were found change most: there they leave
+/// what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no jump.
+fn away_from_effects(reduced: &Reduced, slow: &SlowResult) -> Vec<f64> {
+    let residual = &slow.fitted.gls.residual;
+    if slow.found.is_empty() {
+        return residual.clone();
+    }
+    let coefficients = slow.fitted.gls.coefficients();
+    let mut effect = vec![0.0; residual.len()];
+    for found in &slow.found {
+        for (place, column) in found.place.clone().zip(found.hypothesis.columns()) {
+            effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficients[place] * value);
+        }
+    }
+    let whitened = slow.fitted.levels.whiten(&reduced.blocks, &[&effect]);
+    let mut blocks: Vec<usize> = (0..residual.len()).collect();
+    blocks.sort_by(|a, b| whitened.columns[0][*a].abs().total_cmp(&whitened.columns[0][*b].abs()));
+    blocks.truncate(residual.len() * 9 / 10);
+    blocks.into_iter().map(|block| residual[block]).collect()
 }
 
 /// What is known of the noise before the field log is looked at.
@@ -284,6 +316,7 @@ fn left_over(
             regressors,
             fitted,
             prior,
+            shaken,
         }
         .leads()
     };
@@ -292,11 +325,11 @@ fn left_over(
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
     let mut misshapes = Vec::new();
     // the noise of an accelerometer that is shaken is the shaking
-    let own_noise = !(shaken && column.ends_with("_mps2"));
-    if own_noise {
-        misshapes.extend(shape::jumps(&slow.fitted.gls.residual, LEAD_SHARE * explained));
+    if !shaken {
+        let quiet = away_from_effects(reduced, slow);
+        misshapes.extend(shape::jumps(&quiet, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
     }
-    if sound && own_noise {
+    if sound && !shaken {
         misshapes.extend(shape::level(question.field, &reduced.blocks, column));
     }
     // what follows nothing that is logged may stand for something that does

@@ -50,7 +50,7 @@ pub struct Whitened {
 }
 
 /// A Gauss-Markov process seen through block means. Exactly: the means of blocks k ≥ 1 apart have covariance
-/// σ²·(sinh(x/2)/(x/2))²·e^(−kx), x = T/τ, as a sampled process of that larger variance has; the variance of one mean,
+/// σ²·((1 − e^(−x))/x)²·e^(−(k−1)x), x = T/τ, as a sampled process of a larger variance has; the variance of one mean,
 /// σ²·2(x − 1 + e^(−x))/x², is smaller, and the difference acts as (negative) white noise.
 struct Rung {
     decay: f64,
@@ -58,15 +58,20 @@ struct Rung {
     white: f64,
 }
 
+/// Means two blocks apart share less than e^(−10) of what neighbours share: beyond, nothing is lost by leaving it there,
+/// and digits are kept.
+const LONGEST: f64 = 10.0;
+
 impl Rung {
     fn new(process: GaussMarkov, length_s: f64) -> Self {
         let x = length_s / process.tau_s;
         let variance = process.deviation * process.deviation;
-        let spread = (x / 2.0).sinh() / (x / 2.0);
-        let sampled = variance * spread * spread;
+        let neighbours = variance * ((-x).exp_m1() / x).powi(2);
+        let decay = (-x.min(LONGEST)).exp();
+        let sampled = neighbours / decay;
         // 1 − x/3 + x²/12 where the difference would cancel
         let one = if x > 1e-4 { 2.0 * (x + (-x).exp_m1()) / (x * x) } else { 1.0 - x / 3.0 };
-        Self { decay: (-x).exp(), variance: sampled, white: variance * one - sampled }
+        Self { decay, variance: sampled, white: variance * one - sampled }
     }
 }
 
@@ -141,8 +146,8 @@ impl NoiseLevels {
         let mut steps = Vec::with_capacity(blocks.len());
         for (at, block) in blocks.blocks.iter().enumerate() {
             let seconds = block.count as f64 * blocks.period_s;
-            let own =
-                (self.white * self.white / seconds + white).max(0.01 * self.white * self.white / seconds);
+            // negative where a short process outweighs the white noise; the variance of the innovation never is
+            let own = self.white * self.white / seconds + white;
             let mut gain = [0.0; STATES];
             for (gain, row) in gain.iter_mut().zip(&covariance) {
                 *gain = row.iter().sum();

@@ -13,8 +13,8 @@ use crate::recording::Recording;
 /// Least score of a lead.
 const ACCEPT: f64 = 12.0;
 
-/// Knots of free curves, coarse and fine; places of a threshold; places of a dip.
-const KNOTS: [usize; 2] = [7, 15];
+/// Knots of free curves, from coarse to fine; places of a threshold; places of a dip.
+const KNOTS: [usize; 3] = [7, 15, 31];
 const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
 
@@ -59,6 +59,8 @@ pub(super) struct Left<'a> {
     pub(super) regressors: &'a [&'a [f64]],
     pub(super) fitted: &'a super::levels::Fitted,
     pub(super) prior: &'a LevelPrior,
+    /// The axis measures shaking, whose beats are no error.
+    pub(super) shaken: bool,
 }
 
 impl Left<'_> {
@@ -158,6 +160,9 @@ impl Left<'_> {
                 let follows = format!("the product of {} and {}", one.name, other.name);
                 curves.push(Curve { follows, columns: vec![product] });
             }
+        }
+        if self.shaken {
+            return curves;
         }
         let span = self.blocks.blocks.last().map_or(0, |last| last.index + 1) as f64;
         // twice as fine as the resolution, so that none falls between two

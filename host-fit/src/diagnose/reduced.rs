@@ -80,7 +80,7 @@ impl Reduced {
 
     /// Lines in its spectrum.
     pub(crate) fn lines(&self, recording: &Recording) -> Vec<Line> {
-        lines::find(recording, &self.blocks, &self.means, &self.error)
+        lines::find(recording, self.blocks.known(), &self.error)
     }
 }
 

@@ -369,7 +369,9 @@ impl SlowSearch<'_> {
             });
         let process = processes.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
         let process = process.and_then(|fitted| {
-            let process = fitted.levels.gauss_markov.filter(|process| process.tau_s < longest)?;
+            // a shorter one is white noise in block means, and of that there is a level already
+            let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
+            let process = fitted.levels.gauss_markov.filter(is_slow)?;
             let score = state.fitted.deviance - fitted.deviance - 2.0 * price;
             Some((ExtraNoise::GaussMarkov(process), fitted, score))
         });

@@ -99,6 +99,18 @@ pub enum Targets {
     Accelerometer,
 }
 
+impl Targets {
+    /// Whether the axis of this column is one of them.
+    fn contain(self, column: &str) -> bool {
+        use fos_core::Axis;
+        match self {
+            Targets::Any => true,
+            Targets::Gyro => matches!(crate::fit::axis_of(column), Axis::Gx | Axis::Gy | Axis::Gz),
+            Targets::Accelerometer => matches!(crate::fit::axis_of(column), Axis::Ax | Axis::Ay | Axis::Az),
+        }
+    }
+}
+
 /// How an effect is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -124,6 +136,9 @@ pub enum Search {
 pub struct EffectTerm {
     /// Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`.
     pub regressor: String,
+    /// Axes that it can strike, among those of the effect.
+    #[serde(default)]
+    pub targets: Targets,
     /// Unit of its coefficient for a gyro.
     #[serde(default)]
     pub gyro: Option<String>,
@@ -296,12 +311,7 @@ impl Effect {
 
     /// Whether it can strike the axis of this column.
     pub fn strikes(&self, column: &str) -> bool {
-        use fos_core::Axis;
-        match self.targets {
-            Targets::Any => true,
-            Targets::Gyro => matches!(crate::fit::axis_of(column), Axis::Gx | Axis::Gy | Axis::Gz),
-            Targets::Accelerometer => matches!(crate::fit::axis_of(column), Axis::Ax | Axis::Ay | Axis::Az),
-        }
+        self.targets.contain(column)
     }
 
     /// Whether none of its terms needs a logged quantity.
@@ -311,16 +321,18 @@ impl Effect {
             .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
     }
 
-    /// Its regressors for a target column and a value of its parameter.
+    /// Its regressors for a target column and a value of its parameter, each with the number of its term.
     ///
     /// # Errors
     ///
     /// A term that cannot be read, or that names an axis the target does not have.
-    pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<Regressor>, String> {
+    pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<(usize, Regressor)>, String> {
         let name = self.parameter.as_ref().map(|parameter| parameter.name.as_str());
-        self.terms
-            .iter()
-            .map(|term| Regressor::parse(&terms::filled(&term.regressor, target, name.zip(value))?))
+        let striking = self.terms.iter().enumerate().filter(|(_, term)| term.targets.contain(target));
+        striking
+            .map(|(number, term)| {
+                Ok((number, Regressor::parse(&terms::filled(&term.regressor, target, name.zip(value))?)?))
+            })
             .collect()
     }
 

@@ -1,7 +1,7 @@
 //! The terms of an effect: products of inputs, filled in for an axis, and evaluated over a recording by fos-core.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::rc::Rc;
 
@@ -54,6 +54,46 @@ impl Regressor {
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.products.iter().flat_map(Product::columns)
     }
+
+    /// Its inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = &InputSpec> {
+        self.products.iter().flat_map(|product| &product.inputs)
+    }
+
+    /// The inputs that it takes a power of.
+    pub fn powers(&self) -> impl Iterator<Item = &InputSpec> {
+        let is_power = |product: &Product, input: &InputSpec| {
+            product.inputs.iter().filter(|other| *other == input).count() > 1
+        };
+        self.products
+            .iter()
+            .flat_map(move |product| product.inputs.iter().filter(move |input| is_power(product, input)))
+    }
+
+    /// Its value where those of its inputs, by their text, are `value`.
+    pub fn at(&self, value: impl Fn(&str) -> f64) -> f64 {
+        let product =
+            |product: &Product| product.inputs.iter().map(|input| value(&input.to_string())).product::<f64>();
+        self.products.iter().map(product).sum()
+    }
+
+    /// Its values where those of its inputs are known.
+    fn over<E>(&self, input: impl Fn(&InputSpec) -> Result<Rc<[f64]>, E>) -> Result<Rc<[f64]>, E> {
+        let product = |product: &Product| combined(product.inputs.iter().map(&input), |a, b| a * b);
+        combined(self.products.iter().map(product), |a, b| a + b)
+    }
+}
+
+/// Columns combined value by value; the only one as it is.
+fn combined<E>(
+    columns: impl Iterator<Item = Result<Rc<[f64]>, E>>,
+    combine: impl Fn(f64, f64) -> f64,
+) -> Result<Rc<[f64]>, E> {
+    let mut columns = columns;
+    let Some(first) = columns.next() else { return Ok(Rc::from([])) };
+    columns.try_fold(first?, |all, next| {
+        Ok(all.iter().zip(next?.iter()).map(|(a, b)| combine(*a, *b)).collect())
+    })
 }
 
 impl fmt::Display for Regressor {
@@ -104,26 +144,14 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
 #[derive(Debug)]
 pub struct Inputs<'a> {
     recording: &'a Recording,
-    /// The inputs of the log that a model was fitted to, if they differ from these.
-    fitted: Option<&'a Inputs<'a>>,
     /// Inputs without a parameter, which are asked for again and again.
     kept: RefCell<HashMap<String, Rc<[f64]>>>,
 }
 
-/// By how much of its width the range of an input in the log that a model was fitted to is widened before a value is
-/// limited to it: as fos-core does on the device.
-const MARGIN: f64 = 0.05;
-
 impl<'a> Inputs<'a> {
     /// Of this recording.
     pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, fitted: None, kept: RefCell::default() }
-    }
-
-    /// Of this recording, each kept inside its range in the log that a model was fitted to: nothing is known of a cubic
-    /// outside.
-    pub fn within(recording: &'a Recording, fitted: &'a Inputs<'a>) -> Self {
-        Self { recording, fitted: Some(fitted), kept: RefCell::default() }
+        Self { recording, kept: RefCell::default() }
     }
 
     /// The recording.
@@ -145,30 +173,26 @@ impl<'a> Inputs<'a> {
     ///
     /// A column is missing.
     pub fn regressor(&self, regressor: &Regressor) -> Result<Rc<[f64]>, RecordingError> {
-        let mut products = regressor.products.iter();
-        let Some(first) = products.next() else { return Ok(Rc::from([])) };
-        let mut values = self.product(first)?;
-        for product in products {
-            let other = self.product(product)?;
-            values = values.iter().zip(other.iter()).map(|(a, b)| a + b).collect();
-        }
-        Ok(values)
+        regressor.over(|spec| self.input(spec))
     }
 
-    /// A product over all rows.
+    /// A regressor over all rows, its inputs kept inside these limits.
     ///
     /// # Errors
     ///
     /// A column is missing.
-    fn product(&self, product: &Product) -> Result<Rc<[f64]>, RecordingError> {
-        let mut inputs = product.inputs.iter();
-        let Some(first) = inputs.next() else { return Ok(Rc::from([])) };
-        let mut values = self.input(first)?;
-        for input in inputs {
-            let other = self.input(input)?;
-            values = values.iter().zip(other.iter()).map(|(a, b)| a * b).collect();
-        }
-        Ok(values)
+    pub fn regressor_within(
+        &self,
+        regressor: &Regressor,
+        limits: &BTreeMap<String, [f64; 2]>,
+    ) -> Result<Rc<[f64]>, RecordingError> {
+        regressor.over(|spec| {
+            let values = self.input(spec)?;
+            Ok(match limits.get(&spec.to_string()) {
+                Some([low, high]) => values.iter().map(|value| value.clamp(*low, *high)).collect(),
+                None => values,
+            })
+        })
     }
 
     /// An input over all rows. A missing value is held; what came before the first is not known (NaN).
@@ -181,18 +205,7 @@ impl<'a> Inputs<'a> {
         if let Some(known) = self.kept.borrow().get(&name) {
             return Ok(known.clone());
         }
-        let mut values = self.evaluate(spec)?;
-        if let Some(fitted) = self.fitted {
-            let known = fitted.input(spec)?;
-            let finite = || known.iter().copied().filter(|value| value.is_finite());
-            let (low, high) =
-                (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-            let margin = MARGIN * (high - low);
-            if low <= high {
-                values.iter_mut().for_each(|value| *value = value.clamp(low - margin, high + margin));
-            }
-        }
-        let values: Rc<[f64]> = values.into();
+        let values: Rc<[f64]> = self.evaluate(spec)?.into();
         if !name.contains('(') {
             self.kept.borrow_mut().insert(name, values.clone());
         }
