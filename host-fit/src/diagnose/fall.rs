@@ -7,8 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::blocks::Blocks;
-use super::levels::LevelPrior;
-use super::noise::{GaussMarkov, NoiseLevels};
+use super::levels::{Fitted, Regression};
 use super::slow::{Found, SlowResult};
 
 /// Draws of noise and coefficients.
@@ -69,9 +68,9 @@ impl SlowEffect {
 /// What is known of the log that is to be judged.
 pub(super) struct Falls<'a> {
     pub(super) blocks: &'a Blocks,
-    /// What is known of the noise levels.
-    pub(super) levels: &'a LevelPrior,
-    pub(super) extra: Option<GaussMarkov>,
+    /// The regression that says what is known of the noise levels.
+    pub(super) regression: &'a Regression<'a>,
+    pub(super) fitted: &'a Fitted,
 }
 
 impl Falls<'_> {
@@ -86,17 +85,11 @@ impl Falls<'_> {
         }
         let correction = SlowEffect::sum(&effect.corrected, &effect.coefficients, n);
         let factor = effect.covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(k, k), |c| c.l());
-        let precision = nalgebra::Matrix3::from_fn(|i, j| self.levels.precision[i][j]);
-        let level_factor = precision
-            .try_inverse()
-            .and_then(|covariance| covariance.cholesky())
-            .map_or_else(nalgebra::Matrix3::zeros, |c| c.l());
-        let mut falls: Vec<f64> = (0..DRAWS)
-            .map(|_| {
+        let levels = self.regression.draws(self.fitted, DRAWS, &mut random);
+        let mut falls: Vec<f64> = levels
+            .iter()
+            .map(|levels| {
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-                let off = level_factor * nalgebra::Vector3::from_fn(|_, _| normal());
-                let logs = std::array::from_fn(|i| self.levels.mean[i] + off[i]);
-                let levels = NoiseLevels { gauss_markov: self.extra, ..NoiseLevels::from_logs(&logs) };
                 let coefficients = &effect.coefficients + &factor * DVector::from_fn(k, |_, _| normal());
                 let noise = levels.simulate(self.blocks, &mut random);
                 let truth = SlowEffect::sum(&effect.columns, &coefficients, n);

@@ -373,14 +373,13 @@ impl Assembly<'_> {
         for found in &self.slow.found {
             regressors.extend(found.hypothesis.columns());
         }
-        let levels = Regression {
+        let regression = Regression {
             blocks: &self.reduced.blocks,
             y: &self.reduced.means,
             regressors: &regressors,
             prior: &self.slow.prior,
-        }
-        .posterior(&self.slow.fitted);
-        let falls = Falls { blocks: &blocks, levels: &levels, extra: self.slow.fitted.levels.gauss_markov };
+        };
+        let falls = Falls { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
         Ok((0..effects.len()).map(|at| falls.of(&effects[at], &effects[at + 1..])).collect())
     }
 }

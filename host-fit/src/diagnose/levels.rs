@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::blocks::Blocks;
@@ -47,6 +49,9 @@ const REACH: f64 = 5.0;
 /// Step of the numerical derivatives, in logarithms: the deviance is smooth, and a change of 1 % in a level moves it by
 /// less than 1 and far more than rounding.
 const STEP: f64 = 0.02;
+
+/// Draws are proposed from a distribution so many times as wide as the one about the optimum.
+const WIDER: f64 = 1.3;
 
 const MAX_ROUNDS: usize = 20;
 const DONE: f64 = 0.005;
@@ -173,6 +178,44 @@ impl Regression<'_> {
         // −2 ln density = offᵀ·precision·off
         let precision = hessian.map(|row| row.map(|entry| entry / 2.0));
         Self::made_positive(LevelPrior { mean: centre, precision, wall: None }, self.prior)
+    }
+
+    /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn again
+    /// with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal logarithm.
+    pub(super) fn draws(&self, fitted: &Fitted, count: usize, random: &mut impl Rng) -> Vec<NoiseLevels> {
+        let posterior = self.posterior(fitted);
+        let precision = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
+        let factor = precision
+            .try_inverse()
+            .and_then(|covariance| covariance.cholesky())
+            .map_or_else(nalgebra::Matrix3::zeros, |c| WIDER * c.l());
+        let proposals: Vec<(NoiseLevels, f64)> = (0..count)
+            .map(|_| {
+                let unit = nalgebra::Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(random) });
+                let off = factor * unit;
+                let logs = std::array::from_fn(|i| posterior.mean[i] + off[i]);
+                let levels =
+                    NoiseLevels { gauss_markov: fitted.levels.gauss_markov, ..NoiseLevels::from_logs(&logs) };
+                let deviance = self.at(levels).deviance - fitted.deviance;
+                (levels, (-0.5 * (deviance - unit.norm_squared())).exp())
+            })
+            .collect();
+        let total: f64 = proposals.iter().map(|(_, weight)| weight).sum();
+        if !total.is_finite() || total <= 0.0 {
+            return vec![fitted.levels; count];
+        }
+        // systematic: every proposal as often as its weight says, but for less than one
+        let mut next = random.random_range(0.0..1.0) * total / count as f64;
+        let (mut sum, mut drawn) = (0.0, Vec::with_capacity(count));
+        for (levels, weight) in proposals {
+            sum += weight;
+            while drawn.len() < count && next < sum {
+                drawn.push(levels);
+                next += total / count as f64;
+            }
+        }
+        drawn.resize(count, fitted.levels);
+        drawn
     }
 
     /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other levels.
