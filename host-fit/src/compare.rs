@@ -158,6 +158,7 @@ pub fn study_of(
         model,
         axes: reports,
         steps: steps_of(&comparison),
+        growth: Vec::new(),
     };
     Ok((study, comparison, trace))
 }

@@ -19,6 +19,7 @@ pub mod feed;
 pub mod figures;
 pub mod file;
 pub mod fit;
+pub mod grow;
 pub mod model;
 pub mod moments;
 pub mod paper;

@@ -157,6 +157,23 @@ impl UnitModel {
         }
     }
 
+    /// The axis of this index as a unit of its own, with the inputs it needs.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such axis.
+    pub fn only(&self, index: usize) -> Self {
+        let mut alone = Self { axes: vec![self.axes[index].clone()], ..self.clone() };
+        alone.drop_unused();
+        for named in &mut alone.inputs {
+            if let Source::Remainder(axis) = &mut named.input.source {
+                // a term uses memory of its own axis only
+                *axis = 0;
+            }
+        }
+        alone
+    }
+
     /// Removes the inputs and quantities that no term uses.
     pub fn drop_unused(&mut self) {
         let factors = |axis: &FittedAxis| -> Vec<Factor> {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::evaluate::ModelErrors;
 use crate::file::{self, FileError};
 use crate::fit::{AxisReport, FitOptions};
+use crate::grow::Growth;
 use crate::model::UnitModel;
 use crate::recording::Source;
 use crate::rest::KnownBy;
@@ -31,6 +32,9 @@ pub struct Study {
     pub axes: Vec<AxisReport>,
     /// The plain rivals and every state of the model, in order, with its errors on data that were not fitted.
     pub steps: Vec<StudyStep>,
+    /// The axes that effects were added to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub growth: Vec<Growth>,
 }
 
 /// The program that wrote a study.

@@ -13,6 +13,9 @@ const SHORTEST_S: f64 = 0.5;
 /// A block of which less than this share of the samples is known is left out.
 const KNOWN_SHARE: f64 = 0.25;
 
+/// Least noise of a block over the mean of all.
+const LEAST_NOISE: f64 = 1e-3;
+
 /// The blocks of a recording in which enough is known. Blocks lie on the grid of ticks, so that gaps keep their length.
 #[derive(Debug, Clone)]
 pub struct Blocks {
@@ -27,7 +30,7 @@ pub struct Blocks {
 }
 
 /// One block.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Place on the grid: its middle is (index + ½)·length after the first sample.
     pub index: u64,
@@ -35,6 +38,8 @@ pub struct Block {
     pub rows: Range<usize>,
     /// Rows in it that count.
     pub count: usize,
+    /// Variance of its fast noise over that of the log: 1 unless the log was shaken.
+    pub noise: f64,
 }
 
 /// Block length that suits a recording, s: about 600 blocks.
@@ -58,12 +63,29 @@ impl Blocks {
                         last.rows.end = row + 1;
                         last.count += counts;
                     }
-                    _ => blocks.push(Block { index, rows: row..row + 1, count: counts }),
+                    _ => blocks.push(Block { index, rows: row..row + 1, count: counts, noise: 1.0 }),
                 }
             }
         }
         blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * ticks as f64);
         Self { length_s: ticks as f64 * period_s, period_s, blocks, known }
+    }
+
+    /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes and
+    /// goes, and takes the noise of the means with it.
+    pub(super) fn with_noise_of(mut self, error: &[f64]) -> Self {
+        let variance = |block: &Block| {
+            let known = block.rows.clone().filter(|row| self.known[*row]);
+            let rows: Vec<usize> = known.collect();
+            let changes = rows.windows(2).map(|pair| (error[pair[1]] - error[pair[0]]).powi(2));
+            changes.sum::<f64>() / rows.len().max(1) as f64
+        };
+        let variances: Vec<f64> = self.blocks.iter().map(variance).collect();
+        let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+        for (block, variance) in self.blocks.iter_mut().zip(variances) {
+            block.noise = (variance / mean).max(LEAST_NOISE);
+        }
+        self
     }
 
     /// How many.

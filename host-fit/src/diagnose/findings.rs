@@ -52,7 +52,9 @@ impl Assembly<'_> {
     pub(super) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
         let mut findings = self.fault_findings()?;
         let mut others = self.line_findings()?;
-        others.extend(self.slow_findings()?);
+        let mut order: Vec<&Found> = self.slow.found.iter().collect();
+        order.sort_by(|a, b| b.score.total_cmp(&a.score));
+        others.extend(self.slow_findings(order)?);
         others.extend(self.noise_finding()?);
         others.sort_by(|a, b| b.score.total_cmp(&a.score));
         findings.extend(others);
@@ -161,7 +163,7 @@ impl Assembly<'_> {
             .collect()
     }
 
-    fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+    pub(super) fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
         let known = self.reduced.blocks.known();
         let samples: Vec<f64> =
             self.reduced.error.iter().zip(known).filter(|(_, known)| **known).map(|(e, _)| *e).collect();
@@ -248,16 +250,15 @@ impl Assembly<'_> {
         })
     }
 
-    fn slow_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+    /// The slow effects in this order, each with the fall to expect once those before it are in the model.
+    pub(super) fn slow_findings(&self, order: Vec<&Found>) -> Result<Vec<Finding>, DiagnoseError> {
         let slow = self.slow;
-        if slow.found.is_empty() {
+        if order.is_empty() {
             return Ok(Vec::new());
         }
         let coefficients = slow.fitted.gls.coefficients();
         let covariance = slow.fitted.gls.covariance();
         let kept = &slow.fitted.gls.kept;
-        let mut order: Vec<&Found> = slow.found.iter().collect();
-        order.sort_by(|a, b| b.score.total_cmp(&a.score));
         let inputs = Inputs::new(self.question.field);
         let mut limits = Vec::new();
         for found in &order {

@@ -10,7 +10,7 @@ use crate::recording::RecordingError;
 /// Steps outwards, as shares of the width of the fitted range, and how many. The first is always granted: the noise and the
 /// steps of a thermometer are no extrapolation.
 const STEP: f64 = 0.05;
-const STEPS: i32 = 20;
+const STEPS: i32 = 5;
 
 /// What a curve adds beyond the edge must be so many standard errors: below, what it holds at the edge is the better guess.
 const TRUSTED: f64 = 3.0;

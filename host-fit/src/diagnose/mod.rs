@@ -39,13 +39,14 @@ pub use answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
 };
 pub use blocks::{Block, Blocks};
+pub(crate) use correction::step_time;
 pub use correction::{correction, is_fast};
 pub use levels::{LevelPrior, LogLevels};
 pub use noise::{GaussMarkov, NoiseLevels};
 pub use open::Lead;
 pub use quiet::DataSheet;
 
-use crate::effects::{Effect, Inputs, Library, Search};
+use crate::effects::{Band, Effect, Inputs, Library, Search};
 use crate::recording::{Recording, RecordingError};
 pub(crate) use gls::Gls;
 
@@ -97,6 +98,14 @@ pub enum DiagnoseError {
     /// An effect is not known.
     #[error(transparent)]
     Effect(#[from] crate::effects::EffectError),
+    /// An effect that was asked for does not show in the log.
+    #[error("{effect} cannot be estimated from this log: {reason}")]
+    NotThere {
+        /// The effect.
+        effect: String,
+        /// Why.
+        reason: String,
+    },
     /// Too little to say anything.
     #[error(
         "{column}: {blocks} blocks of {length_s:.1} s at rest; at least {} are needed to tell an effect from drifting noise\nhelp: a longer log at rest, or one with a reference",
@@ -122,63 +131,91 @@ const LEAD_SHARE: f64 = 0.03;
 /// Coarse steps above this many standard deviations of the noise hide every slow effect in the stairs they make.
 const STAIRS: f64 = 2.5;
 
+/// What a diagnosis begins with: the log reduced, what is known of the noise, what the model has already.
+struct Prepared {
+    column: String,
+    faults: Vec<Fault>,
+    reduced: Reduced,
+    prior: LevelPrior,
+    given: Vec<Vec<f64>>,
+    /// The axis measures shaking, and no reference says what of it.
+    shaken: bool,
+}
+
+impl Prepared {
+    fn new(question: &Question<'_>) -> Result<Self, DiagnoseError> {
+        let Question { field, target, library, .. } = *question;
+        let column = field.axis(target)?.name.clone();
+        let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
+        let faults = faults::find(field, question.quiet, &column, &converter);
+        let reduced = Reduced::new(field, &column, &faults)?;
+        if reduced.blocks.len() < MIN_BLOCKS {
+            let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
+            return Err(DiagnoseError::TooShort { column, blocks, length_s });
+        }
+        let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
+        let shaken = column.ends_with("_mps2")
+            && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
+        let prior = prior(question, &reduced, quiet.as_ref());
+        // shaking adds to the noise of block means what no quiet log tells of
+        let (prior, reduced) = match shaken {
+            true => (prior.widened(SHAKING), reduced.shaken()),
+            false => (prior, reduced),
+        };
+        let mut given = vec![vec![1.0; reduced.blocks.len()]];
+        let inputs = Inputs::new(field);
+        let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
+        for Given { effect, value } in question.given {
+            let effect = Rc::new(library.get(effect)?.clone());
+            given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
+        }
+        Ok(Self { column, faults, reduced, prior, given, shaken })
+    }
+
+    /// Whether slow effects drown in the stairs that a converter makes.
+    fn in_stairs(&self) -> bool {
+        self.reduced.clipped_through
+            || self.faults.iter().any(|fault| match fault {
+                Fault::Coarse { step, .. } => *step > STAIRS * self.reduced.fast_deviation(),
+                // the mean of a swing that is cut off moves with the swing
+                Fault::Saturation { .. } => self.shaken,
+                Fault::Dropped { .. } => false,
+            })
+    }
+}
+
 /// Says what is missing.
 ///
 /// # Errors
 ///
 /// A column is missing, or the log is too short.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
-    let Question { field, target, library, .. } = *question;
-    let column = field.axis(target)?.name.clone();
-    let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
-    let faults = faults::find(field, question.quiet, &column, &converter);
-    let reduced = Reduced::new(field, &column, &faults)?;
-    if reduced.blocks.len() < MIN_BLOCKS {
-        let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
-        return Err(DiagnoseError::TooShort { column, blocks, length_s });
-    }
-    let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
-    // an accelerometer on a shaker measures the shaking, and no reference says what of it
-    let shaken = column.ends_with("_mps2")
-        && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
-    let prior = prior(question, &reduced, quiet.as_ref());
-    // shaking adds to the noise of block means what no quiet log tells of
-    let prior = if shaken { prior.widened(SHAKING) } else { prior };
-    let inputs = Inputs::new(field);
-    let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
-    let mut given = vec![vec![1.0; reduced.blocks.len()]];
-    for Given { effect, value } in question.given {
-        let effect = Rc::new(library.get(effect)?.clone());
-        given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
-    }
+    let prepared = Prepared::new(question)?;
+    let Prepared { column, faults, reduced, prior, given, shaken } = &prepared;
+    let inputs = Inputs::new(question.field);
+    let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let (effects, untested) = candidates(question, &hypotheses);
-    let stairs = reduced.clipped_through
-        || faults.iter().any(|fault| match fault {
-            Fault::Coarse { step, .. } => *step > STAIRS * reduced.fast_deviation(),
-            // the mean of a swing that is cut off moves with the swing
-            Fault::Saturation { .. } => shaken,
-            Fault::Dropped { .. } => false,
-        });
-    let lines = if stairs { Vec::new() } else { lines(question, &column, &reduced, shaken)? };
+    let stairs = prepared.in_stairs();
+    let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let search = SlowSearch {
         blocks: &reduced.blocks,
         y: &reduced.means,
-        given: &given,
+        given,
         hypotheses: &hypotheses,
         effects: if stairs { &[] } else { &effects },
-        prior,
+        prior: *prior,
     };
     let slow = search.run()?;
     let left = match stairs {
         true => LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
-        false => left_over(question, &column, &reduced, &given, &slow, (faults.is_empty(), shaken)),
+        false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
     };
     findings::Assembly {
         question,
-        column: &column,
-        reduced: &reduced,
-        given: &given,
-        faults: &faults,
+        column,
+        reduced,
+        given,
+        faults,
         lines: &lines,
         slow: &slow,
         left,
@@ -186,6 +223,77 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         learnt_from: learnt_from(question),
     }
     .diagnosis()
+}
+
+/// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall that
+/// each should bring once those before it are in the model. Several lines are taken by their strength.
+///
+/// # Errors
+///
+/// A column is missing, the log is too short, or an effect leaves nothing in it.
+pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
+    let prepared = Prepared::new(question)?;
+    let Prepared { column, faults, reduced, prior, given, shaken } = &prepared;
+    let inputs = Inputs::new(question.field);
+    let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
+    let not_there = |effect: &str, reason: &str| DiagnoseError::NotThere {
+        effect: effect.to_owned(),
+        reason: reason.to_owned(),
+    };
+    let mut wanted = Vec::new();
+    for id in effects {
+        let effect = question.library.get(id)?;
+        match hypotheses.missing_columns(effect) {
+            None => return Err(not_there(id, &format!("it does not strike {column}"))),
+            Some(missing) if !missing.is_empty() => {
+                return Err(not_there(id, &format!("the log has no {}", missing.join(", "))));
+            }
+            Some(_) if matches!(effect.search, Search::Terms | Search::Step) => {
+                wanted.push(Rc::new(effect.clone()));
+            }
+            Some(_) => {}
+        }
+    }
+    let (all, untested) = candidates(question, &hypotheses);
+    let search = SlowSearch {
+        blocks: &reduced.blocks,
+        y: &reduced.means,
+        given,
+        hypotheses: &hypotheses,
+        effects: &all,
+        prior: *prior,
+    };
+    let slow = search.estimate(&wanted)?;
+    let lines = lines(question, column, reduced, *shaken)?;
+    let assembly = findings::Assembly {
+        question,
+        column,
+        reduced,
+        given,
+        faults,
+        lines: &lines,
+        slow: &slow,
+        left: LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
+        untested,
+        learnt_from: learnt_from(question),
+    };
+    let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
+    let mut line_findings = assembly.line_findings()?.into_iter();
+    effects
+        .iter()
+        .map(|id| {
+            let found = match question.library.get(id)?.band {
+                Band::Wide => line_findings.find(|finding| finding.effect == *id),
+                _ => slow_findings.find(|finding| finding.effect == *id),
+            };
+            found.filter(|finding| !finding.correction.is_empty()).ok_or_else(|| {
+                not_there(
+                    id,
+                    "nothing of it shows: what it follows does not change, or it drowns in the noise",
+                )
+            })
+        })
+        .collect()
 }
 
 /// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.

@@ -149,7 +149,7 @@ impl NoiseLevels {
         for (at, block) in blocks.blocks.iter().enumerate() {
             let seconds = block.count as f64 * blocks.period_s;
             // negative where a short process outweighs the white noise; the variance of the innovation never is
-            let own = self.white * self.white / seconds + white;
+            let own = self.white * self.white * block.noise / seconds + white;
             let mut gain = [0.0; STATES];
             for (gain, row) in gain.iter_mut().zip(&covariance) {
                 *gain = row.iter().sum();

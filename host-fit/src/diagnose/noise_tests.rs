@@ -57,10 +57,10 @@ fn of_means(x: f64, lag: u64) -> f64 {
     }
 }
 
-/// The ladder of flicker noise as documented: variance B²·ln 3/π, time constants triple from the block length on.
-fn ladder(flicker: f64, length_s: f64) -> impl Iterator<Item = GaussMarkov> {
+/// The ladder of flicker noise as documented: variance B²·ln 3/π, time constants triple from 1 s on.
+fn ladder(flicker: f64) -> impl Iterator<Item = GaussMarkov> {
     let deviation = flicker * (3.0_f64.ln() / std::f64::consts::PI).sqrt();
-    (0..8).map(move |rung| GaussMarkov { deviation, tau_s: length_s * 3.0_f64.powi(rung) })
+    (0..8).map(move |rung| GaussMarkov { deviation, tau_s: 3.0_f64.powi(rung) })
 }
 
 /// Covariance of block means.
@@ -68,7 +68,7 @@ pub(super) fn dense(levels: &NoiseLevels, blocks: &Blocks) -> DMatrix<f64> {
     let first = blocks.blocks[0].index;
     DMatrix::from_fn(blocks.len(), blocks.len(), |i, j| {
         let (a, b) = (&blocks.blocks[i], &blocks.blocks[j]);
-        let processes = ladder(levels.flicker, blocks.length_s).chain(levels.gauss_markov);
+        let processes = ladder(levels.flicker).chain(levels.gauss_markov);
         let coloured: f64 = processes
             .map(|p| p.deviation.powi(2) * of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index)))
             .sum();
@@ -235,7 +235,7 @@ fn simulated_noise_has_the_dense_covariance() {
 
 /// Allan variance of means over `m` blocks of the ladder of unit flicker.
 fn allan_variance_of_ladder(m: usize) -> f64 {
-    ladder(1.0, 1.0)
+    ladder(1.0)
         .map(|p| p.deviation.powi(2) * (of_means(m as f64 / p.tau_s, 0) - of_means(m as f64 / p.tau_s, 1)))
         .sum()
 }
@@ -245,7 +245,7 @@ fn the_ladder_is_flat_at_0_664_times_the_bias_instability_over_two_decades() {
     let flat = (2.0 * 2.0_f64.ln() / std::f64::consts::PI).sqrt();
     for m in [10, 14, 20, 50, 100, 200, 500, 1000] {
         let off = allan_variance_of_ladder(m).sqrt() / flat - 1.0;
-        // a ladder ends: what is missing of rungs below the block length and above 2187 blocks
+        // a ladder ends: what is missing of rungs below 1 s and above 2187 s
         assert!(off.abs() < 0.06, "{m} blocks: {off}");
     }
 }

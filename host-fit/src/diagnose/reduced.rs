@@ -69,6 +69,11 @@ impl Reduced {
         Ok(Self { error: series.values, blocks, means, clipped_through })
     }
 
+    /// The same with the noise of each block that of the shaking in it.
+    pub(super) fn shaken(self) -> Self {
+        Self { blocks: self.blocks.with_noise_of(&self.error), ..self }
+    }
+
     /// Standard deviation of the noise from one sample to the next.
     pub(crate) fn fast_deviation(&self) -> f64 {
         let known = self.blocks.known();

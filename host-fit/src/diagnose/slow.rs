@@ -156,6 +156,42 @@ impl SlowSearch<'_> {
         self.describe(state, tried)
     }
 
+    /// Estimates these effects together, whether they are missing or not.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn estimate(&self, wanted: &[Rc<Effect>]) -> Result<SlowResult, RecordingError> {
+        let base = NoiseLevels::from_logs(&self.prior.mean);
+        let mut state = State {
+            accepted: Vec::new(),
+            noise: ExtraNoise::None,
+            fitted: self.fit(&[], ExtraNoise::None, base),
+        };
+        for effect in wanted {
+            let alone = SlowSearch { effects: std::slice::from_ref(effect), ..*self };
+            if let Some(best) = alone.candidates(&state)?.into_iter().next() {
+                state.accepted.push(best.hypothesis);
+                state.fitted = best.fitted;
+            }
+        }
+        for place in 0..if wanted.len() > 1 { state.accepted.len() } else { 0 } {
+            let mut others = state.accepted.clone();
+            let current = others.remove(place);
+            let rest: Vec<&Hypothesis> = others.iter().collect();
+            let without = State {
+                fitted: self.fit(&rest, state.noise, state.fitted.levels),
+                accepted: others.clone(),
+                noise: state.noise,
+            };
+            let again = self.candidate(&rest, &without, current)?;
+            state.accepted[place] = again.hypothesis;
+            let all: Vec<&Hypothesis> = state.accepted.iter().collect();
+            state.fitted = self.fit(&all, state.noise, again.fitted.levels);
+        }
+        self.describe(state, Vec::new())
+    }
+
     fn prior_of(&self, noise: ExtraNoise) -> LevelPrior {
         match noise {
             ExtraNoise::Walk => self.prior.with_free_walk(FREE_WALK),
@@ -396,9 +432,15 @@ impl SlowSearch<'_> {
             return hypothesis;
         }
         let price = (self.blocks.len() as f64).ln();
+        // a part of a sum comes on top of it: of shaking in one direction any axis tells, of the next direction the sum does
+        let is_sum = |term: usize| {
+            hypothesis.regressors.get(term).is_some_and(|regressor| regressor.products.len() > 1)
+        };
+        let has_sums = (0..n).any(is_sum);
         let mut choices: Vec<(f64, Hypothesis)> = (1_u32..1 << n)
-            .map(|choice| {
-                let terms: Vec<usize> = (0..n).filter(|term| choice >> term & 1 == 1).collect();
+            .map(|choice| (0..n).filter(|term| choice >> term & 1 == 1).collect::<Vec<usize>>())
+            .filter(|terms| !has_sums || is_sum(terms[0]))
+            .map(|terms| {
                 let chosen = hypothesis.of_terms(&terms);
                 let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&chosen]).collect();
                 (self.at(&all, noise, fitted.levels).deviance + price * terms.len() as f64, chosen)

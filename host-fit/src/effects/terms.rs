@@ -60,13 +60,14 @@ impl Regressor {
         self.products.iter().flat_map(|product| &product.inputs)
     }
 
-    /// The inputs that it takes a power of.
+    /// The inputs that it takes a power of; a sum of powers, as of a vector's length, is no curve of any of them.
     pub fn powers(&self) -> impl Iterator<Item = &InputSpec> {
         let is_power = |product: &Product, input: &InputSpec| {
             product.inputs.iter().filter(|other| *other == input).count() > 1
         };
-        self.products
-            .iter()
+        let single = self.products.first().filter(|_| self.products.len() == 1);
+        single
+            .into_iter()
             .flat_map(move |product| product.inputs.iter().filter(move |input| is_power(product, input)))
     }
 

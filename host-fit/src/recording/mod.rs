@@ -109,6 +109,34 @@ impl Recording {
         (part(0, cut), part(cut, self.n_rows()))
     }
 
+    /// The first `rows` of it as a recording of its own.
+    pub fn first_rows(&self, rows: usize) -> Self {
+        let rows = rows.min(self.n_rows());
+        let first = |values: &[f64]| values[..rows].to_vec();
+        let channels = self.channels.iter();
+        let segments = self.segments.iter().filter(|segment| segment.rows.start < rows);
+        Self {
+            sources: self.sources.clone(),
+            time_s: first(&self.time_s),
+            channels: channels.map(|c| Channel { values: first(&c.values), ..c.clone() }).collect(),
+            segments: segments
+                .map(|s| Segment { rows: s.rows.start..s.rows.end.min(rows), ..s.clone() })
+                .collect(),
+            rate: self.rate.clone(),
+            still: self.still.as_ref().map(|still| still[..rows].to_vec()),
+            quality: self.quality.clone(),
+        }
+    }
+
+    /// The same with other values in a channel, one per row; without such a channel it is the same.
+    pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
+        let mut other = self.clone();
+        if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
+            channel.values = values;
+        }
+        other
+    }
+
     /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
     pub fn still_rows(&self) -> Vec<Range<usize>> {
         self.stretches_where(|row| self.still.as_ref().is_none_or(|still| still[row]))

@@ -1,0 +1,429 @@
+//! Grows a model by physical effects: estimates them together on a log where the model fails, puts them into its physical
+//! part, and judges every step on rows that were not fitted.
+
+mod cost;
+mod stair;
+mod terms;
+
+use std::ops::Range;
+
+use fos_core::{Axis, ModelError};
+
+pub use cost::Cost;
+pub use stair::{Added, Growth, GrowthLogs, Left, Stair};
+
+use crate::diagnose::{
+    DiagnoseError, Diagnosis, Finding, Given, Question, Reduced, Verdict, correction, diagnose, estimate,
+};
+use crate::effects::{Band, Effect, EffectError, Library};
+use crate::evaluate::{ModelErrors, trace};
+use crate::feed::Feed;
+use crate::fit::regressors::Regressors;
+use crate::model::UnitModel;
+use crate::recording::{Recording, RecordingError};
+use crate::rest;
+use crate::signal;
+use crate::study::Study;
+
+/// Share of the field log that effects are estimated from where no other log is there to judge on.
+pub const FITTED_SHARE: f64 = 0.6;
+
+/// Length of the blocks of the slow error, s.
+const SLOW_BLOCK_S: f64 = 1.0;
+
+/// Most effects that are added one after the other without being asked.
+const MOST: usize = 6;
+
+/// Why an effect cannot be added.
+#[derive(Debug, thiserror::Error)]
+pub enum GrowError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The effect cannot be estimated.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// The effect is not known.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// fos-core refuses the model.
+    #[error("the grown model cannot be run: {0}")]
+    Model(#[from] ModelError),
+    /// The study has no such axis.
+    #[error("the study has no axis {column}; it has {}\nhelp: --axis names one of them", .axes.join(", "))]
+    NoAxis {
+        /// What was asked for.
+        column: String,
+        /// What there is.
+        axes: Vec<String>,
+    },
+    /// It is there already.
+    #[error(
+        "{0} is in the model already\nhelp: `host-fit history STUDY` shows what was added, `host-fit undo STUDY` takes the last back"
+    )]
+    Twice(String),
+    /// There is nothing to take off.
+    #[error("{0}: nothing of it can be taken off sample by sample\nhelp: {1}")]
+    NothingToTakeOff(String, &'static str),
+    /// Nothing was added.
+    #[error("nothing was added to {0}\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect")]
+    NothingAdded(String),
+}
+
+/// The logs that an axis grows on.
+#[derive(Debug)]
+pub struct Ground<'a> {
+    /// The rows that effects are estimated from.
+    field: Recording,
+    /// A quiet log.
+    quiet: Option<&'a Recording>,
+    /// The log that errors are of, and the rows of it that were not fitted.
+    judged: &'a Recording,
+    judged_rows: Range<usize>,
+    library: &'a Library,
+}
+
+impl<'a> Ground<'a> {
+    /// `judged` is a log of its own; without one the last part of `field` is kept back.
+    pub fn new(
+        field: &'a Recording,
+        quiet: Option<&'a Recording>,
+        judged: Option<&'a Recording>,
+        library: &'a Library,
+    ) -> Self {
+        let cut = (FITTED_SHARE * field.n_rows() as f64) as usize;
+        match judged {
+            Some(judged) => {
+                let judged_rows = 0..judged.n_rows();
+                Self { field: field.clone(), quiet, judged, judged_rows, library }
+            }
+            None => Self {
+                field: field.first_rows(cut),
+                quiet,
+                judged: field,
+                judged_rows: cut..field.n_rows(),
+                library,
+            },
+        }
+    }
+
+    /// Rows that effects are estimated from.
+    pub fn fitted_rows(&self) -> usize {
+        self.field.n_rows()
+    }
+
+    /// The state before anything is added: the axis of the study as it was fitted, its bias that of the field log.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, or fos-core refuses the model.
+    pub fn first_stair(&self, model: &UnitModel) -> Result<Stair, GrowError> {
+        let left = self.left(model, &[])?;
+        self.stair(self.settled(model.clone(), 0.0)?, None, left)
+    }
+
+    /// What is missing from the model as it is after `growth`.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, or the log is too short.
+    pub fn diagnose(&self, growth: &Growth) -> Result<Diagnosis, GrowError> {
+        let wide = growth.added().filter(|added| added.finding.band == Band::Wide);
+        let wide: Vec<Finding> = wide.map(|added| added.finding.clone()).collect();
+        let field = self.without_base(growth, &wide)?;
+        let given = growth.added().filter(|added| added.finding.band != Band::Wide).map(|added| Given {
+            effect: added.effect.id.clone(),
+            value: added.finding.params.values().next().copied(),
+        });
+        let given: Vec<Given> = given.collect();
+        Ok(diagnose(&Question { given: &given, ..self.question(&field, &growth.column, self.library) })?)
+    }
+
+    /// The model of `growth` and `effect`, all effects estimated anew together.
+    ///
+    /// # Errors
+    ///
+    /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short.
+    pub fn add(&self, growth: &Growth, effect: &Effect) -> Result<Stair, GrowError> {
+        can_be_added(effect)?;
+        let mut library = self.library.clone();
+        let mut wanted: Vec<String> = Vec::new();
+        for added in growth.added() {
+            library.add(added.effect.clone());
+            wanted.push(added.effect.id.clone());
+        }
+        // lines and steps there may be several of
+        let repeats = added_again(effect);
+        if wanted.contains(&effect.id) && !repeats {
+            return Err(GrowError::Twice(effect.id.clone()));
+        }
+        wanted.push(effect.id.clone());
+        let field = self.without_base(growth, &[])?;
+        let findings = estimate(&self.question(&field, &growth.column, &library), &wanted)?;
+        let [first, ..] = &growth.stairs[..] else {
+            return Err(GrowError::NothingAdded(growth.column.clone()));
+        };
+        let mut model = first.model.clone();
+        let shift = terms::add(&mut model, &findings, &self.field)?;
+        let model = self.settled(model, shift)?;
+        let Some(finding) = findings.last().cloned() else {
+            return Err(GrowError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
+        };
+        let before = growth.last().map_or(first.left, |last| last.left);
+        let after = self.left(&first.model, &findings)?;
+        let realised_fall = match finding.band {
+            Band::Wide => 1.0 - after.wide / before.wide,
+            _ => 1.0 - after.slow / before.slow,
+        };
+        let added = Added { effect: effect.clone(), finding, realised_fall };
+        self.stair(model, Some(added), after)
+    }
+
+    /// Adds what a diagnosis ranks first until nothing is worth adding; the stairs that were added. `progress` is told each.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Ground::diagnose`] and [`Ground::add`].
+    pub fn add_best(
+        &self,
+        growth: &Growth,
+        mut progress: impl FnMut(&Diagnosis, Option<&Stair>),
+    ) -> Result<Vec<Stair>, GrowError> {
+        let mut growth = growth.clone();
+        let mut stairs = Vec::new();
+        while stairs.len() < MOST {
+            let diagnosis = self.diagnose(&growth)?;
+            let best = diagnosis.findings.iter().find(|finding| {
+                let effect = self.library.get(&finding.effect);
+                !finding.correction.is_empty() && effect.is_ok_and(|effect| can_be_added(effect).is_ok())
+            });
+            let Some(best) = best.filter(|_| diagnosis.verdict != Verdict::NothingMissing) else {
+                progress(&diagnosis, None);
+                break;
+            };
+            let stair = self.add(&growth, self.library.get(&best.effect)?)?;
+            progress(&diagnosis, Some(&stair));
+            // on data that were not fitted it did not help: not worth its cost
+            if stair.added.as_ref().is_some_and(|added| added.realised_fall <= 0.0) {
+                break;
+            }
+            growth.stairs.push(stair.clone());
+            stairs.push(stair);
+        }
+        Ok(stairs)
+    }
+
+    fn question<'q>(&'q self, field: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
+        Question {
+            field,
+            quiet: self.quiet,
+            judged: Some(self.judged),
+            target: column,
+            sheet: None,
+            full_scale: None,
+            lsb: None,
+            library,
+            given: &[],
+        }
+    }
+
+    /// The field log without what the model had before it grew, and without `found`.
+    fn without_base(&self, growth: &Growth, found: &[Finding]) -> Result<Recording, GrowError> {
+        let mut values = self.field.channel(&growth.column)?.values.clone();
+        if let Some(first) = growth.stairs.first() {
+            let base = self.physical(&first.model, &self.field)?;
+            values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
+        }
+        let taken = correction(found, &self.field, &self.field)?;
+        values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
+        Ok(self.field.with_values(&growth.column, values))
+    }
+
+    /// The physical part of an axis, in its unit, one value per row of `log`.
+    fn physical(&self, model: &UnitModel, log: &Recording) -> Result<Vec<f64>, GrowError> {
+        if model.axes[0].physical.is_empty() {
+            return Ok(vec![0.0; log.n_rows()]);
+        }
+        let known = known_rows(log, &model.axes[0].column);
+        let feed = Feed::new(log, model, &known)?;
+        let mut alone = model.clone();
+        alone.axes[0].stochastic.clear();
+        alone.axes[0].parameters.constant = 0.0;
+        let mut predictor = alone.predictor::<f64>()?;
+        let offset = alone.axes[0].parameters.offset;
+        let predicted = (0..log.n_rows()).map(|row| {
+            feed.catch_up(&mut predictor, row);
+            feed.coast(&mut predictor, row)[0].predicted - offset
+        });
+        Ok(predicted.collect())
+    }
+
+    /// The model with the bias of the field log: the mean of what its physical part leaves there, and `shift`.
+    fn settled(&self, mut model: UnitModel, shift: f64) -> Result<UnitModel, GrowError> {
+        let column = model.axes[0].column.clone();
+        let (level, reference) = self.level(&model, &self.field, 0..self.field.n_rows())?;
+        let parameters = &mut model.axes[0].parameters;
+        match reference {
+            true => parameters.offset = level + shift,
+            false => (parameters.reference, parameters.offset) = (level + shift, 0.0),
+        }
+        let known = known_rows(&self.field, &column);
+        let feed = Feed::new(&self.field, &model, &known)?;
+        let mut alone = model.clone();
+        alone.axes[0].stochastic.clear();
+        let regressors = Regressors::of(&alone, &feed, self.field.n_rows())?;
+        let range = &mut model.axes[0].parameters.range;
+        for value in regressors.known(&regressors.remainder) {
+            (range.low, range.high) = (range.low.min(value), range.high.max(value));
+        }
+        Ok(model)
+    }
+
+    /// Mean of measured − reference − p over the known rows among `rows`, and whether the true value is known but for a
+    /// constant: an accelerometer at rest without a reference shows gravity.
+    fn level(
+        &self,
+        model: &UnitModel,
+        log: &Recording,
+        rows: Range<usize>,
+    ) -> Result<(f64, bool), GrowError> {
+        let axis = &model.axes[0];
+        let error = log.error_series(&axis.column)?;
+        let physical = self.physical(model, log)?;
+        let known = known_rows(log, &axis.column);
+        let left = rows.filter(|row| known[*row]).map(|row| error.values[row] - physical[row]);
+        let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
+        let has_reference = log.channel(&format!("ref_{}", axis.column)).is_ok();
+        let is_accelerometer = matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az);
+        Ok((signal::mean(&[&left]), has_reference || !is_accelerometer))
+    }
+
+    /// What the model before it grew and the findings leave of the error on the judged rows.
+    fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, GrowError> {
+        let column = &base.axes[0].column;
+        let reduced = Reduced::in_blocks_of(self.judged, column, &[], SLOW_BLOCK_S)?;
+        let mut left = reduced.error.clone();
+        let base = self.physical(base, self.judged)?;
+        left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
+        let taken = correction(findings, &self.field, self.judged)?;
+        left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
+        let means = reduced.blocks.means(&left);
+        let blocks = reduced.blocks.blocks.iter().zip(&means);
+        let means: Vec<f64> = blocks
+            .filter(|(block, _)| self.judged_rows.contains(&block.rows.start))
+            .map(|(_, mean)| *mean)
+            .collect();
+        let samples: Vec<f64> = self
+            .judged_rows
+            .clone()
+            .filter(|row| reduced.blocks.known()[*row] && left[*row].is_finite())
+            .map(|row| left[row])
+            .collect();
+        Ok(Left { slow: signal::variance(&[&means]), wide: signal::variance(&[&samples]) })
+    }
+
+    fn stair(&self, model: UnitModel, added: Option<Added>, left: Left) -> Result<Stair, GrowError> {
+        let column = model.axes[0].column.clone();
+        let known = known_rows(self.judged, &column);
+        let mut judged = model.clone();
+        let (level, has_reference) = self.level(&model, self.judged, self.judged_rows.clone())?;
+        if !has_reference {
+            // another pose has another constant
+            (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
+        }
+        let feed = Feed::new(self.judged, &judged, &known)?;
+        let trace = trace::<f64>(&judged, &feed, self.judged_rows.clone(), |_| {})?;
+        let name = match &added {
+            None => "before".to_owned(),
+            Some(added) => format!("+ {}", added.effect.id),
+        };
+        let errors = ModelErrors::of(&trace, 0, &name, &column, None);
+        let cost = Cost::of(&model);
+        Ok(Stair { added, model, errors, left, cost })
+    }
+}
+
+/// Rows whose error is known: at rest, or with a reference.
+fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
+    let rest = rest::find(log);
+    match log.channel(&format!("ref_{column}")) {
+        Ok(reference) => reference.values.iter().map(|value| value.is_finite()).collect(),
+        Err(_) => rest.still,
+    }
+}
+
+/// Whether there can be several of it in one model.
+fn added_again(effect: &Effect) -> bool {
+    matches!(effect.id.as_str(), "spectral_line" | "bias_step")
+}
+
+/// Effects that leave nothing to subtract are told apart by what to do instead.
+fn can_be_added(effect: &Effect) -> Result<(), GrowError> {
+    let help = match effect.band {
+        Band::Data => "repair the data: another full scale, a faster bus, a finer output",
+        Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",
+        Band::Wide if effect.id != "spectral_line" => {
+            "a filter in front of the model, or another output rate"
+        }
+        _ => return Ok(()),
+    };
+    Err(GrowError::NothingToTakeOff(effect.id.clone(), help))
+}
+
+impl Study {
+    /// The growth of an axis, if any.
+    pub fn growth_of(&self, column: &str) -> Option<&Growth> {
+        self.growth.iter().find(|growth| growth.column == column)
+    }
+
+    /// The axis of the study alone, as it was before it grew.
+    ///
+    /// # Errors
+    ///
+    /// There is none.
+    pub fn axis_alone(&self, column: &str) -> Result<UnitModel, GrowError> {
+        let index = self.model.axes.iter().position(|axis| axis.column == column);
+        index.map(|index| self.model.only(index)).ok_or_else(|| GrowError::NoAxis {
+            column: column.to_owned(),
+            axes: self.model.axes.iter().map(|axis| axis.column.clone()).collect(),
+        })
+    }
+
+    /// Keeps `growth`, and puts its last state into the model.
+    pub fn keep(&mut self, growth: Growth) {
+        if let Some(last) = growth.last() {
+            self.replace(&growth.column, last.model.clone());
+        }
+        match self.growth.iter_mut().find(|other| other.column == growth.column) {
+            Some(known) => *known = growth,
+            None => self.growth.push(growth),
+        }
+    }
+
+    /// Takes the last effect that was added to `column` back; its identifier.
+    ///
+    /// # Errors
+    ///
+    /// Nothing was added.
+    pub fn undo(&mut self, column: &str) -> Result<String, GrowError> {
+        let nothing = || GrowError::NothingAdded(column.to_owned());
+        let growth = self.growth.iter_mut().find(|growth| growth.column == column).ok_or_else(nothing)?;
+        let added = growth.last().and_then(|stair| stair.added.as_ref()).ok_or_else(nothing)?;
+        let effect = added.effect.id.clone();
+        growth.stairs.pop();
+        let growth = growth.clone();
+        self.keep(growth);
+        Ok(effect)
+    }
+
+    fn replace(&mut self, column: &str, model: UnitModel) {
+        let axes = (0..self.model.axes.len()).map(|index| {
+            if self.model.axes[index].column == column { model.clone() } else { self.model.only(index) }
+        });
+        let mut axes = axes.collect::<Vec<_>>().into_iter();
+        if let Some(mut unit) = axes.next() {
+            axes.for_each(|axis| unit.absorb(axis));
+            self.model = unit;
+        }
+    }
+}
