@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use crate::dependence::{Dependence, DependenceError, Trained, dependence};
 use crate::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
 use crate::feed::Feed;
 use crate::fit::{AxisFit, FitOptions};
@@ -25,6 +26,9 @@ pub enum CompareError {
     /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
+    /// What is left cannot be held against what is logged.
+    #[error(transparent)]
+    Dependence(#[from] DependenceError),
     /// Nothing is left to judge on.
     #[error(
         "no row at rest is left to judge on: all {trained} were trained on\nhelp: a smaller --train, or a longer log"
@@ -61,10 +65,13 @@ pub struct AxisComparison {
     pub errors: Vec<ModelErrors>,
     /// The five stretches where the model fails worst.
     pub worst: Vec<Stretch>,
+    /// What is left against everything that is logged; absent where that is too little to tell.
+    pub dependence: Option<Dependence>,
 }
 
-/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data. Also
-/// gives the model's own trace, for the figures.
+/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data.
+/// `trained` is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
+/// trace, for the figures.
 ///
 /// # Errors
 ///
@@ -75,6 +82,7 @@ pub fn compare(
     recording: &Recording,
     rest: &Rest,
     rows: Range<usize>,
+    trained: Option<&Trained<'_>>,
     mut progress: impl FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
     let feed = Feed::new(recording, model, &rest.still)?;
@@ -96,12 +104,14 @@ pub fn compare(
         add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &feed, rows.clone(), |_| {})?);
     }
     add(MODEL, &own);
+    let dependences = dependence(model, recording, rest, rows.clone(), trained)?;
     let axes = model
         .axes
         .iter()
         .enumerate()
         .zip(errors)
-        .map(|((axis, fitted), errors)| AxisComparison {
+        .zip(dependences)
+        .map(|(((axis, fitted), errors), dependence)| AxisComparison {
             column: fitted.column.clone(),
             unit: unit_of(&fitted.column).to_owned(),
             rows: own.axes[axis].measured.iter().filter(|value| value.is_finite()).count(),
@@ -112,6 +122,7 @@ pub fn compare(
                 .collect(),
             errors,
             worst: worst_stretches(&own, axis, recording),
+            dependence,
         })
         .collect();
     let judged_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
@@ -139,7 +150,8 @@ pub fn study_of(
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
     let rows = trained_rows..recording.n_rows();
-    let (comparison, trace) = compare(&model, &lag_1, recording, rest, rows, progress)?;
+    let trained = Trained { recording, rest, rows: 0..trained_rows };
+    let (comparison, trace) = compare(&model, &lag_1, recording, rest, rows, Some(&trained), progress)?;
     let still = rest.still.iter().filter(|still| **still).count();
     let study = Study {
         schema: SCHEMA.to_owned(),

@@ -9,6 +9,7 @@ use crate::evaluate::Trace;
 use crate::figures::compare::{
     Subject, Worst, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
+use crate::figures::dependence::dependence;
 use crate::figures::{Figure, FigureError, write_png, write_svg};
 use crate::recording::Recording;
 use crate::signal::allan::{allan_deviation, averaging_times};
@@ -47,7 +48,7 @@ pub enum PlotError {
     Figure(#[from] FigureError),
 }
 
-/// Writes the five figures of every axis into `folder`, each as SVG and as PNG.
+/// Writes the six figures of every axis into `folder`, each as SVG and as PNG.
 ///
 /// # Errors
 ///
@@ -130,6 +131,9 @@ fn figures(
         allan_deviation(&stretches, trace.period_s, &taus)
     };
     figures.push(("5_allan", allan(subject, &deviations(&series.measured), &deviations(&series.coast))));
+    if let Some(found) = &axis.dependence {
+        figures.push(("6_dependence", dependence(subject, found)));
+    }
     figures
 }
 

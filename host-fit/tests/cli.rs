@@ -41,7 +41,9 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     assert!(fitted.contains("gx_rads") && fitted.contains("coast MSE after 10 s"), "{fitted}");
     let compared = done(folder, &["compare", "unit.json", "--figures", "figures"]);
     assert!(compared.contains("noise floor") && compared.contains("where it fails worst"), "{compared}");
-    for figure in ["1_over_time", "2_residual", "3_autocorrelation", "4_spectrum", "5_allan"] {
+    assert!(compared.contains("best lag") && compared.contains("by time and frequency"), "{compared}");
+    for figure in ["1_over_time", "2_residual", "3_autocorrelation", "4_spectrum", "5_allan", "6_dependence"]
+    {
         for format in ["svg", "png"] {
             let path = folder.join(format!("figures/gx_rads_{figure}.{format}"));
             assert!(path.metadata().is_ok_and(|file| file.len() > 1000), "{}", path.display());

@@ -6,12 +6,13 @@ use clap::Args;
 
 use super::arguments::{Reading, describe};
 use super::error_table::error_table;
-use super::output::{Failure, number, print_json, progress};
+use super::output::{Failure, number, print_json, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
+use crate::dependence::{Dependence, Trained};
 use crate::evaluate::ModelErrors;
 
 use crate::plots;
-use crate::recording::Source;
+use crate::recording::{Recording, Source};
 use crate::rest;
 use crate::study::Study;
 
@@ -45,9 +46,6 @@ impl Compare {
             None => study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect(),
         };
         let recording = reading.read_all(&logs)?;
-        let digests = |sources: &[Source]| -> Vec<String> {
-            sources.iter().map(|source| source.sha256.clone()).collect()
-        };
         let same = digests(&recording.sources) == digests(&study.data.sources);
         if self.log.is_none() && !same {
             return Err(format!(
@@ -69,11 +67,20 @@ impl Compare {
         }
         let rest = rest::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
+        let own = if same { None } else { fitted_log(&study) };
+        let own = own.map(|own| (rest::find(&own), own));
+        let trained_rows = 0..study.data.trained_rows;
+        let trained = match &own {
+            Some((rest, recording)) => Some(Trained { recording, rest, rows: trained_rows }),
+            None => same.then_some(Trained { recording: &recording, rest: &rest, rows: trained_rows }),
+        };
         let bar = progress(4, "judging");
-        let (comparison, trace) = compare(&study.model, &study.lag_1(), &recording, &rest, rows, |model| {
+        let judged = |model: &str| {
             bar.set_message(format!("judging: {model}"));
             bar.inc(1);
-        })?;
+        };
+        let (comparison, trace) =
+            compare(&study.model, &study.lag_1(), &recording, &rest, rows, trained.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             plots::write_all(folder, &comparison, &trace, &recording)?;
@@ -90,7 +97,19 @@ impl Compare {
     }
 }
 
-/// The errors and the worst stretches of every axis.
+fn digests(sources: &[Source]) -> Vec<String> {
+    sources.iter().map(|source| source.sha256.clone()).collect()
+}
+
+/// The log that the study was fitted to, where it still is what it was.
+fn fitted_log(study: &Study) -> Option<Recording> {
+    let reading = Reading { map: study.data.columns.clone(), ..Reading::default() };
+    let paths: Vec<PathBuf> = study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect();
+    let recording = reading.read_all(&paths).ok()?;
+    (digests(&recording.sources) == digests(&study.data.sources)).then_some(recording)
+}
+
+/// The errors, the worst stretches and the dependences of every axis.
 pub(super) fn print_comparison(comparison: &Comparison) {
     let (begin, end) = comparison.judged_s;
     println!("judged from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
@@ -131,4 +150,77 @@ fn print_axis(axis: &AxisComparison) {
             println!("     nothing logged is special there");
         }
     }
+    match &axis.dependence {
+        Some(dependence) => print_dependence(dependence),
+        None => {
+            println!("  what it depends on: not known, too few blocks at rest to tell from drifting noise")
+        }
+    }
+}
+
+/// Channels that are printed though chance explains them.
+const SHOWN: usize = 4;
+
+/// Cells that are printed.
+const WORST_CELLS: usize = 5;
+
+fn print_dependence(dependence: &Dependence) {
+    println!(
+        "  what is left of the slow error (less offset and physical part) against each channel, {} blocks of {:.1} s:",
+        dependence.blocks, dependence.block_s
+    );
+    if !dependence.learnt {
+        println!(
+            "  caution: the noise was learnt from these rows themselves, as the log that was fitted is not at hand"
+        );
+    }
+    let mut rows = table(&["  channel", "score", "p", "p of all", "best lag", "p of lag", ""]);
+    let clear = dependence.channels.iter().filter(|channel| channel.is_clear()).count();
+    for channel in dependence.channels.iter().take(clear.max(SHOWN)) {
+        let lag = &channel.lag;
+        rows.add_row([
+            format!("  {}", channel.channel),
+            format!("{:.1}", channel.curve.score),
+            probability(channel.curve.p),
+            probability(channel.p_of_all),
+            // a delay of nothing means nothing
+            if lag.p < 0.05 {
+                format!("{} s ({} … {})", lag.best_s, lag.possible_s.0, lag.possible_s.1)
+            } else {
+                "–".into()
+            },
+            probability(lag.p),
+            if channel.is_clear() { "depends" } else { "" }.into(),
+        ]);
+    }
+    println!("{rows}");
+    let others = dependence.channels.len().saturating_sub(clear.max(SHOWN));
+    if others > 0 {
+        println!("  and {others} more that it does not depend on");
+    }
+    let (worst, cells) = (dependence.power.worst(), dependence.power.cells.len());
+    if worst.is_empty() {
+        println!("  by time and frequency: none of {cells} cells has more power than chance explains");
+        return;
+    }
+    println!(
+        "  by time and frequency: {} of {cells} cells have more power than chance explains",
+        worst.len()
+    );
+    for cell in worst.iter().take(WORST_CELLS) {
+        println!(
+            "     {:.1} s – {:.1} s, {} – {} Hz: {:.1} times the usual, p {}",
+            cell.begin_s,
+            cell.end_s,
+            number(cell.low_hz),
+            number(cell.high_hz),
+            cell.times,
+            probability(cell.p)
+        );
+    }
+}
+
+/// Two digits, as probabilities need.
+fn probability(p: f64) -> String {
+    if p >= 0.01 { format!("{p:.2}") } else { format!("{p:.0e}") }
 }

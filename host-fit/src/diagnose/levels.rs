@@ -34,13 +34,13 @@ const WALL_STEP: f64 = 0.5;
 
 /// Noise levels fitted to data together with a regression.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub(crate) struct Fitted {
     /// The levels.
-    pub(super) levels: NoiseLevels,
+    pub(crate) levels: NoiseLevels,
     /// The regression under them.
-    pub(super) gls: Gls,
+    pub(crate) gls: Gls,
     /// −2 ln of likelihood times prior density, up to a constant that depends on neither regressors nor levels.
-    pub(super) deviance: f64,
+    pub(crate) deviance: f64,
 }
 
 /// How far an optimum is looked for, in logarithms: a factor of 150.
@@ -125,15 +125,15 @@ impl NoiseLevels {
 
 /// A regression of block means with everything that does not change from one set of noise levels to the next.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Regression<'a> {
+pub(crate) struct Regression<'a> {
     /// The blocks.
-    pub(super) blocks: &'a Blocks,
+    pub(crate) blocks: &'a Blocks,
     /// The output.
-    pub(super) y: &'a [f64],
+    pub(crate) y: &'a [f64],
     /// The regressors.
-    pub(super) regressors: &'a [&'a [f64]],
+    pub(crate) regressors: &'a [&'a [f64]],
     /// What is known of the levels.
-    pub(super) prior: &'a LevelPrior,
+    pub(crate) prior: &'a LevelPrior,
 }
 
 impl Regression<'_> {
@@ -145,7 +145,7 @@ impl Regression<'_> {
     }
 
     /// Under the most probable levels, looked for from `start`; a further Gauss-Markov process stays as it is.
-    pub(super) fn fit(&self, start: NoiseLevels) -> Fitted {
+    pub(crate) fn fit(&self, start: NoiseLevels) -> Fitted {
         let extra = start.gauss_markov;
         let at = |logs: &LogLevels| {
             self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(logs) }).deviance
@@ -168,7 +168,7 @@ impl Regression<'_> {
 
     /// What the data and the prior together say of the levels: normal about the optimum, with the curvature there
     /// (Laplace).
-    pub(super) fn posterior(&self, fitted: &Fitted) -> LevelPrior {
+    pub(crate) fn posterior(&self, fitted: &Fitted) -> LevelPrior {
         let centre = fitted.levels.logs();
         let hessian = hessian(centre, |logs| {
             let levels =

@@ -12,7 +12,7 @@ mod faults;
 mod findings;
 mod gls;
 mod hypothesis;
-mod levels;
+pub(crate) mod levels;
 mod limits;
 mod lines;
 mod noise;

@@ -44,6 +44,9 @@ const HAIRLINE: f64 = 0.75;
 const METHODS: [u32; 7] =
     [0x00_72_B2, 0x56_B4_E9, 0x00_9E_73, 0xCC_79_A7, 0xE6_9F_00, 0xD5_5E_00, 0x22_22_22];
 
+/// From Okabe and Ito's blue to vermilion, thinned out towards the usual, and darker beyond.
+const STEPS: [u32; 6] = [0x9C_C9_E6, 0xF1_F3_F5, 0xFC_E3_B8, 0xF2_AE_4E, 0xD5_5E_00, 0x7A_2E_00];
+
 fn colour(ink: Ink) -> Colour {
     Colour(
         match ink {
@@ -53,6 +56,7 @@ fn colour(ink: Ink) -> Colour {
             Ink::Floor => 0x22_22_22,
             Ink::Bound => 0x6B_72_7B,
             Ink::Other => 0xCC_79_A7,
+            Ink::Step(number) => STEPS[number.min(STEPS.len() - 1)],
             Ink::Method(number) => METHODS[number % METHODS.len()],
         },
         1.0,
@@ -254,11 +258,26 @@ impl<'a> Plot<'a> {
                 }
                 Ok(())
             }
+            Shape::Cells(cells) => cells
+                .iter()
+                .filter_map(|cell| self.rectangle(cell))
+                .try_for_each(|(upper_left, lower_right)| canvas.rectangle(upper_left, lower_right, ink)),
+            Shape::Frames(frames) => {
+                frames.iter().filter_map(|frame| self.rectangle(frame)).try_for_each(|(from, to)| {
+                    let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
+                    canvas.line(&corners, LINE_WIDTH, ink)
+                })
+            }
             Shape::Level(y) => match (self.place(self.x.low, *y), self.place(self.x.high, *y)) {
                 (Some(left), Some(right)) => canvas.dashes(left, right, 1.25, ink),
                 _ => Ok(()),
             },
         }
+    }
+
+    /// Upper left and lower right corner of (left, right, low, high).
+    fn rectangle(&self, (left, right, low, high): &(f64, f64, f64, f64)) -> Option<(Point, Point)> {
+        Some((self.place(*left, *high)?, self.place(*right, *low)?))
     }
 
     fn polyline<DB: DrawingBackend>(
@@ -321,6 +340,12 @@ impl Key<'_> {
         let middle = (0.5 * (from.0 + to.0), from.1);
         match &series.shape {
             Shape::Band(_) => patch(Colour(ink.0, 0.35)),
+            Shape::Cells(_) => patch(ink),
+            Shape::Frames(_) => {
+                let (low, high) = (from.1 - 6.0, from.1 + 6.0);
+                let corners = [(from.0, low), (to.0, low), (to.0, high), (from.0, high), (from.0, low)];
+                canvas.line(&corners, LINE_WIDTH, ink)
+            }
             Shape::Level(_) => canvas.dashes(from, to, 1.25, ink),
             Shape::Line(_) => canvas.line(&[from, to], 2.0, ink),
             Shape::Points(_) | Shape::Stems(_) => canvas.dot(middle, 3.0, ink),
@@ -344,6 +369,10 @@ fn corners(shape: &Shape) -> Vec<(Option<f64>, f64)> {
             bars.iter().flat_map(|(x, y, low, high)| [*y, *low, *high].map(|y| (Some(*x), y))).collect()
         }
         Shape::Level(y) => vec![(None, *y)],
+        Shape::Cells(cells) | Shape::Frames(cells) => cells
+            .iter()
+            .flat_map(|(left, right, low, high)| [(Some(*left), *low), (Some(*right), *high)])
+            .collect(),
     }
 }
 

@@ -122,6 +122,8 @@ mod tests {
             ("points", Shape::Points(values.to_vec())),
             ("bars", Shape::Bars(values.iter().map(|(x, y)| (*x, *y, 0.5 * y, 2.0 * y)).collect())),
             ("stems", Shape::Stems(values.to_vec())),
+            ("cells", Shape::Cells(values.iter().map(|(x, y)| (*x, 2.0 * x, *y, 2.0 * y)).collect())),
+            ("frames", Shape::Frames(values.iter().map(|(x, y)| (*x, 2.0 * x, *y, 2.0 * y)).collect())),
             ("level", Shape::Level(values.first().map_or(0.0, |(_, y)| *y))),
         ];
         let series =

@@ -13,6 +13,7 @@
 
 mod canvas;
 pub mod compare;
+pub mod dependence;
 mod draw;
 mod file;
 mod round_joins;
@@ -102,6 +103,10 @@ pub enum Shape {
     Stems(Vec<(f64, f64)>),
     /// A dashed horizontal line.
     Level(f64),
+    /// Filled rectangles (left, right, low, high), side by side.
+    Cells(Vec<(f64, f64, f64, f64)>),
+    /// Outlines of rectangles (left, right, low, high).
+    Frames(Vec<(f64, f64, f64, f64)>),
 }
 
 /// Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
@@ -120,6 +125,9 @@ pub enum Ink {
     Bound,
     /// Anything else (purple).
     Other,
+    /// A step of a scale from too little (blue) over the usual (pale) to too much (orange to brown), numbered from 0; beyond
+    /// the last it stays.
+    Step(usize),
     /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
     Method(usize),
 }

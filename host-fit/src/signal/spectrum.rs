@@ -102,7 +102,7 @@ impl Spectrum {
 }
 
 /// Periodic Hann window: shifted copies at half its length add up to one.
-pub(super) fn hann(length: usize) -> Vec<f64> {
+pub(crate) fn hann(length: usize) -> Vec<f64> {
     (0..length).map(|n| 0.5 - 0.5 * (2.0 * PI * n as f64 / length as f64).cos()).collect()
 }
 
