@@ -5,12 +5,15 @@
 use std::path::{Path, PathBuf};
 
 use crate::compare::{AxisComparison, Comparison};
+use crate::effects::Band;
 use crate::evaluate::Trace;
 use crate::figures::compare::{
     Subject, Worst, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
+use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
+use crate::grow::Growth;
 use crate::recording::Recording;
 use crate::signal::allan::{allan_deviation, averaging_times};
 use crate::signal::autocorrelation::autocorrelation;
@@ -63,6 +66,38 @@ pub fn write_all(
         write(folder, &axis.column, &figures(axis, trace, index, recording))?;
     }
     Ok(())
+}
+
+/// Writes the staircase of an axis that grew into `folder`, as SVG and as PNG.
+///
+/// # Errors
+///
+/// The folder cannot be made, or a file in it cannot be written.
+pub fn write_staircase(folder: &Path, growth: &Growth) -> Result<(), PlotError> {
+    let mut steps: Vec<Step> = Vec::new();
+    for stair in &growth.stairs {
+        let before = steps.last().map(|step| (step.slow, step.wide));
+        let foretold = stair.added.as_ref().zip(before).and_then(|(added, (slow, wide))| {
+            let finding = &added.finding;
+            let is_wide = finding.band == Band::Wide;
+            let left = |drop: f64| if is_wide { wide } else { slow } * (1.0 - drop).max(0.0).sqrt();
+            let [low, high] = finding.expected_drop_ci;
+            (finding.expected_drop > 0.0).then(|| Foretold {
+                wide: is_wide,
+                left: left(finding.expected_drop),
+                interval: [left(high), left(low)],
+            })
+        });
+        steps.push(Step {
+            name: stair.errors.model.clone(),
+            slow: stair.left.slow.sqrt(),
+            wide: stair.left.wide.sqrt(),
+            foretold,
+            coast: stair.errors.coast.iter().map(|coast| (coast.horizon_s, coast.mse.sqrt())).collect(),
+        });
+    }
+    let figure = staircase(in_words(&growth.column), crate::model::unit_of(&growth.column), &steps);
+    write(folder, &growth.column, &[("staircase", figure)])
 }
 
 /// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.

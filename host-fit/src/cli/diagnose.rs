@@ -5,25 +5,27 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::Reading;
+use super::growing::{Logs, ReadLogs, column_of};
 use super::output::{Failure, number, print_json, table};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose};
 use crate::effects::Library;
+use crate::grow::{Ground, Growth};
+use crate::study::Study;
 
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx")]
+#[command(
+    after_help = "Example: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: host-fit diagnose unit.json --from field.parquet --axis gx"
+)]
 pub(super) struct Diagnose {
-    /// The log to explain
-    log: PathBuf,
-    /// A quiet log of the same unit, in which nothing is missing: the noise is learnt from it
-    #[arg(long, value_name = "LOG")]
-    quiet: Option<PathBuf>,
-    /// The log that a correction is to be judged on; its inputs say how much should fall there
-    #[arg(long, value_name = "LOG")]
-    judged: Option<PathBuf>,
-    /// gx, a column, or several with commas
+    /// The log to explain; or a study (.json), whose model is taken off first
+    #[arg(value_name = "LOG|STUDY")]
+    of: PathBuf,
+    /// gx, a column, or several with commas; needed unless a study has one axis
     #[arg(long)]
-    axis: String,
+    axis: Option<String>,
+    #[command(flatten)]
+    logs: Logs,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,
@@ -40,28 +42,60 @@ pub(super) struct Diagnose {
 impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
-        let field = self.reading.read(&self.log)?;
-        let quiet = self.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
-        let judged = self.judged.as_ref().map(|path| self.reading.read(path)).transpose()?;
-        let mut answers = Vec::new();
-        for axis in super::arguments::axes(&field, &self.axis)? {
-            answers.push(diagnose(&Question {
-                field: &field,
-                quiet: quiet.as_ref(),
-                judged: judged.as_ref(),
-                target: &axis,
-                sheet: None,
-                full_scale: self.full_scale,
-                lsb: None,
-                library: &library,
-                given: &[],
-            })?);
-        }
+        let answers = match self.of.extension().is_some_and(|extension| extension == "json") {
+            true => vec![self.of_study(&library)?],
+            false => self.of_log(&library)?,
+        };
         if self.json {
             return print_json(&answers);
         }
         answers.iter().for_each(print_diagnosis);
         Ok(())
+    }
+
+    fn of_log(&self, library: &Library) -> Result<Vec<Diagnosis>, Failure> {
+        if self.logs.from.is_some() {
+            return Err(
+                "--from goes with a study\nhelp: `host-fit diagnose STUDY --from LOG`, or the log alone"
+                    .into(),
+            );
+        }
+        let Some(axis) = &self.axis else {
+            return Err("which axis?\nhelp: name it with --axis, as --axis gx".into());
+        };
+        let field = self.reading.read(&self.of)?;
+        let quiet = self.logs.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let judged = self.logs.judge.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let axes = super::arguments::axes(&field, axis)?;
+        let of_axis = |axis: &String| {
+            Ok(diagnose(&Question {
+                field: &field,
+                quiet: quiet.as_ref(),
+                judged: judged.as_ref(),
+                target: axis,
+                sheet: None,
+                full_scale: self.full_scale,
+                lsb: None,
+                library,
+                given: &[],
+            })?)
+        };
+        axes.iter().map(of_axis).collect()
+    }
+
+    fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {
+        let study = Study::read(&self.of)?;
+        let column = column_of(&study, self.axis.as_deref())?;
+        let logs = ReadLogs::read(&self.logs, &self.reading, &study, &column)?;
+        let ground = Ground::new(&logs.field, logs.quiet.as_ref(), logs.judged.as_ref(), library);
+        let growth = match study.growth_of(&column) {
+            Some(growth) => growth.clone(),
+            None => {
+                let stairs = vec![ground.first_stair(&study.axis_alone(&column)?)?];
+                Growth { column, logs: logs.named(ground.fitted_rows()), stairs }
+            }
+        };
+        Ok(ground.diagnose(&growth)?)
     }
 }
 

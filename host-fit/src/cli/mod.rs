@@ -1,5 +1,6 @@
 //! The command line: each subcommand parses, runs, prints.
 
+mod add;
 mod arguments;
 mod batch;
 mod bench;
@@ -11,12 +12,15 @@ mod effects;
 mod error_table;
 mod export;
 mod fit;
+mod growing;
+mod history;
 mod inspect;
 mod output;
 mod replay;
 mod simulate;
 mod simulate_case;
 mod table;
+mod undo;
 
 use std::process::ExitCode;
 
@@ -41,6 +45,9 @@ enum Command {
     Fit(fit::Fit),
     Compare(compare::Compare),
     Diagnose(diagnose::Diagnose),
+    Add(add::Add),
+    Undo(undo::Undo),
+    History(history::History),
     Effects(effects::Effects),
     Batch(batch::Batch),
     Calibrate(calibrate::Calibrate),
@@ -59,6 +66,9 @@ pub fn run() -> ExitCode {
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Diagnose(command) => command.run(),
+        Command::Add(command) => command.run(),
+        Command::Undo(command) => command.run(),
+        Command::History(command) => command.run(),
         Command::Effects(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Calibrate(command) => command.run(),

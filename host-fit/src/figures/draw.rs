@@ -113,7 +113,9 @@ struct Plot<'a> {
 impl<'a> Plot<'a> {
     fn new(panel: &'a Panel, upper_edge: f64, height: f64) -> Self {
         let points = || panel.series.iter().flat_map(|series| corners(&series.shape));
-        let x = Extent::of(points().filter_map(|(x, _)| x), panel.x.scale, 0.01);
+        // names at the ends need room
+        let margin = if panel.x.names.is_empty() { 0.01 } else { 0.12 };
+        let x = Extent::of(points().filter_map(|(x, _)| x), panel.x.scale, margin);
         let y = Extent::of(points().map(|(_, y)| y), panel.y.scale, 0.06);
         let nothing = |scale| Extent { low: 0.1, high: 1.0, scale };
         Plot {
@@ -173,7 +175,11 @@ impl<'a> Plot<'a> {
     fn grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn<DB> {
         let shade = |tick: &Tick| if tick.label.is_some() { GRID } else { SUBGRID };
         // subdivisions come first, so that no grid line is cut by a fainter one
-        for tick in self.x.ticks(((self.right - self.left) / 100.0) as usize) {
+        let named = self.panel.x.names.iter().enumerate();
+        let named: Vec<Tick> =
+            named.map(|(value, name)| Tick { value: value as f64, label: Some(name.clone()) }).collect();
+        let numbered = || self.x.ticks(((self.right - self.left) / 100.0) as usize);
+        for tick in if named.is_empty() { numbered() } else { named } {
             let Some(x) = self.across(tick.value) else { continue };
             canvas.line(&[(x, self.top), (x, self.bottom)], HAIRLINE, shade(&tick))?;
             if let Some(label) = tick.label {

@@ -115,7 +115,7 @@ mod tests {
 
     /// One series of every kind on the given axes.
     fn everything(values: &[(f64, f64)], scale: Scale) -> Figure {
-        let axis = |label: &str| Axis { label: label.into(), scale };
+        let axis = |label: &str| Axis { label: label.into(), scale, ..Axis::default() };
         let shapes = [
             ("band", Shape::Band(values.iter().map(|(x, y)| (*x, *y, 2.0 * y)).collect())),
             ("line", Shape::Line(values.to_vec())),

@@ -18,6 +18,7 @@ mod draw;
 mod file;
 mod round_joins;
 mod scale;
+pub mod staircase;
 
 pub use file::{FigureError, png, svg, write_png, write_svg};
 
@@ -52,17 +53,19 @@ pub struct Axis {
     pub label: String,
     /// Spacing of the values.
     pub scale: Scale,
+    /// Names of the values 0, 1, …, in place of numbers.
+    pub names: Vec<String>,
 }
 
 impl Axis {
     /// An axis with evenly spaced values.
     pub fn linear(label: impl Into<String>) -> Self {
-        Axis { label: label.into(), scale: Scale::Linear }
+        Axis { label: label.into(), ..Axis::default() }
     }
 
     /// An axis with evenly spaced decades.
     pub fn log(label: impl Into<String>) -> Self {
-        Axis { label: label.into(), scale: Scale::Log }
+        Axis { label: label.into(), scale: Scale::Log, ..Axis::default() }
     }
 }
 

@@ -1,0 +1,105 @@
+//! `add`: puts a missing effect into the model of a study.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::Reading;
+use super::diagnose::print_diagnosis;
+use super::growing::{Logs, ReadLogs, column_of, print_growth};
+use super::output::{Failure, print_json, progress};
+use crate::effects::Library;
+use crate::grow::{Ground, Growth};
+use crate::plots;
+use crate::study::Study;
+
+/// Add a missing effect to the model of a study, and show the error after every step on data that were not fitted
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: host-fit add unit.json thermal_lag --from field.parquet --judge later.parquet\nExample: host-fit add unit.json --best"
+)]
+pub(super) struct Add {
+    /// The study
+    study: PathBuf,
+    /// The effect, by its identifier
+    #[arg(required_unless_present = "best", conflicts_with = "best")]
+    effect: Option<String>,
+    /// Add what the diagnosis ranks first until nothing is worth adding
+    #[arg(long)]
+    best: bool,
+    /// The axis, where the study has several
+    #[arg(long)]
+    axis: Option<String>,
+    #[command(flatten)]
+    logs: Logs,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE", id = "effect_files")]
+    effects: Vec<PathBuf>,
+    /// Folder for the picture of the staircase, SVG and PNG; made if it is not there
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print the staircase as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Add {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
+        let mut study = Study::read(&self.study)?;
+        let column = column_of(&study, self.axis.as_deref())?;
+        let logs = ReadLogs::read(&self.logs, &self.reading, &study, &column)?;
+        let ground = Ground::new(&logs.field, logs.quiet.as_ref(), logs.judged.as_ref(), &library);
+        let named = logs.named(ground.fitted_rows());
+        let bar = progress(0, "estimating and judging");
+        let mut growth = match study.growth_of(&column) {
+            Some(growth) if growth.logs == named => growth.clone(),
+            Some(growth) if growth.added().next().is_some() => {
+                return Err(format!(
+                    "{column} has grown on {}; its steps cannot be compared with those on another log\nhelp: leave --from and --judge out to go on there, or take the steps back with `host-fit undo` first",
+                    growth.logs.field.path
+                )
+                .into());
+            }
+            _ => {
+                let alone = study.axis_alone(&column)?;
+                let stairs = vec![ground.first_stair(&alone)?];
+                Growth { column: column.clone(), logs: named, stairs }
+            }
+        };
+        match &self.effect {
+            Some(effect) => {
+                let stair = ground.add(&growth, library.get(effect)?)?;
+                growth.stairs.push(stair);
+            }
+            None => {
+                let stairs = ground.add_best(&growth, |diagnosis, stair| {
+                    if !self.json {
+                        bar.suspend(|| match stair {
+                            Some(_) => println!("{}", diagnosis.sentence),
+                            None => print_diagnosis(diagnosis),
+                        });
+                    }
+                })?;
+                growth.stairs.extend(stairs);
+            }
+        }
+        bar.finish_and_clear();
+        study.keep(growth.clone());
+        study.write(&self.study)?;
+        if let Some(folder) = &self.figures {
+            plots::write_staircase(folder, &growth)?;
+        }
+        if self.json {
+            return print_json(&growth);
+        }
+        print_growth(&growth);
+        println!("\nstudy written to {}", self.study.display());
+        if let Some(folder) = &self.figures {
+            println!("figure written to {}", folder.display());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,191 @@
+//! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::arguments::Reading;
+use super::error_table::error_table;
+use super::output::{Failure, number, table};
+use crate::evaluate::ModelErrors;
+use crate::grow::{Growth, GrowthLogs, Stair};
+use crate::recording::{Recording, Source};
+use crate::study::Study;
+
+/// The logs that an axis grows on.
+#[derive(Debug, Clone, Args)]
+pub(super) struct Logs {
+    /// The log where the model fails; by default the one of the step before
+    #[arg(long, value_name = "LOG")]
+    pub(super) from: Option<PathBuf>,
+    /// A quiet log of the same unit, in which nothing is missing; by default the log that the study was fitted to
+    #[arg(long, value_name = "LOG")]
+    pub(super) quiet: Option<PathBuf>,
+    /// The log that the errors are of; by default the last two fifths of the log where the model fails
+    #[arg(long, value_name = "LOG")]
+    pub(super) judge: Option<PathBuf>,
+}
+
+/// The logs as read.
+pub(super) struct ReadLogs {
+    pub(super) field: Recording,
+    pub(super) quiet: Option<Recording>,
+    pub(super) judged: Option<Recording>,
+    reading: Reading,
+}
+
+impl ReadLogs {
+    /// Reads what is asked for, or what the growth of `column` names.
+    pub(super) fn read(logs: &Logs, reading: &Reading, study: &Study, column: &str) -> Result<Self, Failure> {
+        let known = study.growth_of(column).map(|growth| &growth.logs);
+        let mut reading = reading.clone();
+        if let Some(known) = known
+            && reading.map.is_empty()
+        {
+            (reading.map, reading.rate) = (known.columns.clone(), reading.rate.or(known.rate_hz));
+        }
+        if reading.map.is_empty() {
+            reading.map = study.data.columns.clone();
+        }
+        let again = |source: &Source| -> Result<Recording, Failure> {
+            let recording = reading.read(Path::new(&source.path))?;
+            match recording.sources.first() {
+                Some(found) if found.sha256 == source.sha256 => Ok(recording),
+                _ => Err(format!(
+                    "{}: not the log that it was: its digest has changed\nhelp: give the log with --from, --quiet or --judge",
+                    source.path
+                )
+                .into()),
+            }
+        };
+        let field = match (&logs.from, known) {
+            (Some(path), _) => reading.read(path)?,
+            (None, Some(known)) => again(&known.field)?,
+            (None, None) => {
+                return Err("which log does the model fail on?\nhelp: give it with --from LOG".into());
+            }
+        };
+        let quiet = match (&logs.quiet, known) {
+            (Some(path), _) => Some(reading.read(path)?),
+            (None, Some(known)) => known.quiet.as_ref().map(again).transpose()?,
+            (None, None) => match &study.data.sources[..] {
+                // the study's own log is quiet, unless it is the very log where the model fails
+                [own] if field.sources.first().is_none_or(|field| field.sha256 != own.sha256) => {
+                    Some(again(own)?)
+                }
+                _ => None,
+            },
+        };
+        let judged = match (&logs.judge, known) {
+            (Some(path), _) => Some(reading.read(path)?),
+            (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose()?,
+            _ => None,
+        };
+        Ok(Self { field, quiet, judged, reading })
+    }
+
+    /// As a study remembers them.
+    pub(super) fn named(&self, fitted_rows: usize) -> GrowthLogs {
+        let source = |recording: &Recording| {
+            recording.sources.first().cloned().unwrap_or_else(|| Source::made_by("nothing"))
+        };
+        GrowthLogs {
+            field: source(&self.field),
+            quiet: self.quiet.as_ref().map(source),
+            judged: self.judged.as_ref().map(source),
+            fitted_rows,
+            columns: self.reading.map.clone(),
+            rate_hz: self.reading.rate,
+        }
+    }
+}
+
+/// The column of `--axis` in a study, or its only one.
+pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Failure> {
+    let columns: Vec<&str> = study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
+    match (axis, &columns[..]) {
+        (Some(axis), _) => columns
+            .iter()
+            .find(|column| **column == axis || column.split('_').next() == Some(axis))
+            .map(|column| (*column).to_owned())
+            .ok_or_else(|| {
+                let axes = columns.join(", ");
+                format!("the study has no axis {axis}; it has {axes}\nhelp: --axis names one of them").into()
+            }),
+        (None, [only]) => Ok((*only).to_owned()),
+        (None, _) => {
+            Err(format!("the study has several axes: {}\nhelp: name one with --axis", columns.join(", "))
+                .into())
+        }
+    }
+}
+
+/// The staircase: every step with what was foretold and what came true, what it costs, then all errors of all steps.
+pub(super) fn print_growth(growth: &Growth) {
+    let unit = crate::model::unit_of(&growth.column);
+    let logs = &growth.logs;
+    match &logs.judged {
+        Some(judged) => {
+            println!("{}: estimated on {}, judged on {}", growth.column, logs.field.path, judged.path)
+        }
+        None => println!(
+            "{}: estimated on the first {} rows of {}, judged on the rest",
+            growth.column, logs.fitted_rows, logs.field.path
+        ),
+    }
+    let header = [
+        "  step",
+        "size",
+        "fall foretold (90 %)",
+        "came true",
+        "slow left",
+        "wide left",
+        "terms",
+        "RAM, bytes",
+        "instructions",
+    ];
+    let mut rows = table(&header);
+    for (index, stair) in growth.stairs.iter().enumerate() {
+        rows.add_row(row(index, stair));
+    }
+    println!("{rows}");
+    println!(
+        "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves"
+    );
+    println!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
+    let errors: Vec<&ModelErrors> = growth.stairs.iter().map(|stair| &stair.errors).collect();
+    println!("{}", error_table(&errors));
+}
+
+fn row(index: usize, stair: &Stair) -> Vec<String> {
+    let percent = |value: f64| format!("{:.1} %", 100.0 * value);
+    let (name, size, foretold, realised) = match &stair.added {
+        None => ("before".to_owned(), String::new(), String::new(), String::new()),
+        Some(added) => {
+            let finding = &added.finding;
+            let sizes: Vec<String> = finding
+                .params
+                .iter()
+                .map(|(name, value)| format!("{name} {}", number(*value)))
+                .chain(finding.sizes.iter().map(|size| format!("{} {}", number(size.value), size.unit)))
+                .collect();
+            let [low, high] = finding.expected_drop_ci;
+            let foretold =
+                format!("{} ({} … {})", percent(finding.expected_drop), percent(low), percent(high));
+            let holds = (low..=high).contains(&added.realised_fall);
+            let realised = format!("{}{}", percent(added.realised_fall), if holds { "" } else { " (!)" });
+            (format!("+ {}", added.effect.id), sizes.join(", "), foretold, realised)
+        }
+    };
+    vec![
+        format!("  {index} {name}"),
+        size,
+        foretold,
+        realised,
+        number(stair.left.slow.sqrt()),
+        number(stair.left.wide.sqrt()),
+        stair.cost.terms.to_string(),
+        stair.cost.ram_bytes.to_string(),
+        stair.cost.instructions.to_string(),
+    ]
+}

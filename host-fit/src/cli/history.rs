@@ -1,0 +1,43 @@
+//! `history`: the staircase of a study.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::growing::print_growth;
+use super::output::{Failure, print_json};
+use crate::plots;
+use crate::study::Study;
+
+/// Show which effects were added to a study, and the error after each
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit history unit.json --figures figures")]
+pub(super) struct History {
+    /// The study
+    study: PathBuf,
+    /// Folder for the pictures of the staircases, SVG and PNG; made if it is not there
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
+    /// Print the staircases as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl History {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let study = Study::read(&self.study)?;
+        if let Some(folder) = &self.figures {
+            for growth in &study.growth {
+                plots::write_staircase(folder, growth)?;
+            }
+        }
+        if self.json {
+            return print_json(&study.growth);
+        }
+        if study.growth.is_empty() {
+            println!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
+        }
+        study.growth.iter().for_each(print_growth);
+        Ok(())
+    }
+}

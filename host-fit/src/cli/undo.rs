@@ -1,0 +1,39 @@
+//! `undo`: takes the effect that was added last back.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::growing::{column_of, print_growth};
+use super::output::{Failure, print_json};
+use crate::study::Study;
+
+/// Take back the effect that was added last
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit undo unit.json")]
+pub(super) struct Undo {
+    /// The study
+    study: PathBuf,
+    /// The axis, where the study has several
+    #[arg(long)]
+    axis: Option<String>,
+    /// Print the staircase that is left as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Undo {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let mut study = Study::read(&self.study)?;
+        let column = column_of(&study, self.axis.as_deref())?;
+        let effect = study.undo(&column)?;
+        study.write(&self.study)?;
+        let growth = study.growth_of(&column);
+        if self.json {
+            return print_json(&growth);
+        }
+        println!("taken back: {effect}");
+        growth.iter().for_each(|growth| print_growth(growth));
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! The figure of a model that grows: the error after every step, foretold and come true.
+
+use super::{Axis, Figure, Ink, Panel, Series, Shape};
+
+/// A step of a staircase.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// What was done, as under the axis.
+    pub name: String,
+    /// Root of the variance of 1-s means that is left.
+    pub slow: f64,
+    /// Root of the variance of the samples that is left.
+    pub wide: f64,
+    /// What was foretold of the one or the other, with its interval.
+    pub foretold: Option<Foretold>,
+    /// Root mean square error when coasting: horizon in s, error.
+    pub coast: Vec<(f64, f64)>,
+}
+
+/// What was foretold of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foretold {
+    /// Of the samples, else of the 1-s means.
+    pub wide: bool,
+    /// What should be left.
+    pub left: f64,
+    /// Its 90 % interval.
+    pub interval: [f64; 2],
+}
+
+/// What is foretold stands a little to the right of what came true.
+const BESIDE: f64 = 0.06;
+
+/// The staircase of `channel`, in `unit`.
+pub fn staircase(channel: &str, unit: &str, steps: &[Step]) -> Figure {
+    let names: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
+    let x = || Axis { names: names.clone(), ..Axis::linear("") };
+    let panel = |title: &str, label: &str, value: fn(&Step) -> f64, wide: bool| {
+        let points = steps.iter().enumerate().map(|(at, step)| (at as f64, value(step)));
+        let foretold = steps.iter().enumerate().filter_map(|(at, step)| {
+            let foretold = step.foretold.filter(|foretold| foretold.wide == wide)?;
+            let [low, high] = foretold.interval;
+            Some((at as f64 + BESIDE, foretold.left, low, high))
+        });
+        let true_points: Vec<(f64, f64)> = points.collect();
+        // each step of its own: nothing was foretold in between
+        let foretold = foretold.map(|bar| Series {
+            label: "foretold, 90 %".into(),
+            ink: Ink::Predicted,
+            shape: Shape::Bars(vec![bar]),
+        });
+        let mut series = vec![
+            Series { label: "came true".into(), ink: Ink::Residual, shape: Shape::Line(true_points.clone()) },
+            Series { label: String::new(), ink: Ink::Residual, shape: Shape::Points(true_points) },
+        ];
+        series.extend(foretold);
+        Panel { title: title.into(), x: x(), y: Axis::log(label), series, ..Panel::default() }
+    };
+    let horizons: Vec<f64> = steps.first().iter().flat_map(|step| step.coast.iter().map(|c| c.0)).collect();
+    let coast = horizons.iter().enumerate().map(|(method, horizon)| {
+        let at = |step: &Step| step.coast.iter().find(|c| c.0 == *horizon).map_or(f64::NAN, |c| c.1);
+        let points = steps.iter().enumerate().map(|(x, step)| (x as f64, at(step)));
+        Series {
+            label: format!("after {horizon} s"),
+            ink: Ink::Method(method),
+            shape: Shape::Line(points.collect()),
+        }
+    });
+    let coast = Panel {
+        title: "coasting on its own history".into(),
+        x: x(),
+        y: Axis::log(format!("Root mean square ({unit})")),
+        series: coast.collect(),
+        ..Panel::default()
+    };
+    Figure {
+        title: format!("{channel}: the error after every step, on data that were not fitted"),
+        panels: vec![
+            panel("slow error", &format!("Deviation of 1-s means ({unit})"), |step| step.slow, false),
+            panel("wide error", &format!("Deviation of samples ({unit})"), |step| step.wide, true),
+            coast,
+        ],
+    }
+}
