@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::Reading;
 use super::growing::{Logs, ReadLogs, column_of};
 use super::output::{Failure, number, print_json, table};
-use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose};
+use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
 use crate::grow::{Ground, Growth};
 use crate::study::Study;
@@ -68,7 +68,7 @@ impl Diagnose {
         let judged = self.logs.judge.as_ref().map(|path| self.reading.read(path)).transpose()?;
         let axes = super::arguments::axes(&field, axis)?;
         let of_axis = |axis: &String| {
-            Ok(diagnose(&Question {
+            let diagnosis = diagnose(&Question {
                 field: &field,
                 quiet: quiet.as_ref(),
                 judged: judged.as_ref(),
@@ -78,7 +78,11 @@ impl Diagnose {
                 lsb: None,
                 library,
                 given: &[],
-            })?)
+            })?;
+            Ok(match &judged {
+                Some(judged) => held_against(diagnosis, &field, judged)?,
+                None => diagnosis,
+            })
         };
         axes.iter().map(of_axis).collect()
     }
@@ -107,7 +111,8 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     }
     if !diagnosis.findings.is_empty() {
         println!();
-        let mut rows = table(&["  effect", "score", "size", "parameter", "expected fall"]);
+        let mut rows =
+            table(&["  effect", "score", "size", "parameter", "fall foretold (90 %)", "came true"]);
         for finding in &diagnosis.findings {
             rows.add_row(row(finding));
         }
@@ -172,6 +177,7 @@ fn row(finding: &Finding) -> Vec<String> {
         sizes.join(", "),
         params.join(", "),
         fall,
+        finding.realised_fall.map_or_else(String::new, |fall| format!("{:.1} %", 100.0 * fall)),
     ]
 }
 

@@ -68,6 +68,9 @@ pub struct Finding {
     pub expected_drop: f64,
     /// Its 90 % interval.
     pub expected_drop_ci: [f64; 2],
+    /// The fall that came true on the log that was given to judge on, those before it in the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub realised_fall: Option<f64>,
     /// Effects that this log cannot tell from it.
     pub confounded_with: Vec<String>,
     /// The experiments that separate them.

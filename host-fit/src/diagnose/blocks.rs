@@ -23,6 +23,9 @@ pub struct Blocks {
     pub length_s: f64,
     /// Sample period, s.
     pub period_s: f64,
+    /// Shortest time constant of flicker noise, s; what is faster counts as white. The same for all blocks up to 9 s long, so
+    /// that noise levels learnt with some hold with others.
+    pub flicker_from_s: f64,
     /// The blocks, in order of time.
     pub blocks: Vec<Block>,
     /// Whether a row counts; one flag per row of the recording.
@@ -48,6 +51,11 @@ pub(super) fn length_for(recording: &Recording) -> f64 {
     (ticks as f64 * recording.rate.period_s / WANTED).max(SHORTEST_S)
 }
 
+/// The power of three below a third of a block, at least 1.
+fn flicker_from_s(length_s: f64) -> f64 {
+    3.0_f64.powf((length_s / 3.0).max(1.0).log(3.0).floor())
+}
+
 impl Blocks {
     /// Blocks of `length_s` over the rows that `known` marks, one flag per row.
     pub fn new(recording: &Recording, length_s: f64, known: Vec<bool>) -> Self {
@@ -68,7 +76,8 @@ impl Blocks {
             }
         }
         blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * ticks as f64);
-        Self { length_s: ticks as f64 * period_s, period_s, blocks, known }
+        let length_s = ticks as f64 * period_s;
+        Self { length_s, period_s, flicker_from_s: flicker_from_s(length_s), blocks, known }
     }
 
     /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes and

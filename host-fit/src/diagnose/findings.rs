@@ -95,8 +95,7 @@ impl Assembly<'_> {
             (true, true) => Verdict::NothingMissing,
         };
         if verdict == Verdict::Unexplained {
-            let most = leads.iter().map(|lead| lead.gain).fold(0.0, f64::max);
-            findings.retain(|finding| finding.band == Band::Data || finding.gain > OUTWEIGHS * most);
+            outweighed(&mut findings, &leads);
         }
         let found: Vec<&str> = findings.iter().map(|finding| finding.effect.as_str()).collect();
         let rejected = self
@@ -350,7 +349,8 @@ impl Assembly<'_> {
             order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let blocks = Reduced::in_blocks_of(log, self.column, &[], SLOW_BLOCK_S)?.blocks;
+        let mut blocks = Reduced::in_blocks_of(log, self.column, &[], SLOW_BLOCK_S)?.blocks;
+        blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();
         for (found, limits) in order.iter().zip(limits) {
@@ -401,6 +401,7 @@ fn bare(effect: &Effect, score: f64) -> Finding {
         score,
         expected_drop: 0.0,
         expected_drop_ci: [0.0; 2],
+        realised_fall: None,
         confounded_with: Vec::new(),
         separate: Vec::new(),
         shows_against: None,
@@ -436,7 +437,14 @@ fn lead_of(misshape: &Misshape) -> Lead {
     }
 }
 
-fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
+/// Leaves those findings beside an unexplained rest that explain far more than it.
+pub(super) fn outweighed(findings: &mut Vec<Finding>, leads: &[Lead]) {
+    let most = leads.iter().map(|lead| lead.gain).fold(0.0, f64::max);
+    findings.retain(|finding| finding.band == Band::Data || finding.gain > OUTWEIGHS * most);
+}
+
+/// The outcome in a sentence.
+pub(super) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
     match verdict {
         Verdict::NothingMissing => {
             "Nothing is missing: what is left looks like the noise of the unit.".to_owned()
@@ -457,7 +465,7 @@ fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
                 finding.params.iter().map(|(name, value)| format!("{name} = {value:.4}")).collect();
             let params = if params.is_empty() { String::new() } else { format!(" ({})", params.join(", ")) };
             let drop = match finding.expected_drop > 0.0 {
-                true => format!("; with it the error should fall by {:.0} %", 100.0 * finding.expected_drop),
+                true => format!("; with it the error should fall by {:.1} %", 100.0 * finding.expected_drop),
                 false => String::new(),
             };
             let rivals = match finding.confounded_with.is_empty() {

@@ -102,7 +102,14 @@ impl<'a> Hypotheses<'a> {
             (Some(parameter), Search::Terms) => {
                 let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
                 let ratio = (parameter.high / parameter.low).powf(1.0 / steps);
-                (0..=steps as i32).map(|i| Some(parameter.low * ratio.powi(i))).collect()
+                // a time constant far below a block is the first block alone, or no lag at all
+                let least = if parameter.unit == "s" { SHORTEST_BLOCKS * self.blocks.length_s } else { 0.0 };
+                let values = (0..=steps as i32).map(|i| parameter.low * ratio.powi(i));
+                let mut values: Vec<f64> = values.filter(|value| *value >= least).collect();
+                if values.is_empty() {
+                    values.push(parameter.high);
+                }
+                values.into_iter().map(Some).collect()
             }
             _ => vec![None],
         }
@@ -157,6 +164,9 @@ impl<'a> Hypotheses<'a> {
         Ok(Hypothesis { effect: effect.clone(), value, columns: Rc::new(columns), terms, regressors })
     }
 }
+
+/// Shortest time constant that is looked for, in blocks.
+const SHORTEST_BLOCKS: f64 = 0.5;
 
 /// A step is looked for so many blocks away from both ends.
 const STEP_MARGIN: usize = 10;

@@ -11,6 +11,7 @@ mod fall;
 mod faults;
 mod findings;
 mod gls;
+mod held;
 mod hypothesis;
 pub(crate) mod levels;
 mod limits;
@@ -41,6 +42,7 @@ pub use answer::{
 pub use blocks::{Block, Blocks};
 pub(crate) use correction::step_time;
 pub use correction::{correction, is_fast};
+pub use held::held_against;
 pub use levels::{LevelPrior, LogLevels};
 pub use noise::{GaussMarkov, NoiseLevels};
 pub use open::Lead;

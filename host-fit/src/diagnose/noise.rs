@@ -12,10 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::Blocks;
 
-/// Rungs of the flicker ladder and the shortest, s: up to 3⁷ = 2187 s, beyond most logs. They do not depend on the blocks,
-/// so that levels learnt with some hold with others; what is faster counts as white.
+/// Rungs of the flicker ladder: 3⁷ = 2187 times the shortest, beyond most logs.
 const RUNGS: usize = 8;
-const SHORTEST_S: f64 = 1.0;
 
 /// States: the ladder, the random walk, one further Gauss-Markov process.
 const STATES: usize = RUNGS + 2;
@@ -128,7 +126,10 @@ impl NoiseLevels {
         let mut white = 0.0;
         let extra = self.gauss_markov;
         let rungs = (0..RUNGS).map(|rung| {
-            Some(GaussMarkov { deviation: ladder_deviation, tau_s: SHORTEST_S * 3.0_f64.powi(rung as i32) })
+            Some(GaussMarkov {
+                deviation: ladder_deviation,
+                tau_s: blocks.flicker_from_s * 3.0_f64.powi(rung as i32),
+            })
         });
         for (state, process) in rungs.chain([None, extra]).enumerate() {
             if let Some(process) = process {

@@ -113,9 +113,7 @@ struct Plot<'a> {
 impl<'a> Plot<'a> {
     fn new(panel: &'a Panel, upper_edge: f64, height: f64) -> Self {
         let points = || panel.series.iter().flat_map(|series| corners(&series.shape));
-        // names at the ends need room
-        let margin = if panel.x.names.is_empty() { 0.01 } else { 0.12 };
-        let x = Extent::of(points().filter_map(|(x, _)| x), panel.x.scale, margin);
+        let x = Extent::of(points().filter_map(|(x, _)| x), panel.x.scale, 0.01);
         let y = Extent::of(points().map(|(_, y)| y), panel.y.scale, 0.06);
         let nothing = |scale| Extent { low: 0.1, high: 1.0, scale };
         Plot {

@@ -28,42 +28,45 @@ pub struct Foretold {
     pub interval: [f64; 2],
 }
 
-/// What is foretold stands a little to the right of what came true.
-const BESIDE: f64 = 0.06;
+/// Half of the length of a tread.
+const TREAD: f64 = 0.35;
+
+/// A line that is level at every step.
+fn treads(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+    let treads =
+        values.enumerate().map(|(at, value)| [(at as f64 - TREAD, value), (at as f64 + TREAD, value)]);
+    treads.flatten().collect()
+}
 
 /// The staircase of `channel`, in `unit`.
 pub fn staircase(channel: &str, unit: &str, steps: &[Step]) -> Figure {
     let names: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
     let x = || Axis { names: names.clone(), ..Axis::linear("") };
     let panel = |title: &str, label: &str, value: fn(&Step) -> f64, wide: bool| {
-        let points = steps.iter().enumerate().map(|(at, step)| (at as f64, value(step)));
+        let stairs = treads(steps.iter().map(value));
         let foretold = steps.iter().enumerate().filter_map(|(at, step)| {
             let foretold = step.foretold.filter(|foretold| foretold.wide == wide)?;
             let [low, high] = foretold.interval;
-            Some((at as f64 + BESIDE, foretold.left, low, high))
+            Some((at as f64, foretold.left, low, high))
         });
-        let true_points: Vec<(f64, f64)> = points.collect();
         // each step of its own: nothing was foretold in between
         let foretold = foretold.map(|bar| Series {
             label: "foretold, 90 %".into(),
             ink: Ink::Predicted,
             shape: Shape::Bars(vec![bar]),
         });
-        let mut series = vec![
-            Series { label: "came true".into(), ink: Ink::Residual, shape: Shape::Line(true_points.clone()) },
-            Series { label: String::new(), ink: Ink::Residual, shape: Shape::Points(true_points) },
-        ];
+        let mut series =
+            vec![Series { label: "came true".into(), ink: Ink::Residual, shape: Shape::Line(stairs) }];
         series.extend(foretold);
         Panel { title: title.into(), x: x(), y: Axis::log(label), series, ..Panel::default() }
     };
     let horizons: Vec<f64> = steps.first().iter().flat_map(|step| step.coast.iter().map(|c| c.0)).collect();
     let coast = horizons.iter().enumerate().map(|(method, horizon)| {
         let at = |step: &Step| step.coast.iter().find(|c| c.0 == *horizon).map_or(f64::NAN, |c| c.1);
-        let points = steps.iter().enumerate().map(|(x, step)| (x as f64, at(step)));
         Series {
             label: format!("after {horizon} s"),
             ink: Ink::Method(method),
-            shape: Shape::Line(points.collect()),
+            shape: Shape::Line(treads(steps.iter().map(at))),
         }
     });
     let coast = Panel {

@@ -136,7 +136,8 @@ impl<'a> Ground<'a> {
             value: added.finding.params.values().next().copied(),
         });
         let given: Vec<Given> = given.collect();
-        Ok(diagnose(&Question { given: &given, ..self.question(&field, &growth.column, self.library) })?)
+        let question = Question { given: &given, ..self.question(&field, &growth.column, self.library) };
+        Ok(diagnose(&question)?)
     }
 
     /// The model of `growth` and `effect`, all effects estimated anew together.

@@ -1,0 +1,74 @@
+//! What was found in one log, held against another: what makes the error worse there is no law.
+
+use super::answer::{Diagnosis, Finding, Verdict};
+use super::findings::{outweighed, sentence};
+use super::open::Lead;
+use super::reduced::Reduced;
+use super::{DiagnoseError, correction};
+use crate::effects::Band;
+use crate::recording::Recording;
+use crate::signal;
+
+/// Blocks of the slow error, s: its definition.
+const SLOW_BLOCK_S: f64 = 1.0;
+
+/// Adds to every finding the fall of the error that came true on `judged`, those before it in the model. A slow effect that
+/// was sure to help and makes the error worse there becomes a lead.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn held_against(
+    mut diagnosis: Diagnosis,
+    field: &Recording,
+    judged: &Recording,
+) -> Result<Diagnosis, DiagnoseError> {
+    let reduced = Reduced::in_blocks_of(judged, &diagnosis.target, &[], SLOW_BLOCK_S)?;
+    let known = reduced.blocks.known();
+    let left = |findings: &[Finding], band: Band| -> Result<f64, DiagnoseError> {
+        let taken = correction(findings, field, judged)?;
+        let left: Vec<f64> = reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect();
+        Ok(match band {
+            Band::Wide => {
+                let samples = left.iter().zip(known).filter(|(left, known)| **known && left.is_finite());
+                let samples: Vec<f64> = samples.map(|(left, _)| *left).collect();
+                signal::variance(&[&samples])
+            }
+            _ => signal::variance(&[&reduced.blocks.means(&left)]),
+        })
+    };
+    let mut held: Vec<Finding> = Vec::new();
+    for mut finding in std::mem::take(&mut diagnosis.findings) {
+        if finding.correction.is_empty() || finding.expected_drop <= 0.0 {
+            held.push(finding);
+            continue;
+        }
+        let before = left(&held, finding.band)?;
+        let mut with = held.clone();
+        with.push(finding.clone());
+        let fall = 1.0 - left(&with, finding.band)? / before;
+        finding.realised_fall = Some(fall);
+        if finding.band == Band::Slow && fall < 0.0 && finding.expected_drop_ci[0] > 0.0 {
+            diagnosis.leads.push(Lead {
+                follows: format!(
+                    "{} in this log, but with it the error on the judged log rises by {:.0} %",
+                    finding.name,
+                    -100.0 * fall
+                ),
+                gain: finding.gain,
+                score: finding.score,
+                share: finding.expected_drop,
+            });
+        } else {
+            held.push(finding);
+        }
+    }
+    diagnosis.findings = held;
+    if !diagnosis.leads.is_empty() {
+        diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
+        diagnosis.verdict = Verdict::Unexplained;
+        outweighed(&mut diagnosis.findings, &diagnosis.leads);
+        diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
+    }
+    Ok(diagnosis)
+}
