@@ -131,13 +131,13 @@ fn print_rows(diagnosis: &Diagnosis) {
             finding.params.iter().map(|(name, value)| format!("{name} {value:.1}")).collect();
         let [low, high] = finding.expected_drop_ci.map(|share| 100.0 * share);
         println!(
-            "| {target} | {verdict:?} | {} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {:.1} % |",
+            "| {target} | {verdict:?} | {} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
             finding.effect,
             finding.score,
             sizes.join(", "),
             params.join(", "),
             100.0 * finding.expected_drop,
-            100.0 * finding.realised_fall.unwrap_or(f64::NAN)
+            finding.realised_fall.map_or("–".to_owned(), |fall| format!("{:.1} %", 100.0 * fall))
         );
     }
 }

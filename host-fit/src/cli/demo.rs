@@ -1,4 +1,4 @@
-//! `demo`: the whole path on a log that the program simulates itself.
+//! `demo`: the whole story on logs that the program simulates itself: a hidden effect, found, added, exported.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,21 +6,30 @@ use std::time::Instant;
 use clap::Args;
 use fos_core::Image;
 
-use super::output::{Failure, number, progress, table};
-use crate::compare::{Comparison, MODEL, study_of};
-use crate::evaluate::ModelErrors;
+use super::growing::print_growth;
+use super::output::{Failure, number, progress};
+use crate::compare::{compare, study_of};
+use crate::dependence::Trained;
+use crate::effects::Library;
 use crate::export::{image, rust_source};
+use crate::feed::Feed;
 use crate::file::write_atomically;
-use crate::fit::{FitOptions, InputSpec, fit_axis, training_rows};
-use crate::model::unit_of;
+use crate::fit::{FitOptions, fit_axis};
+use crate::grow::{Ground, Growth, GrowthLogs};
+use crate::model::UnitModel;
 use crate::plots;
 use crate::recording::{LoadOptions, Recording, load, write_columns};
-use crate::replay::{Replay, replay};
+use crate::replay::replay;
 use crate::rest;
-use crate::signal;
-use crate::simulate::{SimulatedLog, Simulation, simulate};
+use crate::simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 
-/// Simulate a log, fit six axes, compare, export, replay on fos-core, and tell the story in numbers
+/// The axis with the hidden effects.
+const AXIS: &str = "gx_rads";
+
+/// Sizes of the hidden effects as matched filters in the noise: plain, and easily overlooked.
+const SIZES: [f64; 2] = [120.0, 40.0];
+
+/// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit demo --folder fos-demo")]
 pub(super) struct Demo {
@@ -39,138 +48,160 @@ impl Demo {
             .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
         let path = |name: &str| self.folder.join(name);
 
-        let simulated = simulate(&Simulation { seed: self.seed, ..Simulation::default() });
-        let columns: Vec<(&str, &[f64])> =
-            simulated.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-        write_columns(path("log.parquet"), &columns)?;
-        let recording = load(path("log.parquet"), &LoadOptions::default())?;
-        let rest = rest::find(&recording);
+        let [quiet, field, later] = self.logs()?;
         println!(
-            "1. A log: {} rows of six axes and temperature at {:.2} Hz, a simulated phone-class unit.",
-            recording.n_rows(),
-            recording.rate.true_hz
+            "1. Three logs of one simulated phone-class unit on a desk: a quiet one of {:.0} min, one of {:.0} min and a later one\n   \
+             of {:.0} min, in which the processor works and the phone warms up. Something happens to gyro x that no model has.",
+            minutes(&quiet),
+            minutes(&field),
+            minutes(&later)
         );
-        println!("   It lies still for two thirds, then a hand turns it for 30 s out of every 90 s.");
 
-        let physical: InputSpec = "temp_c".parse()?;
-        let options = FitOptions { physical: vec![physical], ..FitOptions::default() };
+        let quiet_rest = rest::find(&quiet);
+        let options = FitOptions::default();
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
         let mut fits = Vec::new();
         for axis in axes {
-            fits.push(fit_axis(&recording, &rest, axis, &options)?);
+            fits.push(fit_axis(&quiet, &quiet_rest, axis, &options)?);
             bar.inc(1);
         }
-        let trained = training_rows(&recording, &rest, options.train).end;
-        let (study, comparison, trace) =
-            study_of(&recording, &rest, fits, options, Vec::new(), |_| bar.inc(1))?;
+        let (mut study, ..) = study_of(&quiet, &quiet_rest, fits, options, Vec::new(), |_| bar.inc(1))?;
         bar.finish_and_clear();
-        study.write(&path("study.json"))?;
         println!(
-            "2. Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes from the first {:.0} s.",
+            "2. On the quiet log Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes.",
             study.axes[0].candidates,
-            study.model.n_terms(),
-            recording.time_s[trained - 1]
+            study.model.n_terms()
         );
 
-        plots::write_all(&path("figures"), &comparison, &trace, &recording)?;
+        let alone = study.axis_alone(AXIS)?;
+        let field_rest = rest::find(&field);
+        let lag_1 = study.axes.iter().find(|report| report.column == AXIS).map_or(0.0, |report| report.lag_1);
+        let trained = Trained { recording: &quiet, rest: &quiet_rest, rows: 0..study.data.trained_rows };
+        let (comparison, trace) =
+            compare(&alone, &[lag_1], &field, &field_rest, 0..field.n_rows(), Some(&trained), |_| {})?;
+        plots::write_all(&path("figures"), &comparison, &trace, &field)?;
+        let failing = &comparison.axes[0];
+        let (before, quiet_error) = (failing.errors.last(), study.steps.last());
+        let slow = |errors: Option<&crate::evaluate::ModelErrors>| {
+            errors.and_then(|errors| errors.slow_error_coast).map_or(f64::NAN, f64::sqrt)
+        };
+        let in_quiet =
+            quiet_error.and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
         println!(
-            "3. On the rest, which was not fitted. Root mean square of what is left, coasting on its own history:"
+            "3. On the second log the model fails: coasting, its 1-s means scatter by {} rad/s, on the quiet log by {}.",
+            number(slow(before)),
+            number(slow(in_quiet.map(|(errors, _)| errors)))
         );
-        print_coasts(&comparison);
+        if let Some(worst) = failing.worst.first() {
+            println!(
+                "   Worst from {:.0} s to {:.0} s, {:.1} times the usual.{}",
+                worst.begin_s,
+                worst.end_s,
+                worst.ratio,
+                match failing.dependence.as_ref().and_then(|dependence| dependence.channels.first()) {
+                    Some(channel) => format!(
+                        " What is left depends most on {} (p {:.0e}).",
+                        channel.channel, channel.p_of_all
+                    ),
+                    None => String::new(),
+                }
+            );
+        }
+
+        let library = Library::built_in();
+        let ground = Ground::new(&field, Some(&quiet), Some(&later), &library);
+        let source = |log: &Recording| log.sources[0].clone();
+        let logs = GrowthLogs {
+            field: source(&field),
+            quiet: Some(source(&quiet)),
+            judged: Some(source(&later)),
+            fitted_rows: ground.fitted_rows(),
+            columns: Vec::new(),
+            rate_hz: None,
+        };
+        let stairs = vec![ground.first_stair(&alone)?];
+        let mut growth = Growth { column: AXIS.to_owned(), logs, stairs };
+        println!("4. Diagnosed, and added one after the other until nothing is missing:");
+        let mut found = Vec::new();
+        let stairs = ground.add_best(&growth, |diagnosis, _| {
+            println!("   - {}", diagnosis.sentence);
+            found.extend(diagnosis.findings.first().cloned());
+        })?;
+        growth.stairs.extend(stairs);
+        study.keep(growth.clone());
+        study.write(&path("study.json"))?;
+        plots::write_staircase(&path("figures"), &growth)?;
+        println!("5. The error after every step, on the later log, which nothing was fitted to:\n");
+        print_growth(&growth);
 
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
         write_atomically(&path("unit.fosm"), &bytes)?;
         write_atomically(&path("model.rs"), rust_source(&study.model, &study.provenance()).as_bytes())?;
-        let stored = Image::parse(&bytes)?;
-        let replayed = replay(&stored, &recording, &rest, &[])?;
-        write_columns(path("corrected.parquet"), &replayed.columns(&recording))?;
+        let later_rest = rest::find(&later);
+        let replayed = replay(&Image::parse(&bytes)?, &later, &later_rest, &[])?;
+        write_columns(path("corrected.parquet"), &replayed.columns(&later))?;
+        let place = replayed.summary.axes.iter().position(|axis| axis.column == AXIS);
+        let off = place.map_or(f64::NAN, |place| {
+            largest_difference(&study.model, &later, &later_rest.still, place, &replayed.corrected[place])
+                .unwrap_or(f64::NAN)
+        });
         println!(
-            "4. The model is an image of {} bytes. fos-core ran it over the log in f32, as on the device; f32 changes no\n   \
-             innovation by more than {:.1e} of their rms. Digest of all of them: {:016x}.",
+            "\n6. The grown model is an image of {} bytes. fos-core ran it over the later log in f32, as on the device: no corrected\n   \
+             value of gyro x differs by more than {} rad/s from what the host computes in f64. Digest of all corrections: {:016x}.",
             bytes.len(),
-            replayed
-                .summary
-                .axes
-                .iter()
-                .map(|axis| axis.largest_difference / axis.innovation_rms_f64)
-                .fold(0.0, f64::max),
-            replayed.summary.innovations_digest
+            number(off),
+            replayed.summary.corrections_digest
         );
         println!(
-            "5. In motion, against the simulated truth: rms of the 1-s means of the error, bias at rest taken off:"
-        );
-        print_motion(&recording, &simulated, &rest.still, trained, &replayed);
-        println!(
-            "Written to {}: log.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet ({:.1} s).",
+            "Written to {}: quiet.parquet, field.parquet, later.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet\n({:.1} s). \
+             Next: docs/finding-a-missing-effect.md does the same step by step.",
             self.folder.display(),
             began.elapsed().as_secs_f64()
         );
         Ok(())
     }
-}
 
-fn print_coasts(comparison: &Comparison) {
-    let mut rows = table(&["   axis", "", "one-step", "10 s", "mean", "held", "60 s", "mean", "held"]);
-    for axis in &comparison.axes {
-        let named = |name: &str| axis.errors.iter().find(|errors| errors.model == name);
-        let coast = |name: &str, horizon_s: f64| {
-            let found = named(name)?.coast.iter().find(|coast| coast.horizon_s == horizon_s)?;
-            Some(found.mse.sqrt())
+    /// Simulates, writes and reads the three logs.
+    fn logs(&self) -> Result<[Recording; 3], Failure> {
+        let target = Axis::named("gx").ok_or("no axis gx")?;
+        let mut plan = CasePlan::new(self.seed, "bmi270", Setup::Desk, target);
+        for (effect, size) in [Effect::ThermalLag, Effect::SupplySensitivity].into_iter().zip(SIZES) {
+            plan.planted.push(Plant { effect, parameter: None, size });
+        }
+        let case = simulate_case(&plan)?;
+        let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, Failure> {
+            let path = self.folder.join(name);
+            let columns: Vec<(&str, &[f64])> =
+                columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+            write_columns(&path, &columns)?;
+            Ok(load(&path, &LoadOptions::default())?)
         };
-        let cell = |name: &str, horizon_s: f64| coast(name, horizon_s).map_or("–".into(), number);
-        let one_step = named(MODEL).map_or(f64::NAN, |errors: &ModelErrors| errors.one_step_mse.sqrt());
-        rows.add_row(vec![
-            format!("   {}", axis.column),
-            axis.unit.clone(),
-            number(one_step),
-            cell(MODEL, 10.0),
-            cell("constant mean", 10.0),
-            cell("last value held", 10.0),
-            cell(MODEL, 60.0),
-            cell("constant mean", 60.0),
-            cell("last value held", 60.0),
-        ]);
+        Ok([
+            read("quiet.parquet", &case.baseline)?,
+            read("field.parquet", &case.field)?,
+            read("later.parquet", &case.eval)?,
+        ])
     }
-    println!("{rows}");
 }
 
-fn print_motion(
-    recording: &Recording,
-    simulated: &SimulatedLog,
+fn minutes(log: &Recording) -> f64 {
+    (log.time_s[log.n_rows() - 1] - log.time_s[0]) / 60.0
+}
+
+/// Largest difference between `corrected` and what the model gives in f64, in the axis' unit.
+fn largest_difference(
+    model: &UnitModel,
+    log: &Recording,
     still: &[bool],
-    trained: usize,
-    replayed: &Replay,
-) {
-    let mut rows = table(&["   axis", "", "before", "after", "left"]);
-    for (axis, (name, truth)) in replayed.summary.axes.iter().zip(&simulated.truth) {
-        debug_assert!(name.ends_with(&axis.column));
-        let Ok(channel) = recording.channel(&axis.column) else { continue };
-        let index = replayed.summary.axes.iter().position(|other| other.column == axis.column).unwrap_or(0);
-        let before = moving_rms(&channel.values, truth, still, trained, recording.rate.true_hz);
-        let after = moving_rms(&replayed.corrected[index], truth, still, trained, recording.rate.true_hz);
-        rows.add_row(vec![
-            format!("   {}", axis.column),
-            unit_of(&axis.column).to_owned(),
-            number(before),
-            number(after),
-            format!("{:.0} %", 100.0 * after / before),
-        ]);
-    }
-    println!("{rows}");
-}
-
-/// Root mean square of the 1-s means of `values` − `truth` in motion, its mean over the training part taken off: that
-/// much anyone can do by averaging at rest.
-fn moving_rms(values: &[f64], truth: &[f64], still: &[bool], trained: usize, rate_hz: f64) -> f64 {
-    let errors: Vec<f64> = values.iter().zip(truth).map(|(value, truth)| value - truth).collect();
-    let at_rest: Vec<f64> =
-        errors[..trained].iter().zip(still).filter(|(_, still)| **still).map(|(e, _)| *e).collect();
-    let bias = signal::mean(&[&at_rest]);
-    let block = rate_hz as usize;
-    let moving = (trained..errors.len()).step_by(block).filter(|start| {
-        still.get(*start..*start + block).is_some_and(|stretch| stretch.iter().all(|still| !still))
+    axis: usize,
+    corrected: &[f64],
+) -> Result<f64, Failure> {
+    let feed = Feed::new(log, model, still)?;
+    let mut predictor = model.predictor::<f64>()?;
+    let differences = (0..log.n_rows()).map(|row| {
+        let own = feed.step(&mut predictor, row)[axis].corrected;
+        (own - corrected[row]).abs()
     });
-    let means: Vec<f64> = moving.map(|start| signal::mean(&[&errors[start..start + block]]) - bias).collect();
-    (means.iter().map(|mean| mean * mean).sum::<f64>() / means.len().max(1) as f64).sqrt()
+    Ok(differences.fold(0.0, f64::max))
 }

@@ -440,7 +440,7 @@ fn left_over(
         misshapes.extend(shape::jumps(&quiet, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
     }
     if sound && !shaken {
-        misshapes.extend(shape::level(question.field, &reduced.blocks, column));
+        misshapes.extend(shape::level(question.field, &reduced.blocks, column, !slow.found.is_empty()));
     }
     // what follows nothing that is logged may stand for something that does
     let is_backed = |found: &slow::Found| !found.hypothesis.effect.follows_clock_alone();

@@ -16,8 +16,9 @@ const FAR_OUT: f64 = 3.0;
 /// Least score of a change of the noise level.
 const LEVEL_ACCEPT: f64 = 15.0;
 
-/// A change of the noise level below this share of it does nobody harm.
+/// A change of the noise level below this share of it does nobody harm; where effects were found, one below the second.
 const LEVEL_SHARE: f64 = 0.01;
+const LEVEL_SHARE_BESIDE: f64 = 0.03;
 
 /// Something about what is left that is not noise of constant size.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +54,8 @@ pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Miss
 }
 
 /// A noise level of `target` that changes and is not that of the other axes: vibration shows in all of them.
-pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str) -> Option<Misshape> {
+pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside: bool) -> Option<Misshape> {
+    let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
     let own = log_level(recording, blocks, target)?;
     let axes = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
     let mut basis = Basis::default();
@@ -93,7 +95,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str) -> Opt
         consider(&[means, square], Some(&channel.name), &basis);
     }
     let (score, spread, follows) = best?;
-    (score >= LEVEL_ACCEPT && spread > LEVEL_SHARE).then_some(Misshape::Level { follows, spread, score })
+    (score >= LEVEL_ACCEPT && spread > least).then_some(Misshape::Level { follows, spread, score })
 }
 
 /// Logarithm of the root mean square of first differences in each block.

@@ -140,13 +140,23 @@ impl<'a> Ground<'a> {
         Ok(diagnose(&question)?)
     }
 
-    /// The model of `growth` and `effect`, all effects estimated anew together.
+    /// The model of `growth` and `effect`, all effects estimated anew together, and together with what the diagnosis finds
+    /// beside them: an effect that is still missing must not colour those that are there.
     ///
     /// # Errors
     ///
     /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short.
     pub fn add(&self, growth: &Growth, effect: &Effect) -> Result<Stair, GrowError> {
         can_be_added(effect)?;
+        self.add_beside(growth, effect, &self.diagnose(growth)?)
+    }
+
+    fn add_beside(
+        &self,
+        growth: &Growth,
+        effect: &Effect,
+        diagnosis: &Diagnosis,
+    ) -> Result<Stair, GrowError> {
         let mut library = self.library.clone();
         let mut wanted: Vec<String> = Vec::new();
         for added in growth.added() {
@@ -159,8 +169,12 @@ impl<'a> Ground<'a> {
             return Err(GrowError::Twice(effect.id.clone()));
         }
         wanted.push(effect.id.clone());
+        let in_model = wanted.len();
+        let found = diagnosis.findings.iter().filter(|finding| finding.band == Band::Slow);
+        wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
         let field = self.without_base(growth, &[])?;
-        let findings = estimate(&self.question(&field, &growth.column, &library), &wanted)?;
+        let mut findings = estimate(&self.question(&field, &growth.column, &library), &wanted)?;
+        findings.truncate(in_model);
         let [first, ..] = &growth.stairs[..] else {
             return Err(GrowError::NothingAdded(growth.column.clone()));
         };
@@ -202,7 +216,7 @@ impl<'a> Ground<'a> {
                 progress(&diagnosis, None);
                 break;
             };
-            let stair = self.add(&growth, self.library.get(&best.effect)?)?;
+            let stair = self.add_beside(&growth, self.library.get(&best.effect)?, &diagnosis)?;
             progress(&diagnosis, Some(&stair));
             // on data that were not fitted it did not help: not worth its cost
             if stair.added.as_ref().is_some_and(|added| added.realised_fall <= 0.0) {
