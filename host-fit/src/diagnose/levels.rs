@@ -53,6 +53,10 @@ const STEP: f64 = 0.02;
 /// Draws are proposed from a distribution so many times as wide as the one about the optimum.
 const WIDER: f64 = 1.3;
 
+/// The search begins anew where it ended as long as that helps by more than this.
+const MAX_RESTARTS: usize = 4;
+const RESTARTED: f64 = 0.1;
+
 const MAX_ROUNDS: usize = 20;
 const DONE: f64 = 0.005;
 
@@ -150,7 +154,16 @@ impl Regression<'_> {
         let at = |logs: &LogLevels| {
             self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(logs) }).deviance
         };
-        let (logs, _) = minimise(start.logs(), at);
+        let (mut logs, mut deviance) = minimise(start.logs(), at);
+        // an effect that nothing explains yet may have to pass as noise far from the start
+        for _ in 0..MAX_RESTARTS {
+            let (next, there) = minimise(logs, at);
+            let gained = deviance - there;
+            (logs, deviance) = (next, there);
+            if gained < RESTARTED {
+                break;
+            }
+        }
         self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(&logs) })
     }
 
