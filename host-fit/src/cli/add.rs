@@ -24,7 +24,7 @@ pub(super) struct Add {
     /// The effect, by its identifier
     #[arg(required_unless_present = "best", conflicts_with = "best")]
     effect: Option<String>,
-    /// Add what the diagnosis ranks first until nothing is worth adding
+    /// Add what the diagnosis finds, what should help most first, until nothing is worth adding
     #[arg(long)]
     best: bool,
     /// The axis, where the study has several

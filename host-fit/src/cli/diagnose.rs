@@ -162,7 +162,7 @@ fn row(finding: &Finding) -> Vec<String> {
             None => format!("{name} {}", number(*value)),
         })
         .collect();
-    let fall = match finding.expected_drop > 0.0 {
+    let fall = match finding.expected_drop != 0.0 {
         true => format!(
             "{:.1} % ({:.1} … {:.1})",
             100.0 * finding.expected_drop,

@@ -466,6 +466,9 @@ pub(super) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
             let params = if params.is_empty() { String::new() } else { format!(" ({})", params.join(", ")) };
             let drop = match finding.expected_drop > 0.0 {
                 true => format!("; with it the error should fall by {:.1} %", 100.0 * finding.expected_drop),
+                false if findings.len() > 1 && finding.band == Band::Slow => {
+                    ", which alone helps little: the others are still missing".to_owned()
+                }
                 false => String::new(),
             };
             let rivals = match finding.confounded_with.is_empty() {

@@ -19,7 +19,7 @@ const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
 
 /// Leads whose noise levels are fitted.
-const FITTED: usize = 4;
+const FITTED: usize = 2;
 
 /// Something that what is left follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -437,6 +437,16 @@ impl SlowSearch<'_> {
             hypothesis.regressors.get(term).is_some_and(|regressor| regressor.products.len() > 1)
         };
         let has_sums = (0..n).any(is_sum);
+        if has_sums {
+            let of = |hypothesis: Option<&Hypothesis>| {
+                let all: Vec<&Hypothesis> = accepted.iter().copied().chain(hypothesis).collect();
+                self.at(&all, noise, fitted.levels).deviance
+            };
+            let (none, all, first) = (of(None), of(Some(&hypothesis)), hypothesis.of_terms(&[0]));
+            if none - of(Some(&first)) > NEARLY_ALL * (none - all) {
+                return first;
+            }
+        }
         let mut choices: Vec<(f64, Hypothesis)> = (1_u32..1 << n)
             .map(|choice| (0..n).filter(|term| choice >> term & 1 == 1).collect::<Vec<usize>>())
             .filter(|terms| !has_sums || is_sum(terms[0]))
@@ -674,6 +684,9 @@ const MOST_TERMS: usize = 6;
 
 /// Choices of terms within this much of the best, in −2 ln L after their price, are as good: odds of 4 to 1.
 const AS_GOOD: f64 = 3.0;
+
+/// The first sum stands for the effect if it explains this share of what all terms explain.
+const NEARLY_ALL: f64 = 0.9;
 
 /// Parts of a block in which the moment of a step is looked for.
 const STEP_PARTS: i32 = 5;

@@ -194,7 +194,7 @@ impl<'a> Ground<'a> {
         self.stair(model, Some(added), after)
     }
 
-    /// Adds what a diagnosis ranks first until nothing is worth adding; the stairs that were added. `progress` is told each.
+    /// Adds what a diagnosis finds, the effect first that should help most, until nothing is worth adding; the stairs that were added. `progress` is told each.
     ///
     /// # Errors
     ///
@@ -208,9 +208,14 @@ impl<'a> Ground<'a> {
         let mut stairs = Vec::new();
         while stairs.len() < MOST {
             let diagnosis = self.diagnose(&growth)?;
-            let best = diagnosis.findings.iter().find(|finding| {
+            let worth_adding = diagnosis.findings.iter().filter(|finding| {
                 let effect = self.library.get(&finding.effect);
                 !finding.correction.is_empty() && effect.is_ok_and(|effect| can_be_added(effect).is_ok())
+            });
+            // two effects may cancel in part: the one that helps most alone comes first
+            let best = worth_adding.max_by(|a, b| {
+                let rank = |finding: &Finding| (finding.band == Band::Slow, finding.expected_drop);
+                rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
             });
             let Some(best) = best.filter(|_| diagnosis.verdict != Verdict::NothingMissing) else {
                 progress(&diagnosis, None);
