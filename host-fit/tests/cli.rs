@@ -1,35 +1,8 @@
 //! The command line as a session: every subcommand, and what it says when it cannot.
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod session;
 
-fn host_fit(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-fit"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("it starts")
-}
-
-/// Runs what must succeed; what it printed.
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = host_fit(folder, arguments);
-    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{arguments:?}\n{out}\n{err}");
-    out.into_owned()
-}
-
-/// Runs what must fail with exit code `code`; what it said.
-fn fails(folder: &Path, code: i32, arguments: &[&str]) -> String {
-    let output = host_fit(folder, arguments);
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{arguments:?}: {}",
-        String::from_utf8_lossy(&output.stdout)
-    );
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use session::{done, fails};
 
 #[test]
 fn a_session_goes_from_a_log_to_a_corrected_log() {

@@ -1,33 +1,14 @@
 //! The user's path from a model that fails to one that does not, on the command line, on data with a hidden effect.
 
+mod session;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use host_fit::batch::Answers;
 use host_fit::diagnose::{Diagnosis, Verdict};
 use host_fit::grow::Growth;
 use host_fit::study::Study;
-
-fn host_fit(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-fit"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("it starts")
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = host_fit(folder, arguments);
-    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{arguments:?}\n{out}\n{err}");
-    out.into_owned()
-}
-
-fn fails(folder: &Path, arguments: &[&str]) -> String {
-    let output = host_fit(folder, arguments);
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use session::{done, fails};
 
 /// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its quiet log.
 fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
@@ -60,14 +41,14 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
     let printed = done(folder, &add);
     assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
-    let said = fails(folder, &["add", "unit.json", "temp_linear"]);
+    let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
     let before = growth(folder).stairs[0].clone();
     assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
-    assert_eq!(growth(folder).stairs, [before.clone()]);
+    assert_eq!(growth(folder).stairs, std::slice::from_ref(&before));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.model, before.model, "the model is what it was");
-    assert!(fails(folder, &["undo", "unit.json"]).contains("nothing was added"));
+    assert!(fails(folder, 1, &["undo", "unit.json"]).contains("nothing was added"));
 
     let best = done(folder, &["add", "unit.json", "--best", "--figures", "figures"]);
     assert!(best.contains("Nothing is missing"), "{best}");
@@ -116,7 +97,7 @@ fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
     assert!(grown.added().next().is_some_and(|added| added.effect.id.starts_with("temp")));
     // another log is another staircase
     let other = [&["add", "unit.json", "bias_ramp"][..], &["--from", "unit/eval.parquet"]].concat();
-    assert!(fails(folder, &other).contains("cannot be compared"));
+    assert!(fails(folder, 1, &other).contains("cannot be compared"));
 }
 
 #[test]
@@ -166,10 +147,10 @@ fn what_cannot_be_added_says_why() {
         ("lever_arm", "does not strike"),
         ("temp_lineer", "did you mean \"temp_linear\""),
     ] {
-        let said = fails(folder, &[&["add", "unit.json", effect][..], &FIELD].concat());
+        let said = fails(folder, 1, &[&["add", "unit.json", effect][..], &FIELD].concat());
         assert!(said.contains(reason), "{effect}: {said}");
     }
-    assert!(fails(folder, &["add", "unit.json", "temp_linear"]).contains("--from"));
+    assert!(fails(folder, 1, &["add", "unit.json", "temp_linear"]).contains("--from"));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert!(study.growth.is_empty(), "nothing is half-added");
 }
@@ -187,7 +168,7 @@ fn a_batch_answers_every_case_and_goes_on_where_it_was() {
     std::fs::create_dir(folder.join("cases/three")).expect("made");
     std::fs::write(folder.join("cases/three/meta.json"), "{}").expect("written");
     let batch = ["batch", "cases", "-o", "answers"];
-    assert!(fails(folder, &batch).contains("could not be diagnosed"));
+    assert!(fails(folder, 1, &batch).contains("could not be diagnosed"));
     let read = || -> Answers {
         let text = std::fs::read(folder.join("answers/answers.json")).expect("answers");
         serde_json::from_slice(&text).expect("answers")
@@ -213,11 +194,11 @@ fn a_batch_answers_every_case_and_goes_on_where_it_was() {
         assert!(text.starts_with("t_s,corr\n"), "{}", path.display());
     }
     // nothing has changed: the same answers, seconds included
-    fails(folder, &batch);
+    fails(folder, 1, &batch);
     assert_eq!(read(), answers);
     // a correction that is gone is made again
     std::fs::remove_file(&corrections[0]).expect("removed");
-    fails(folder, &batch);
+    fails(folder, 1, &batch);
     assert!(corrections[0].exists());
 }
 
@@ -239,7 +220,7 @@ fn every_effect_explains_itself() {
         }
     }
     assert!(done(folder, &["effects", "--example"]).contains("[[terms]]"));
-    assert!(fails(folder, &["effects", "thermal_lagg"]).contains("thermal_lag"));
+    assert!(fails(folder, 1, &["effects", "thermal_lagg"]).contains("thermal_lag"));
 }
 
 #[test]

@@ -174,6 +174,17 @@ impl Prepared {
         Ok(Self { column, faults, reduced, prior, given, shaken })
     }
 
+    fn search<'s>(&'s self, hypotheses: &'s Hypotheses<'s>, effects: &'s [Rc<Effect>]) -> SlowSearch<'s> {
+        SlowSearch {
+            blocks: &self.reduced.blocks,
+            y: &self.reduced.means,
+            given: &self.given,
+            hypotheses,
+            effects,
+            prior: self.prior,
+        }
+    }
+
     /// Whether slow effects drown in the stairs that a converter makes.
     fn in_stairs(&self) -> bool {
         self.reduced.clipped_through
@@ -193,21 +204,13 @@ impl Prepared {
 /// A column is missing, or the log is too short.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let prepared = Prepared::new(question)?;
-    let Prepared { column, faults, reduced, prior, given, shaken } = &prepared;
+    let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let (effects, untested) = candidates(question, &hypotheses);
     let stairs = prepared.in_stairs();
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
-    let search = SlowSearch {
-        blocks: &reduced.blocks,
-        y: &reduced.means,
-        given,
-        hypotheses: &hypotheses,
-        effects: if stairs { &[] } else { &effects },
-        prior: *prior,
-    };
-    let slow = search.run()?;
+    let slow = prepared.search(&hypotheses, if stairs { &[] } else { &effects }).run()?;
     let left = match stairs {
         true => LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
         false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
@@ -235,7 +238,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
 /// A column is missing, the log is too short, or an effect leaves nothing in it.
 pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
     let prepared = Prepared::new(question)?;
-    let Prepared { column, faults, reduced, prior, given, shaken } = &prepared;
+    let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let not_there = |effect: &str, reason: &str| DiagnoseError::NotThere {
@@ -257,15 +260,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
         }
     }
     let (all, untested) = candidates(question, &hypotheses);
-    let search = SlowSearch {
-        blocks: &reduced.blocks,
-        y: &reduced.means,
-        given,
-        hypotheses: &hypotheses,
-        effects: &all,
-        prior: *prior,
-    };
-    let slow = search.estimate(&wanted)?;
+    let slow = prepared.search(&hypotheses, &all).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
     let assembly = findings::Assembly {
         question,

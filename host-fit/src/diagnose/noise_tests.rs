@@ -252,7 +252,9 @@ fn the_ladder_is_flat_at_0_664_times_the_bias_instability_over_two_decades() {
 
 #[test]
 fn simulated_flicker_has_the_allan_deviation_of_its_ladder() {
-    let blocks = blocks_of_length(&[1; 60_000], 1);
+    let mut blocks = blocks_of_length(&[1; 60_000], 1);
+    // a ladder from the block length on
+    blocks.flicker_from_s = blocks.length_s;
     // white noise that is half of the flicker in a block
     let levels = NoiseLevels { white: 0.5 * 0.1_f64.sqrt(), flicker: 1.0, walk: 0.0, gauss_markov: None };
     let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(2));

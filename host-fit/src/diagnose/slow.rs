@@ -175,15 +175,11 @@ impl SlowSearch<'_> {
                 state.fitted = best.fitted;
             }
         }
-        for place in 0..if wanted.len() > 1 { state.accepted.len() } else { 0 } {
-            let mut others = state.accepted.clone();
-            let current = others.remove(place);
-            let rest: Vec<&Hypothesis> = others.iter().collect();
-            let without = State {
-                fitted: self.fit(&rest, state.noise, state.fitted.levels),
-                accepted: others.clone(),
-                noise: state.noise,
-            };
+        // the first was estimated before the others were there
+        let again = if wanted.len() > 1 { state.accepted.len() } else { 0 };
+        for place in 0..again {
+            let (without, current) = self.without(&state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
             let again = self.candidate(&rest, &without, current)?;
             state.accepted[place] = again.hypothesis;
             let all: Vec<&Hypothesis> = state.accepted.iter().collect();
@@ -475,6 +471,15 @@ impl SlowSearch<'_> {
         }
     }
 
+    /// The state without the effect at `place`, and that effect.
+    fn without(&self, state: &State, place: usize) -> (State, Hypothesis) {
+        let mut accepted = state.accepted.clone();
+        let removed = accepted.remove(place);
+        let rest: Vec<&Hypothesis> = accepted.iter().collect();
+        let fitted = self.fit(&rest, state.noise, state.fitted.levels);
+        (State { accepted, noise: state.noise, fitted }, removed)
+    }
+
     /// Each effect gives way to another that explains more in its place, until none does: the first that was found was
     /// found before the others were known.
     fn exchange(&self, state: &mut State) -> Result<(), RecordingError> {
@@ -482,14 +487,8 @@ impl SlowSearch<'_> {
             return Ok(());
         }
         for place in 0..state.accepted.len() {
-            let mut others = state.accepted.clone();
-            let current = others.remove(place);
-            let rest: Vec<&Hypothesis> = others.iter().collect();
-            let without = State {
-                fitted: self.fit(&rest, state.noise, state.fitted.levels),
-                accepted: others.clone(),
-                noise: state.noise,
-            };
+            let (without, current) = self.without(state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
             let own = self.candidate(&rest, &without, current.clone())?;
             let better = self.candidates(&without)?.into_iter().next();
             let winner = match better {
@@ -506,14 +505,10 @@ impl SlowSearch<'_> {
     fn drop_unsupported(&self, state: &mut State) {
         let mut place = 0;
         while place < state.accepted.len() {
-            let mut others = state.accepted.clone();
-            let current = others.remove(place);
-            let rest: Vec<&Hypothesis> = others.iter().collect();
-            let without = self.fit(&rest, state.noise, state.fitted.levels);
-            let k = state.fitted.gls.kept.len().saturating_sub(without.gls.kept.len()).max(1);
-            if without.deviance - state.fitted.deviance - self.price(k, &current) < ACCEPT {
-                state.accepted = others;
-                state.fitted = without;
+            let (without, current) = self.without(state, place);
+            let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
+            if without.fitted.deviance - state.fitted.deviance - self.price(k, &current) < ACCEPT {
+                *state = without;
             } else {
                 place += 1;
             }
@@ -524,14 +519,8 @@ impl SlowSearch<'_> {
     fn describe(&self, state: State, tried: Vec<(String, f64)>) -> Result<SlowResult, RecordingError> {
         let mut found = Vec::new();
         for (place, current) in state.accepted.iter().enumerate() {
-            let mut others = state.accepted.clone();
-            others.remove(place);
-            let rest: Vec<&Hypothesis> = others.iter().collect();
-            let without = State {
-                fitted: self.fit(&rest, state.noise, state.fitted.levels),
-                accepted: others.clone(),
-                noise: state.noise,
-            };
+            let (without, _) = self.without(&state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
             let gain = without.fitted.deviance - state.fitted.deviance;
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
             let mut rivals = Vec::new();
