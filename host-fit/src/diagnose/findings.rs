@@ -77,16 +77,13 @@ impl Assembly<'_> {
             findings.retain(|finding| finding.effect != "bias_step");
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
-            leads.push(Lead {
-                follows: format!(
-                    "interference near {:.2} Hz that is there for {:.0} % of the time",
-                    line.frequency_hz,
-                    100.0 * line.duty
-                ),
-                gain: line.score,
-                score: line.score,
-                share: 0.0,
-            });
+            let share = match line.duty {
+                duty if duty < 0.01 => "less than 1 %".to_owned(),
+                duty => format!("{:.0} %", 100.0 * duty),
+            };
+            let follows =
+                format!("interference near {:.2} Hz that is there for {share} of the time", line.frequency_hz);
+            leads.push(Lead { follows, gain: line.score, score: line.score, share: 0.0 });
         }
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = match (leads.is_empty(), findings.is_empty()) {
