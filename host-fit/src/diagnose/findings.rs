@@ -81,8 +81,10 @@ impl Assembly<'_> {
                 duty if duty < 0.01 => "less than 1 %".to_owned(),
                 duty => format!("{:.0} %", 100.0 * duty),
             };
-            let follows =
-                format!("interference near {:.2} Hz that is there for {share} of the time", line.frequency_hz);
+            let follows = format!(
+                "interference near {:.2} Hz that is there for {share} of the time",
+                line.frequency_hz
+            );
             leads.push(Lead { follows, gain: line.score, score: line.score, share: 0.0 });
         }
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
