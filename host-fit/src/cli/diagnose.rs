@@ -1,5 +1,6 @@
 //! `diagnose`: what is missing from a model, or from none, on a log.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -136,8 +137,12 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     if !rejected.is_empty() {
         println!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
     }
+    let mut by_needs: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for untested in &diagnosis.untested {
-        println!("  not tested: {}, it needs {}", untested.effect, untested.needs.join(", "));
+        by_needs.entry(untested.needs.join(", ")).or_default().push(&untested.effect);
+    }
+    for (needs, effects) in by_needs {
+        println!("  not tested for want of {needs}: {}", effects.join(", "));
     }
     println!(
         "  noise learnt from {}; {} blocks of {:.2} s",

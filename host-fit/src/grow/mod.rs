@@ -21,7 +21,7 @@ use crate::feed::Feed;
 use crate::fit::regressors::Regressors;
 use crate::model::UnitModel;
 use crate::recording::{Recording, RecordingError};
-use crate::rest;
+use crate::rest::{self, KnownBy};
 use crate::signal;
 use crate::study::Study;
 
@@ -363,12 +363,17 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Rows whose error is known: at rest, or with a reference.
+/// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they do in
+/// a diagnosis.
 fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
+    if let Ok(reference) = log.channel(&format!("ref_{column}")) {
+        return reference.values.iter().map(|value| value.is_finite()).collect();
+    }
     let rest = rest::find(log);
-    match log.channel(&format!("ref_{column}")) {
-        Ok(reference) => reference.values.iter().map(|value| value.is_finite()).collect(),
-        Err(_) => rest.still,
+    let at_rest = rest.still.iter().filter(|still| **still).count();
+    match rest.known_by {
+        KnownBy::Detector if at_rest < log.n_rows() / 2 => vec![true; log.n_rows()],
+        _ => rest.still,
     }
 }
 
