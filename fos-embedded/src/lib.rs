@@ -1,5 +1,6 @@
 //! The device side.
 //!
+//! - [`store`]: model images in flash, two slots, the newest valid one wins.
 //! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
 #![no_std]
 
@@ -7,3 +8,4 @@
 extern crate std;
 
 pub mod replay;
+pub mod store;

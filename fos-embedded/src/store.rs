@@ -1,0 +1,236 @@
+//! Model images in flash: two slots, the newest valid one wins.
+//!
+//! Each slot is a range of pages of its own, kept by `sequential-storage`: checksums, wear levelling, repair after a cut of power.
+//! An update goes into the slot that is not in use and is read back; the slot in use is not touched, whatever happens to
+//! the power or to worn pages of the other one. Afterwards the image before can still be returned to.
+//!
+//! ```
+//! # use embedded_storage_async::nor_flash::NorFlash;
+//! # use fos_embedded::store::{ModelStore, StoreError};
+//! async fn update<F: NorFlash>(flash: F, image: &[u8]) -> Result<(), StoreError<F::Error>> {
+//!     let mut store: ModelStore<_, 2048> = ModelStore::new(flash, 0..4 * F::ERASE_SIZE as u32)?;
+//!     store.store(image).await?;
+//!     assert_eq!(store.load().await?, Some(image));
+//!     Ok(())
+//! }
+//! ```
+
+use core::future::Future;
+use core::ops::Range;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use embedded_storage::nor_flash as blocking;
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use fos_core::{Image, ImageError};
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+/// Bytes before the image in a slot: its number, counted up with every update.
+const NUMBER: usize = 4;
+
+/// The key of the only item of a slot.
+const KEY: u8 = 0;
+
+/// Why an image cannot be stored or loaded. After every error the image that was valid before still is.
+#[derive(Debug, PartialEq)]
+pub enum StoreError<E> {
+    /// The range is not whole pages, or fewer than four.
+    Range,
+    /// It is no image that this version of fos runs.
+    Image(ImageError),
+    /// It does not fit: the buffer takes so many bytes.
+    TooLong(usize),
+    /// It was written and did not read back: worn flash.
+    NotKept,
+    /// The flash, or its contents beyond repair.
+    Flash(sequential_storage::Error<E>),
+}
+
+impl<E> From<sequential_storage::Error<E>> for StoreError<E> {
+    fn from(error: sequential_storage::Error<E>) -> Self {
+        Self::Flash(error)
+    }
+}
+
+/// Model images in a range of flash. `BYTES` is the length of its buffer: that of the longest image and 8 bytes, rounded up
+/// to the word of the flash.
+pub struct ModelStore<F: NorFlash, const BYTES: usize> {
+    flash: F,
+    slots: [Range<u32>; 2],
+    buffer: Buffer<BYTES>,
+}
+
+/// Some flash controllers read and write aligned words only.
+#[repr(align(4))]
+struct Buffer<const BYTES: usize>([u8; BYTES]);
+
+/// What a slot holds: the number and length of its image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Held {
+    slot: usize,
+    number: u32,
+    length: usize,
+}
+
+impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
+    /// Over `range` of `flash`, in bytes: whole pages, at least four; half of them for each slot.
+    ///
+    /// # Errors
+    ///
+    /// [`StoreError::Range`].
+    pub fn new(flash: F, range: Range<u32>) -> Result<Self, StoreError<F::Error>> {
+        let page = F::ERASE_SIZE as u32;
+        let pages = range.end.saturating_sub(range.start) / page;
+        let middle = range.start + pages / 2 * page;
+        let slots = [range.start..middle, middle..range.end];
+        for slot in &slots {
+            MapConfig::<F>::try_new(slot.clone()).map_err(|_| StoreError::Range)?;
+        }
+        Ok(Self { flash, slots, buffer: Buffer([0; BYTES]) })
+    }
+
+    /// Stores an image; from then on it is the newest. It is read back before the other one gives way.
+    ///
+    /// # Errors
+    ///
+    /// It is no valid image, it is too long, or the flash does not keep it. The newest image is then what it was.
+    pub async fn store(&mut self, image: &[u8]) -> Result<(), StoreError<F::Error>> {
+        Image::parse(image).map_err(StoreError::Image)?;
+        let mut record = Buffer([0; BYTES]);
+        let length = NUMBER + image.len();
+        let too_long = StoreError::TooLong(BYTES.saturating_sub(NUMBER + 1));
+        // the map puts the key in front
+        if length + 1 > BYTES {
+            return Err(too_long);
+        }
+        let newest = self.newest().await?;
+        let number = newest.map_or(0, |held| held.number.wrapping_add(1));
+        let slot = newest.map_or(0, |held| 1 - held.slot);
+        let (head, body) = record.0.split_at_mut(NUMBER);
+        head.copy_from_slice(&number.to_le_bytes());
+        body[..image.len()].copy_from_slice(image);
+        let record: &[u8] = &record.0[..length];
+        // a worn page may not keep it: so often that the page is full and the next one is taken
+        for _ in 0..F::ERASE_SIZE / length + 2 {
+            let (mut map, buffer) = self.map(slot)?;
+            map.store_item(buffer, &KEY, &record).await?;
+            let kept: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
+            if kept == Some(record) {
+                return Ok(());
+            }
+        }
+        Err(StoreError::NotKept)
+    }
+
+    /// The newest valid image.
+    ///
+    /// # Errors
+    ///
+    /// The flash. A slot that is damaged, or that holds what this version of fos does not run, is passed over.
+    pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError<F::Error>> {
+        let Some(newest) = self.newest().await? else { return Ok(None) };
+        self.image_of(newest).await
+    }
+
+    /// The image before the newest, if its slot is still valid: what to return to if an update proves wrong.
+    ///
+    /// # Errors
+    ///
+    /// The flash.
+    pub async fn load_previous(&mut self) -> Result<Option<&[u8]>, StoreError<F::Error>> {
+        let Some(newest) = self.newest().await? else { return Ok(None) };
+        match self.held(1 - newest.slot).await? {
+            Some(previous) => self.image_of(previous).await,
+            None => Ok(None),
+        }
+    }
+
+    /// The flash.
+    pub fn release(self) -> F {
+        self.flash
+    }
+
+    /// The map of a slot, and the buffer that it works in.
+    fn map(&mut self, slot: usize) -> Result<Opened<'_, F>, StoreError<F::Error>> {
+        let config = MapConfig::try_new(self.slots[slot].clone()).map_err(|_| StoreError::Range)?;
+        Ok((Map::new(&mut self.flash, config, Cache::new_uncached()), &mut self.buffer.0))
+    }
+
+    async fn newest(&mut self) -> Result<Option<Held>, StoreError<F::Error>> {
+        let (first, second) = (self.held(0).await?, self.held(1).await?);
+        Ok(match (first, second) {
+            // numbers wrap: the newer is less than half a turn ahead
+            (Some(first), Some(second)) if first.number.wrapping_sub(second.number) < 1 << 31 => Some(first),
+            (_, Some(second)) => Some(second),
+            (first, None) => first,
+        })
+    }
+
+    /// What a slot holds, if it is a valid image. One that is damaged beyond repair holds nothing.
+    async fn held(&mut self, slot: usize) -> Result<Option<Held>, StoreError<F::Error>> {
+        let (mut map, buffer) = self.map(slot)?;
+        let record: Option<&[u8]> = match map.fetch_item(buffer, &KEY).await {
+            Ok(record) => record,
+            Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
+            Err(_) => None,
+        };
+        Ok(record.and_then(|record| {
+            let (number, image) = record.split_first_chunk::<NUMBER>()?;
+            Image::parse(image).ok()?;
+            Some(Held { slot, number: u32::from_le_bytes(*number), length: image.len() })
+        }))
+    }
+
+    async fn image_of(&mut self, held: Held) -> Result<Option<&[u8]>, StoreError<F::Error>> {
+        let (mut map, buffer) = self.map(held.slot)?;
+        let record: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
+        Ok(record.and_then(|record| record.get(NUMBER..NUMBER + held.length)))
+    }
+}
+
+/// The map of a slot, and the buffer that it works in.
+type Opened<'f, F> = (Map<'f, F>, &'f mut [u8]);
+
+type Map<'f, F> = MapStorage<u8, &'f mut F, Cache<Uncached, Uncached, Uncached, u8>>;
+
+/// A blocking flash as an asynchronous one whose operations are done when they return.
+#[derive(Debug, Clone)]
+pub struct Blocking<F>(pub F);
+
+impl<F: ErrorType> ErrorType for Blocking<F> {
+    type Error = F::Error;
+}
+
+impl<F: blocking::ReadNorFlash> ReadNorFlash for Blocking<F> {
+    const READ_SIZE: usize = F::READ_SIZE;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        self.0.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl<F: blocking::NorFlash> NorFlash for Blocking<F> {
+    const WRITE_SIZE: usize = F::WRITE_SIZE;
+    const ERASE_SIZE: usize = F::ERASE_SIZE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.0.erase(from, to)
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.0.write(offset, bytes)
+    }
+}
+
+/// What a future gives that is done when it is first asked, as those of [`Blocking`] flash are; `None` from any other.
+pub fn now<T>(future: impl Future<Output = T>) -> Option<T> {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(output) => Some(output),
+        Poll::Pending => None,
+    }
+}
