@@ -61,7 +61,9 @@ fn print(calibration: &Calibration) {
     for figure in &calibration.figures {
         let (must, aim) = match figure.goal {
             Goal::AtLeast(must, aim) => (format!("≥ {}", number(must)), format!("≥ {}", number(aim))),
-            Goal::AtMost(must, aim) => (format!("≤ {}", number(must)), format!("≤ {}", number(aim))),
+            Goal::AtMost(must, aim) | Goal::Seconds(must, aim) => {
+                (format!("≤ {}", number(must)), format!("≤ {}", number(aim)))
+            }
             Goal::Within(must, aim) => (range(&must), range(&aim)),
         };
         rows.add_row(vec![
