@@ -1,6 +1,7 @@
 //! The device side.
 //!
 //! - [`store`]: model images in flash, two slots, the newest valid one wins.
+//! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
 //! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
 #![no_std]
 
@@ -9,3 +10,4 @@ extern crate std;
 
 pub mod replay;
 pub mod store;
+pub mod telemetry;

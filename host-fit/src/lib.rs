@@ -25,6 +25,7 @@ pub mod model;
 pub mod moments;
 pub mod paper;
 pub mod plots;
+pub mod record;
 pub mod recording;
 pub mod replay;
 pub mod rest;

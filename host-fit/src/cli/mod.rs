@@ -16,6 +16,7 @@ mod growing;
 mod history;
 mod inspect;
 mod output;
+mod record;
 mod replay;
 mod simulate;
 mod simulate_case;
@@ -54,6 +55,7 @@ enum Command {
     Export(export::Export),
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
+    Record(record::Record),
     Bench(bench::Bench),
 }
 
@@ -75,6 +77,7 @@ pub fn run() -> ExitCode {
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
+        Command::Record(command) => command.run(),
         Command::Bench(command) => command.run(),
     };
     match done {

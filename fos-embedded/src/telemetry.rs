@@ -1,0 +1,202 @@
+//! Telemetry: what the sensor measured and what the model made of it, as frames over any byte stream.
+//!
+//! A frame is a [`Frame`] in postcard, CRC-32 of it (as in Ethernet and zip, little-endian) behind it, both in COBS, then a
+//! zero. A zero never occurs inside a frame: whoever joins the stream late, or loses a part of it, goes on at the next.
+//! Every frame of a sample carries its tick, so that lost frames are counted and become gaps in a log.
+//!
+//! ```
+//! use fos_embedded::telemetry::{Frame, StartFrame, VERSION, decode, encode};
+//!
+//! let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads\ngy_rads", quantities: "temp_c" };
+//! let mut buffer = [0; 64];
+//! let length = encode(&Frame::Start(start), &mut buffer).expect("64 bytes are enough").len();
+//! assert_eq!(buffer[length - 1], 0, "the delimiter");
+//! let decoded: Frame<&str, (), ()> = decode(&mut buffer[..length])?;
+//! assert_eq!(decoded, Frame::Start(start));
+//! # Ok::<(), fos_embedded::telemetry::TelemetryError<core::convert::Infallible>>(())
+//! ```
+
+use core::fmt;
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use fos_core::{Correction, Sample};
+use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use serde::{Deserialize, Serialize};
+
+/// The version that this crate writes, and the only one it reads.
+pub const VERSION: u16 = 1;
+
+/// Axes of a sample, at most.
+pub const MAX_AXES: usize = 6;
+
+/// A start frame is sent again after so many samples: a minute at 200 Hz, for those who join late.
+const START_EVERY: u32 = 12_000;
+
+static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+
+/// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, the same bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Frame<T, V, B> {
+    /// What the samples that follow hold.
+    Start(StartFrame<T>),
+    /// One sample.
+    Sample(SampleFrame<V, B>),
+}
+
+/// What the samples that follow hold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StartFrame<T> {
+    /// [`VERSION`].
+    pub version: u16,
+    /// Sample period, s.
+    pub period_s: f32,
+    /// Columns of the axes, one a line.
+    pub axes: T,
+    /// Columns of the logged quantities, one a line.
+    pub quantities: T,
+}
+
+/// One sample.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SampleFrame<V, B> {
+    /// Ticks of the sample period since start; wraps.
+    pub tick: u32,
+    /// Whether the unit was still.
+    pub still: bool,
+    /// Measured value of every axis.
+    pub measured: V,
+    /// Every logged quantity.
+    pub quantities: V,
+    /// Innovation of every axis; NaN where there is none.
+    pub innovations: V,
+    /// Validity of every axis, as bits.
+    pub validity: B,
+}
+
+/// A frame of the device: everything borrowed.
+pub type Borrowed<'a> = Frame<&'a str, &'a [f32], &'a [u16]>;
+
+/// Why a frame was not sent or not read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TelemetryError<E> {
+    /// It does not fit the buffer.
+    TooLong,
+    /// It is damaged: a byte was lost or changed.
+    Damaged,
+    /// The stream.
+    Stream(E),
+}
+
+impl<E: fmt::Display> fmt::Display for TelemetryError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLong => f.write_str("the frame does not fit the buffer"),
+            Self::Damaged => f.write_str("the frame is damaged"),
+            Self::Stream(error) => write!(f, "the stream failed: {error}"),
+        }
+    }
+}
+
+impl<E: fmt::Debug + fmt::Display> core::error::Error for TelemetryError<E> {}
+
+/// Sends frames over a stream. `BYTES` is the length of the longest frame: 4 for every value, 2 for every validity, 24 more,
+/// and the names of a start frame.
+#[derive(Debug)]
+pub struct Recorder<W, const BYTES: usize> {
+    stream: W,
+    until_start: u32,
+    /// Frames that were not sent whole.
+    failed: u32,
+}
+
+impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
+    /// Over this stream.
+    pub fn new(stream: W) -> Self {
+        Self { stream, until_start: 0, failed: 0 }
+    }
+
+    /// Sends a sample and what the predictor made of it; before the first, and every minute or so, `start` too.
+    ///
+    /// # Errors
+    ///
+    /// The stream. A frame that was cut off is ended by the next one's delimiter and counts as damaged there.
+    pub fn sample(
+        &mut self,
+        start: &StartFrame<&str>,
+        tick: u32,
+        still: bool,
+        sample: &Sample<'_, f32>,
+        corrections: &[Correction<f32>],
+    ) -> Result<(), TelemetryError<W::Error>> {
+        if self.until_start == 0 {
+            self.send(&Frame::Start(*start))?;
+            self.until_start = START_EVERY;
+        }
+        self.until_start -= 1;
+        let mut innovations = [f32::NAN; MAX_AXES];
+        let mut validity = [0_u16; MAX_AXES];
+        for ((innovation, bits), correction) in innovations.iter_mut().zip(&mut validity).zip(corrections) {
+            *innovation = correction.innovation.unwrap_or(f32::NAN);
+            *bits = correction.validity.bits();
+        }
+        let n = corrections.len().min(MAX_AXES);
+        self.send(&Frame::Sample(SampleFrame {
+            tick,
+            still,
+            measured: sample.measured,
+            quantities: sample.quantities,
+            innovations: innovations.get(..n).unwrap_or(&[]),
+            validity: validity.get(..n).unwrap_or(&[]),
+        }))
+    }
+
+    /// Sends a frame.
+    ///
+    /// # Errors
+    ///
+    /// It is too long, or the stream fails.
+    pub fn send(&mut self, frame: &Borrowed<'_>) -> Result<(), TelemetryError<W::Error>> {
+        let mut buffer = [0; BYTES];
+        let sent = match encode(frame, &mut buffer) {
+            Some(bytes) => self.stream.write_all(bytes).map_err(TelemetryError::Stream),
+            None => Err(TelemetryError::TooLong),
+        };
+        if sent.is_err() {
+            self.failed = self.failed.saturating_add(1);
+        }
+        sent
+    }
+
+    /// Frames that were not sent whole.
+    pub fn failed(&self) -> u32 {
+        self.failed
+    }
+
+    /// The stream.
+    pub fn release(self) -> W {
+        self.stream
+    }
+}
+
+/// Writes a frame with its checksum and its delimiter into `buffer`; `None` if it does not fit.
+pub fn encode<'b>(frame: &Borrowed<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+    let cobs = Cobs::try_new(Slice::new(buffer)).ok()?;
+    let written = postcard::serialize_with_flavor(frame, CrcModifier::new(cobs, CRC.digest())).ok()?;
+    Some(written)
+}
+
+/// Reads a frame from the bytes up to its delimiter, which may be among them; they are decoded in place.
+///
+/// # Errors
+///
+/// [`TelemetryError::Damaged`].
+pub fn decode<'b, F: Deserialize<'b>>(
+    bytes: &'b mut [u8],
+) -> Result<F, TelemetryError<core::convert::Infallible>> {
+    let damaged = |_| TelemetryError::Damaged;
+    let length = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    let frame = bytes.get_mut(..length).ok_or(TelemetryError::Damaged)?;
+    let decoded = cobs::decode_in_place(frame).map_err(|_| TelemetryError::Damaged)?;
+    let decoded: &'b [u8] = frame.get(..decoded).ok_or(TelemetryError::Damaged)?;
+    postcard::from_bytes_crc32(decoded, CRC.digest()).map_err(damaged)
+}

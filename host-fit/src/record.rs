@@ -1,0 +1,298 @@
+//! From a stream of telemetry to a log.
+
+use std::io::{self, BufRead};
+
+use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, decode};
+use serde::Serialize;
+
+/// Frames longer than this are no frames: a stream of something else.
+const LONGEST: u64 = 4096;
+
+/// Ticks that go back by more than this are a restart and not a wrapped counter.
+const RESTART: u32 = 1 << 31;
+
+/// Why a stream makes no log.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// It cannot be read.
+    #[error("the stream cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// Another version.
+    #[error(
+        "the device sends telemetry of version {found}; this program reads {VERSION}\nhelp: use the host-fit that came with the firmware"
+    )]
+    Version {
+        /// What it sends.
+        found: u16,
+    },
+    /// Nothing in it.
+    #[error(
+        "no sample in {bytes} bytes ({damaged} damaged frames)\nhelp: is it the telemetry of fos, at the right baud rate? A device sends what its samples hold once a minute: wait for it"
+    )]
+    Nothing {
+        /// Bytes read.
+        bytes: u64,
+        /// Frames that could not be decoded.
+        damaged: u64,
+    },
+}
+
+/// A log, and what was lost on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recorded {
+    /// Columns by name.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// What was lost.
+    pub report: Report,
+}
+
+/// What came and what was lost.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Samples.
+    pub samples: u64,
+    /// Samples that the tick counter misses: gaps in the log.
+    pub lost: u64,
+    /// Frames that could not be decoded.
+    pub damaged: u64,
+    /// Samples that came before what they hold was known.
+    pub unknown: u64,
+    /// Restarts of the device: new segments.
+    pub restarts: u64,
+    /// Bytes read.
+    pub bytes: u64,
+}
+
+/// Reads `stream` to its end, or until `go_on` says no; it is asked after every frame.
+///
+/// # Errors
+///
+/// The stream cannot be read, is of another version, or has no sample.
+pub fn record(
+    mut stream: impl BufRead,
+    mut go_on: impl FnMut(&Report) -> bool,
+) -> Result<Recorded, RecordError> {
+    let mut log = Log::default();
+    let mut frame = Vec::new();
+    let mut joined = false;
+    loop {
+        frame.clear();
+        let read = io::Read::take(&mut stream, LONGEST).read_until(0, &mut frame)?;
+        if read == 0 {
+            break;
+        }
+        log.report.bytes += read as u64;
+        if frame.len() > 1 {
+            match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
+                Ok(Frame::Start(start)) => log.start(&start)?,
+                Ok(Frame::Sample(sample)) => log.sample(&sample),
+                // who joins late hears the end of a frame first
+                Err(_) if !joined => {}
+                Err(_) => log.report.damaged += 1,
+            }
+        }
+        joined = true;
+        if !go_on(&log.report) {
+            break;
+        }
+    }
+    log.finish()
+}
+
+#[derive(Default)]
+struct Log {
+    names: Option<Names>,
+    period_s: f64,
+    /// Ticks since the first sample, and the counter of the last.
+    tick: Option<(u64, u32)>,
+    time_s: Vec<f64>,
+    segment: Vec<f64>,
+    still: Vec<f64>,
+    values: Vec<Vec<f64>>,
+    report: Report,
+}
+
+/// Columns of a log, as its start frame names them.
+#[derive(Clone, PartialEq)]
+struct Names {
+    axes: Vec<String>,
+    quantities: Vec<String>,
+}
+
+impl Log {
+    fn start(&mut self, start: &StartFrame<&str>) -> Result<(), RecordError> {
+        if start.version != VERSION {
+            return Err(RecordError::Version { found: start.version });
+        }
+        let lines = |text: &str| text.lines().map(str::to_owned).collect();
+        let names = Names { axes: lines(start.axes), quantities: lines(start.quantities) };
+        if self.names.as_ref() != Some(&names) && self.values.is_empty() {
+            self.values = vec![Vec::new(); 3 * names.axes.len() + names.quantities.len()];
+            self.names = Some(names);
+            self.period_s = f64::from(start.period_s);
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &SampleFrame<Vec<f32>, Vec<u16>>) {
+        let fits = self.names.as_ref().is_some_and(|names| {
+            let n = names.axes.len();
+            sample.measured.len() == n
+                && sample.innovations.len() == n
+                && sample.validity.len() == n
+                && sample.quantities.len() == names.quantities.len()
+        });
+        if !fits {
+            self.report.unknown += 1;
+            return;
+        }
+        let ticks = match self.tick {
+            None => 0,
+            Some((ticks, counter)) => match sample.tick.wrapping_sub(counter) {
+                0 => return,
+                ahead if ahead < RESTART => {
+                    self.report.lost += u64::from(ahead) - 1;
+                    ticks + u64::from(ahead)
+                }
+                _ => {
+                    self.report.restarts += 1;
+                    ticks + 1
+                }
+            },
+        };
+        self.tick = Some((ticks, sample.tick));
+        self.report.samples += 1;
+        self.time_s.push(ticks as f64 * self.period_s);
+        self.segment.push(self.report.restarts as f64);
+        self.still.push(f64::from(u8::from(sample.still)));
+        let values = sample
+            .measured
+            .iter()
+            .chain(&sample.quantities)
+            .chain(&sample.innovations)
+            .map(|value| f64::from(*value))
+            .chain(sample.validity.iter().map(|bits| f64::from(*bits)));
+        self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+
+    fn finish(self) -> Result<Recorded, RecordError> {
+        let Report { bytes, damaged, .. } = self.report;
+        let Some(names) = self.names.filter(|_| !self.time_s.is_empty()) else {
+            return Err(RecordError::Nothing { bytes, damaged });
+        };
+        let named = |prefix: &'static str| names.axes.iter().map(move |axis| format!("{prefix}{axis}"));
+        let of_values = named("")
+            .chain(names.quantities.iter().cloned())
+            .chain(named("innovation_"))
+            .chain(named("validity_"));
+        let mut columns = vec![
+            ("t_s".to_owned(), self.time_s),
+            ("still".to_owned(), self.still),
+            ("segment".to_owned(), self.segment),
+        ];
+        columns.extend(of_values.zip(self.values));
+        Ok(Recorded { columns, report: self.report })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_embedded::telemetry::encode;
+
+    const START: StartFrame<&str> =
+        StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "temp_c" };
+
+    fn stream(frames: &[Frame<&str, &[f32], &[u16]>]) -> Vec<u8> {
+        let mut buffer = [0; 256];
+        frames.iter().flat_map(|frame| encode(frame, &mut buffer).expect("fits").to_vec()).collect()
+    }
+
+    fn sample(tick: u32) -> Vec<u8> {
+        let frame = SampleFrame {
+            tick,
+            still: tick.is_multiple_of(2),
+            measured: &[tick as f32][..],
+            quantities: &[21.5][..],
+            innovations: &[f32::NAN][..],
+            validity: &[tick as u16][..],
+        };
+        stream(&[Frame::Sample(frame)])
+    }
+
+    fn column(recorded: &Recorded, name: &str) -> Vec<f64> {
+        recorded.columns.iter().find(|(column, _)| column == name).expect("a column").1.clone()
+    }
+
+    fn read(bytes: &[u8]) -> Recorded {
+        record(bytes, |_| true).expect("a log")
+    }
+
+    #[test]
+    fn a_stream_becomes_a_log_and_lost_frames_become_gaps() {
+        let mut bytes = stream(&[Frame::Start(START)]);
+        [0, 1, 2, 5, 6].map(sample).iter().for_each(|frame| bytes.extend(frame));
+        let recorded = read(&bytes);
+        assert_eq!(
+            recorded.report,
+            Report { samples: 5, lost: 2, bytes: bytes.len() as u64, ..Report::default() }
+        );
+        let times = column(&recorded, "t_s");
+        let wanted = [0.0, 0.005, 0.01, 0.025, 0.03];
+        // the period travels as f32
+        assert!(times.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{times:?}");
+        assert_eq!(column(&recorded, "gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
+        assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
+        assert!(column(&recorded, "innovation_gx_rads").iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn any_damage_costs_no_more_than_its_frame() {
+        let mut whole = stream(&[Frame::Start(START)]);
+        let start = whole.len();
+        (0..20).map(sample).for_each(|frame| whole.extend(frame));
+        for place in start..whole.len() {
+            let mut changed = whole.clone();
+            changed[place] ^= 0x55;
+            let mut shorter = whole.clone();
+            shorter.remove(place);
+            for bytes in [changed, shorter] {
+                let Report { samples, lost, damaged, .. } = read(&bytes).report;
+                assert!(samples >= 18 && damaged <= 2, "at {place}: {samples}, {damaged}");
+                // those at the ends leave no hole between ticks
+                assert!(samples + lost >= 18 && samples + lost <= 20, "at {place}: {samples} + {lost}");
+            }
+        }
+    }
+
+    #[test]
+    fn who_joins_late_waits_for_what_the_samples_hold() {
+        let mut bytes = sample(0)[3..].to_vec();
+        bytes.extend(sample(1));
+        bytes.extend(stream(&[Frame::Start(START)]));
+        bytes.extend(sample(2));
+        let report = read(&bytes).report;
+        assert_eq!((report.samples, report.unknown, report.damaged), (1, 1, 0));
+    }
+
+    #[test]
+    fn a_counter_wraps_and_a_device_restarts() {
+        let mut bytes = stream(&[Frame::Start(START)]);
+        [u32::MAX - 1, u32::MAX, 0, 1].map(sample).iter().for_each(|frame| bytes.extend(frame));
+        let wrapped = read(&bytes);
+        assert_eq!((wrapped.report.lost, wrapped.report.restarts), (0, 0));
+        let mut bytes = stream(&[Frame::Start(START)]);
+        [500, 501, 0, 1].map(sample).iter().for_each(|frame| bytes.extend(frame));
+        let restarted = read(&bytes);
+        assert_eq!(column(&restarted, "segment"), [0.0, 0.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn what_is_no_telemetry_says_so() {
+        let noise: Vec<u8> = (0..20_000_u32).map(|n| (n * n % 251) as u8).collect();
+        let said = record(&noise[..], |_| true).expect_err("nothing in it").to_string();
+        assert!(said.contains("baud rate"), "{said}");
+        let other = stream(&[Frame::Start(StartFrame { version: 9, ..START })]);
+        assert!(matches!(record(&other[..], |_| true), Err(RecordError::Version { found: 9 })));
+    }
+}

@@ -1,0 +1,141 @@
+//! The loop from the field back to the host: a device sends what it measures, the host makes a log of it and names what is
+//! missing from the model.
+
+use std::io::BufReader;
+
+use embedded_io::{ErrorKind, ErrorType, Write};
+use fos_core::{Image, Predictor, Sample};
+use fos_embedded::telemetry::{Recorder, StartFrame, TelemetryError, VERSION};
+use host_fit::diagnose::{Question, Verdict, diagnose};
+use host_fit::effects::Library;
+use host_fit::export::image;
+use host_fit::fit::{FitOptions, fit_axis};
+use host_fit::record::record;
+use host_fit::recording::{LoadOptions, Recording, Source};
+use host_fit::rest;
+use host_fit::simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
+
+/// A cable that loses a byte now and then.
+struct Cable {
+    bytes: Vec<u8>,
+    sent: usize,
+    loses_every: usize,
+}
+
+impl ErrorType for Cable {
+    type Error = ErrorKind;
+}
+
+impl Write for Cable {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
+        for byte in bytes {
+            self.sent += 1;
+            if !self.sent.is_multiple_of(self.loses_every) {
+                self.bytes.push(*byte);
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+}
+
+fn recording(name: &str, columns: Vec<(String, Vec<f64>)>) -> Recording {
+    let options = LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() };
+    Recording::from_columns(Source::made_by(name), columns, &options).expect("a log")
+}
+
+#[test]
+fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
+    let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
+    plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
+    let case = simulate_case(&plan).expect("a case");
+    let quiet = recording("quiet", case.baseline);
+    let fitted = fit_axis(&quiet, &rest::find(&quiet), "gx", &FitOptions::default()).expect("a fit");
+    let bytes = image(&fitted.model, "simulated", "").expect("an image");
+
+    // on the device
+    let field = recording("field", case.field);
+    let column =
+        |name: &str| field.channel(name).expect("a column").held(0..field.n_rows()).collect::<Vec<f64>>();
+    let (rate, temperature) = (column("gx_rads"), column("temp_c"));
+    let mut predictor: Predictor<f32, 6, 16, 128, 256> =
+        Image::parse(&bytes).expect("an image").predictor().expect("it fits");
+    let start = StartFrame {
+        version: VERSION,
+        period_s: field.rate.period_s as f32,
+        axes: "gx_rads",
+        quantities: "temp_c",
+    };
+    let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: 40_009 };
+    let mut recorder: Recorder<_, 128> = Recorder::new(cable);
+    for (tick, (rate, celsius)) in rate.iter().zip(&temperature).enumerate() {
+        let quantities = [*celsius as f32];
+        let sample = Sample { measured: &[*rate as f32], quantities: &quantities };
+        let corrections = predictor.track(&sample);
+        recorder.sample(&start, tick as u32, true, &sample, corrections).expect("sent");
+    }
+    let cable = recorder.release();
+
+    // on the host
+    let recorded = record(BufReader::new(&cable.bytes[..]), |_| true).expect("a log");
+    let report = &recorded.report;
+    let lost_bytes = (cable.sent / cable.loses_every) as u64;
+    assert!(lost_bytes > 100, "the cable is bad enough: {lost_bytes}");
+    // a lost delimiter costs two frames
+    assert!((lost_bytes / 2..=2 * lost_bytes).contains(&report.lost), "{report:?}, {lost_bytes} bytes lost");
+    assert!(report.samples + report.lost + 2 >= rate.len() as u64, "{report:?}");
+    let log = recording("telemetry", recorded.columns);
+    assert!(log.segments.len() > 50, "lost frames are gaps: {}", log.segments.len());
+    let library = Library::built_in();
+    let answer = diagnose(&Question {
+        field: &log,
+        quiet: Some(&quiet),
+        judged: None,
+        target: "gx_rads",
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library: &library,
+        given: &[],
+    })
+    .expect("an answer");
+    let named: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
+    assert_eq!(answer.verdict, Verdict::Missing, "{}", answer.sentence);
+    assert!(named.contains(&"thermal_lag"), "{named:?}");
+}
+
+/// A stream that takes nothing more.
+struct Full;
+
+impl ErrorType for Full {
+    type Error = ErrorKind;
+}
+
+impl Write for Full {
+    fn write(&mut self, _: &[u8]) -> Result<usize, ErrorKind> {
+        Err(ErrorKind::OutOfMemory)
+    }
+
+    fn flush(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+}
+
+#[test]
+fn what_cannot_be_sent_is_counted_and_does_no_harm() {
+    let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "" };
+    let sample = Sample { measured: &[0.1], quantities: &[] };
+    let mut full: Recorder<_, 128> = Recorder::new(Full);
+    for tick in 0..3 {
+        let said = full.sample(&start, tick, true, &sample, &[]);
+        assert_eq!(said, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
+    }
+    assert_eq!(full.failed(), 3);
+    let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: usize::MAX };
+    let mut small: Recorder<_, 8> = Recorder::new(cable);
+    assert_eq!(small.sample(&start, 0, true, &sample, &[]), Err(TelemetryError::TooLong));
+    assert!(small.release().bytes.is_empty(), "no half frame");
+}
