@@ -26,7 +26,7 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
         folder,
         &["export", "unit.json", "--image", "unit.fosm", "--rust", "model.rs", "--sensor", "demo part"],
     );
-    let inspected = done(folder, &["inspect", "record", "unit.fosm"]);
+    let inspected = done(folder, &["inspect", "unit.fosm"]);
     assert!(
         inspected.contains("demo part") && inspected.contains("Gx") && inspected.contains("temp_c"),
         "{inspected}"
@@ -138,6 +138,7 @@ fn every_subcommand_has_help_with_an_example() {
         "calibrate",
         "export",
         "inspect",
+        "record",
         "replay",
         "bench",
     ] {

@@ -142,6 +142,8 @@ struct Prepared {
     given: Vec<Vec<f64>>,
     /// The axis measures shaking, and no reference says what of it.
     shaken: bool,
+    /// Standard deviation of the noise without coarse steps: of the quiet log, where there is one.
+    fast_deviation: f64,
 }
 
 impl Prepared {
@@ -171,7 +173,8 @@ impl Prepared {
             let effect = Rc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
-        Ok(Self { column, faults, reduced, prior, given, shaken })
+        let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
+        Ok(Self { column, faults, reduced, prior, given, shaken, fast_deviation })
     }
 
     fn search<'s>(&'s self, hypotheses: &'s Hypotheses<'s>, effects: &'s [Rc<Effect>]) -> SlowSearch<'s> {
@@ -189,7 +192,7 @@ impl Prepared {
     fn in_stairs(&self) -> bool {
         self.reduced.clipped_through
             || self.faults.iter().any(|fault| match fault {
-                Fault::Coarse { step, .. } => *step > STAIRS * self.reduced.fast_deviation(),
+                Fault::Coarse { step, .. } => *step > STAIRS * self.fast_deviation,
                 // the mean of a swing that is cut off moves with the swing
                 Fault::Saturation { .. } => self.shaken,
                 Fault::Dropped { .. } => false,
