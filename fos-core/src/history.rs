@@ -33,6 +33,12 @@ impl<R: Real, const N: usize> History<R, N> {
         Self { twice: [[R::ZERO; N]; 2], next: 0 }
     }
 
+    /// Zeros again, in place.
+    pub(crate) fn clear(&mut self) {
+        self.twice.as_flattened_mut().fill(R::ZERO);
+        self.next = 0;
+    }
+
     /// Writes `values` one after the other, each over the oldest.
     #[inline(always)]
     pub(crate) fn write(&mut self, values: impl Iterator<Item = R>) {

@@ -95,15 +95,16 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     ///
     /// The first thing that is wrong with the model, or that there is no room for.
     pub fn new(model: &Model<'_, R>) -> Result<Self, ModelError> {
-        if let Some(limits) = &model.stillness {
-            limits.check()?;
-        }
-        let mut predictor = Self::begin(Building {
+        let mut predictor = Self::empty();
+        predictor.begin(Building {
             period_s: model.period_s,
             n_quantities: model.quantities.len(),
             n_inputs: model.inputs.len(),
             n_axes: model.axes.len(),
         })?;
+        if let Some(limits) = &model.stillness {
+            limits.check()?;
+        }
         for input in model.inputs {
             predictor.add_input(input)?;
         }
@@ -114,9 +115,33 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         Ok(predictor)
     }
 
-    /// A predictor without inputs and axes; all of them must be added before it is used.
-    pub(crate) fn begin(building: Building) -> Result<Self, ModelError> {
+    /// A predictor without a model, which corrects nothing: what a `static` begins with, before
+    /// [`Image::load`](crate::Image::load).
+    pub const fn empty() -> Self {
         const { assert!(INPUTS <= u32::BITS as usize, "at most 32 inputs") };
+        Self {
+            program: Program::new(),
+            inputs: Vec::new(),
+            axes: Vec::new(),
+            has_physical: false,
+            history: History::new(),
+            corrections: Vec::new(),
+            building: Building { period_s: 0.0, n_quantities: 0, n_inputs: 0, n_axes: 0 },
+        }
+    }
+
+    /// Forgets the model: [`empty`](Self::empty) again, where it stands.
+    pub fn clear(&mut self) {
+        self.program.clear();
+        self.inputs.clear();
+        self.axes.clear();
+        self.has_physical = false;
+        self.history.clear();
+        self.corrections.clear();
+    }
+
+    /// Without inputs and axes; all of them must be added before it is used.
+    pub(crate) fn begin(&mut self, building: Building) -> Result<(), ModelError> {
         if !is_positive(building.period_s) {
             return Err(ModelError::Period);
         }
@@ -129,15 +154,9 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         if building.n_inputs > INPUTS {
             return Err(ModelError::TooManyInputs { found: building.n_inputs, capacity: INPUTS });
         }
-        Ok(Self {
-            program: Program::new(),
-            inputs: Vec::new(),
-            axes: Vec::new(),
-            has_physical: false,
-            history: History::new(),
-            corrections: Vec::new(),
-            building,
-        })
+        self.clear();
+        self.building = building;
+        Ok(())
     }
 
     pub(crate) fn add_input(&mut self, input: &Input<R>) -> Result<(), ModelError> {
@@ -267,7 +286,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
 
     /// As at power-on: history, inputs and clocks start anew.
     pub fn reset(&mut self) {
-        self.history = History::new();
+        self.history.clear();
         self.inputs.iter_mut().for_each(RunningInput::reset);
         self.axes.iter_mut().for_each(RunningAxis::reset);
     }

@@ -57,6 +57,10 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
         Self { terms: Vec::new() }
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.terms.clear();
+    }
+
     /// Appends the terms of a part, for a history of `N` values.
     pub(crate) fn append<const N: usize>(
         &mut self,

@@ -11,7 +11,7 @@ use core::ops::{BitOr, BitOrAssign};
 pub struct Validity(u16);
 
 /// Every reason, with its name, in the order of the bits.
-const REASONS: [(Validity, &str); 10] = [
+const REASONS: [(Validity, &str); 11] = [
     (Validity::WARMING_UP, "warming up"),
     (Validity::OWN_HISTORY, "own history"),
     (Validity::COASTING_TOO_LONG, "coasting too long"),
@@ -22,6 +22,7 @@ const REASONS: [(Validity, &str); 10] = [
     (Validity::SATURATED, "saturated"),
     (Validity::STUCK, "stuck"),
     (Validity::MISSING, "missing"),
+    (Validity::NOT_MODELLED, "not modelled"),
 ];
 
 impl Validity {
@@ -48,6 +49,8 @@ impl Validity {
     pub const STUCK: Validity = Validity(1 << 8);
     /// There was no sample.
     pub const MISSING: Validity = Validity(1 << 9);
+    /// The model does not have this axis: nothing was taken out.
+    pub const NOT_MODELLED: Validity = Validity(1 << 10);
 
     /// Nothing speaks against it. [`OWN_HISTORY`](Self::OWN_HISTORY) counts: a coasted value is an extrapolation.
     pub const fn is_valid(self) -> bool {

@@ -1,5 +1,7 @@
 //! The device side.
 //!
+//! - [`hub`]: six axes over shared inputs: what an application calls.
+//! - [`raw`]: raw codes of a sensor, and what they mean.
 //! - [`store`]: model images in flash, two slots, the newest valid one wins.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
 //! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
@@ -8,6 +10,8 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod hub;
+pub mod raw;
 pub mod replay;
 pub mod store;
 pub mod telemetry;

@@ -33,6 +33,8 @@ use core::fmt;
 use crc::{CRC_64_XZ, Crc, Table};
 use fos_core::{Correction, Predictor, Sample};
 
+pub use crate::hub::Motion;
+
 /// The first four bytes of a log.
 pub const MAGIC: [u8; 4] = *b"FOSR";
 
@@ -55,15 +57,6 @@ pub struct Header {
     pub n_axes: u8,
     /// Logged quantities of a record.
     pub n_quantities: u8,
-}
-
-/// Whether the unit was still when a sample was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motion {
-    /// It moved: the predictor coasts.
-    Moving,
-    /// It was still: the predictor tracks, against the model's own reference.
-    Still,
 }
 
 /// One sample of a log.

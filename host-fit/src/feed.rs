@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use fos_core::{Axis, Correction, Real, Sample};
+use fos_embedded::hub::OTHER_POSE;
 
 use crate::model::{HostPredictor, UnitModel};
 use crate::recording::{Boundary, Recording, RecordingError};
@@ -35,10 +36,6 @@ impl Reference<'_> {
         }
     }
 }
-
-/// A still accelerometer further than this from the reference, in scaled units (standard deviations of the training
-/// data), lies in another pose: 20 are a tilt of 2° for a noise of 0.02 m/s², and a bias drifts by less.
-const OTHER_POSE: f64 = 20.0;
 
 /// What lies before a row that does not follow the row before it.
 #[derive(Debug, Clone, Copy)]

@@ -156,15 +156,46 @@ impl<'a> Image<'a> {
     where
         R: Real,
     {
-        if let Some(limits) = &self.head.stillness {
-            limits.check()?;
+        let mut predictor = Predictor::empty();
+        self.load(&mut predictor)?;
+        Ok(predictor)
+    }
+
+    /// Gives the model to a predictor where it stands, without a copy of it; it begins as at power-on.
+    ///
+    /// # Errors
+    ///
+    /// As [`predictor`](Self::predictor); it is then without a model.
+    pub fn load<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+        &self,
+        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+    ) -> Result<(), ImageError>
+    where
+        R: Real,
+    {
+        let loaded = self.fill(predictor);
+        if loaded.is_err() {
+            predictor.clear();
         }
-        let mut predictor = Predictor::begin(Building {
+        loaded
+    }
+
+    fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+        &self,
+        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+    ) -> Result<(), ImageError>
+    where
+        R: Real,
+    {
+        predictor.begin(Building {
             period_s: self.head.period_s,
             n_quantities: usize::from(self.head.n_quantities),
             n_inputs: usize::from(self.head.n_inputs),
             n_axes: usize::from(self.head.n_axes),
         })?;
+        if let Some(limits) = &self.head.stillness {
+            limits.check()?;
+        }
         for input in self.inputs() {
             predictor.add_input(&input.convert())?;
         }
@@ -176,7 +207,7 @@ impl<'a> Image<'a> {
                 axis.stochastic.map(convert),
             )?;
         }
-        Ok(predictor)
+        Ok(())
     }
 }
 

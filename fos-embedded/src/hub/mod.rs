@@ -1,0 +1,393 @@
+//! The hub: six axes over shared inputs, raw codes in, corrected SI units out.
+
+mod error;
+mod output;
+mod rate;
+mod watch;
+
+use fos_core::{
+    Axis, Drift, Image, Info, InnovationStatistics, Predictor, Quantity, Sample, StillnessDetector, Validity,
+};
+use heapless::{String, Vec};
+
+pub use error::HubError;
+pub use output::{AXES, Output};
+use rate::RateEstimator;
+use watch::Watch;
+
+use crate::raw::{Faults, RawSample, Scales};
+
+/// A still accelerometer that is further than this from its reference, in scaled units (standard deviations of the data that
+/// the model was fitted to), lies in another pose, and what gravity gives there is not known: 20 are a tilt of 2° for a noise
+/// of 0.02 m/s², and a bias drifts by less.
+pub const OTHER_POSE: f64 = 20.0;
+
+/// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
+/// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
+const RATE_TOLERANCE: f32 = 0.01;
+
+/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks of such
+/// sensors are up to 5 % off, on either side of the fit.
+const PERIOD_TOLERANCE: f64 = 0.1;
+
+/// So many quantities are logged at most, temperature among them.
+pub const MAX_LOGGED: usize = 17;
+
+/// Whether the unit is still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// It moves: the predictor coasts.
+    Moving,
+    /// It is still: the predictor tracks, against the model's own reference.
+    Still,
+}
+
+/// Six axes over shared inputs: what an application calls.
+///
+/// While the unit is still it tracks, while it moves it coasts; an accelerometer coasts too where it lies still in another pose
+/// than that of the fit. Everything that comes out is finite and bounded, and says what speaks against it.
+///
+/// Capacities: `INPUTS` and as many logged quantities, `TERMS` of all axes together, `HISTORY` values, as of
+/// [`Predictor`]. A model that needs more is refused.
+///
+/// ```
+/// use fos_core::FittedOn;
+/// use fos_embedded::hub::Hub;
+/// use fos_embedded::raw::{RawSample, Scales};
+///
+/// let scales = Scales {
+///     accel_mps2: 0.001197, // ±4 g
+///     gyro_rads: 0.000305,  // ±500 dps
+///     temperature_k: 1.0 / 256.0,
+///     temperature_zero_c: 25.0,
+///     period_s: 0.005,
+///     values: FittedOn::Raw,
+/// };
+/// let mut hub: Hub<8, 60, 128> = Hub::new(scales);
+/// // hub.load(image)?; until then nothing is taken out, and the output says so
+/// let raw = RawSample { accel: [0, 0, 8192], temperature: Some(256), ..RawSample::default() };
+/// let output = hub.update(&raw);
+/// assert!((output.accel()[2] - 9.8).abs() < 0.01);
+/// assert!(!output.is_valid());
+/// ```
+#[derive(Debug, Clone)]
+pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
+    scales: Scales,
+    predictor: Predictor<f32, AXES, INPUTS, TERMS, HISTORY>,
+    detector: Option<StillnessDetector<f32>>,
+    /// As the application says; none if it leaves that to the detector.
+    motion: Option<Motion>,
+    axes: Vec<Modelled, AXES>,
+    quantities: Vec<f32, INPUTS>,
+    sources: Vec<QuantitySource, INPUTS>,
+    watch: Watch,
+    rate: RateEstimator,
+    model_rate_hz: f32,
+    ticks: u32,
+    output: Output,
+}
+
+/// An axis of the model.
+#[derive(Debug, Clone, Copy)]
+struct Modelled {
+    /// Which of the six it is.
+    channel: u8,
+    reference: f32,
+    /// Further from the reference it is in another pose; infinite for a gyro.
+    pose_limit: f32,
+}
+
+/// Where a logged quantity of the model comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum QuantitySource {
+    Thermometer,
+    /// One of the six, as measured.
+    Measured(u8),
+    /// The application.
+    Application(Quantity),
+}
+
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+    /// A hub without a model, for a sensor with these scales; may be in a `static`.
+    pub const fn new(scales: Scales) -> Self {
+        Self {
+            scales,
+            predictor: Predictor::empty(),
+            detector: None,
+            motion: None,
+            axes: Vec::new(),
+            quantities: Vec::new(),
+            sources: Vec::new(),
+            watch: Watch::NOTHING,
+            rate: RateEstimator::new(),
+            model_rate_hz: 0.0,
+            ticks: 0,
+            output: Output::NONE,
+        }
+    }
+
+    /// Takes a model image; history, inputs and clocks start anew. The image is not needed afterwards.
+    ///
+    /// # Errors
+    ///
+    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says so.
+    pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
+        self.unload();
+        let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
+        if loaded.is_err() {
+            self.unload();
+        }
+        loaded
+    }
+
+    fn unload(&mut self) {
+        self.predictor.clear();
+        self.axes.clear();
+        self.sources.clear();
+        self.quantities.clear();
+        self.detector = None;
+        self.watch.clear();
+        self.model_rate_hz = 0.0;
+        self.output = Output::NONE;
+    }
+
+    fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
+        if image.fitted_on() != self.scales.values {
+            return Err(HubError::FittedOn { model: image.fitted_on(), sensor: self.scales.values });
+        }
+        let (model, sensor) = (image.period_s(), self.scales.period_s);
+        image.load(&mut self.predictor).map_err(HubError::Image)?;
+        let off = model - sensor;
+        if !(off.max(-off) <= PERIOD_TOLERANCE * sensor) {
+            return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
+        }
+        self.model_rate_hz = 1.0 / model as f32;
+        for (index, axis) in image.axes().enumerate() {
+            let channel = channel_of(axis.parameters.axis).ok_or(HubError::Axis(index))?;
+            if self.axes.iter().any(|other| other.channel == channel) {
+                return Err(HubError::Axis(index));
+            }
+            let pose_limit =
+                if channel < 3 { OTHER_POSE as f32 * axis.parameters.scale } else { f32::INFINITY };
+            let modelled = Modelled { channel, reference: axis.parameters.reference, pose_limit };
+            self.axes.push(modelled).map_err(|_| HubError::Axis(index))?;
+            self.watch.add(&axis.parameters, model);
+        }
+        for (index, quantity) in image.quantities().enumerate() {
+            let source = match quantity {
+                Quantity::Temperature => QuantitySource::Thermometer,
+                Quantity::Measured(axis) => {
+                    QuantitySource::Measured(channel_of(axis).ok_or(HubError::Quantity(index))?)
+                }
+                given => QuantitySource::Application(given),
+            };
+            self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
+            self.quantities.push(f32::NAN).map_err(|_| HubError::Quantity(index))?;
+        }
+        self.detector = image.stillness().and_then(|limits| StillnessDetector::new(limits).ok());
+        Ok(())
+    }
+
+    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a reference. Those
+    /// that the sensor itself measures need not be given. Until it is given, its axes are flagged.
+    ///
+    /// Returns whether the model uses it.
+    pub fn give(&mut self, quantity: Quantity, value: f32) -> bool {
+        let mut used = false;
+        for (source, slot) in self.sources.iter().zip(&mut self.quantities) {
+            if *source == QuantitySource::Application(quantity) {
+                *slot = value;
+                used = true;
+            }
+        }
+        used
+    }
+
+    /// As [`give`](Self::give), for the quantity of this index in the model: one that has only a name.
+    pub fn give_nth(&mut self, index: usize, value: f32) -> bool {
+        match (self.sources.get(index), self.quantities.get_mut(index)) {
+            (Some(QuantitySource::Application(_)), Some(slot)) => {
+                *slot = value;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// What was logged beside the axes: temperature, then what the application gave, in the model's order.
+    pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
+        let given = self.sources.iter().zip(&self.quantities);
+        let given = given.filter(|(source, _)| matches!(source, QuantitySource::Application(_)));
+        let mut logged = Vec::new();
+        for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {
+            let _ = logged.push(value);
+        }
+        logged
+    }
+
+    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the image. `None`
+    /// if they do not fit.
+    pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
+        let mut columns = String::new();
+        columns.push_str("temp_c").ok()?;
+        let mut names = info.quantities.lines();
+        for source in &self.sources {
+            let name = names.next().and_then(|line| line.split_whitespace().next());
+            if matches!(source, QuantitySource::Application(_)) {
+                columns.push('\n').ok()?;
+                columns.push_str(name.unwrap_or("unnamed")).ok()?;
+            }
+        }
+        Some(columns)
+    }
+
+    /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's limits. A model
+    /// without limits always coasts.
+    pub fn set_motion(&mut self, motion: Option<Motion>) {
+        self.motion = motion;
+    }
+
+    /// What the application's clock shows, µs since whenever, now that all samples up to now were given. From it the true
+    /// sample rate is found; call it after every batch.
+    pub fn clock(&mut self, now_us: u64) {
+        self.rate.clock(now_us);
+    }
+
+    /// The sensor's true sample rate by the application's clock, Hz; none before the first 10 s without a fault.
+    pub fn rate_hz(&self) -> Option<f32> {
+        self.rate.rate_hz()
+    }
+
+    /// One sample, and what was skipped before it.
+    pub fn update(&mut self, raw: &RawSample) -> &Output {
+        let ticks = raw.skipped.saturating_add(1);
+        self.ticks = self.ticks.wrapping_add(ticks);
+        self.rate.tick(ticks);
+        if raw.skipped > 0 || !raw.faults.is_empty() {
+            self.disturbed(raw);
+        }
+        let rate = if self.is_rate_off() { Faults::RATE } else { Faults::empty() };
+        let measured = self.scales.measured(raw);
+        let stuck = raw.faults.contains(Faults::STUCK);
+        let still = !stuck && self.is_still(&measured);
+        self.update_quantities(raw, &measured);
+
+        let saturated = raw.saturated();
+        let mut values = [0.0; AXES];
+        // not a number: not known
+        let mut references = [f32::NAN; AXES];
+        for ((axis, value), reference) in self.axes.iter().zip(&mut values).zip(&mut references) {
+            let channel = usize::from(axis.channel) % AXES;
+            *value = measured[channel];
+            let left = self.output.corrected[channel] - axis.reference;
+            if still && !saturated[channel] && left <= axis.pose_limit && -left <= axis.pose_limit {
+                *reference = axis.reference;
+            }
+        }
+        let n = self.axes.len();
+        let sample = Sample { measured: values.get(..n).unwrap_or(&[]), quantities: &self.quantities };
+        let corrections = self.predictor.track_against(&sample, &references);
+
+        let output = &mut self.output;
+        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults | rate);
+        (output.measured, output.corrected) = (measured, measured);
+        output.temperature_c = self.scales.temperature_c(raw);
+        output.innovation = [f32::NAN; AXES];
+        output.validity = [Validity::NOT_MODELLED; AXES];
+        for (axis, correction) in self.axes.iter().zip(corrections) {
+            let channel = usize::from(axis.channel) % AXES;
+            output.corrected[channel] = correction.corrected;
+            output.validity[channel] = correction.validity;
+            if let Some(innovation) = correction.innovation {
+                output.innovation[channel] = innovation;
+            }
+        }
+        if saturated.contains(&true) || stuck {
+            output.flag(saturated, stuck);
+        }
+        self.watch.update(corrections);
+        output.drift = self.watch.any();
+        output
+    }
+
+    /// Whether the model of an axis has stopped fitting; none if it has no model. All are watched in turn, a second each.
+    pub fn drift(&self, axis: Axis) -> Option<Drift> {
+        self.watch.drift(self.index_of(axis)?)
+    }
+
+    /// The running statistics of the innovation of an axis, in the model's scaled units; none if it has no model.
+    pub fn statistics(&self, axis: Axis) -> Option<InnovationStatistics<f32>> {
+        self.watch.statistics(self.index_of(axis)?)
+    }
+
+    /// Forgets that the model has stopped fitting, and tests anew.
+    pub fn restart_watch(&mut self) {
+        self.watch.restart();
+    }
+
+    /// What the latest sample came to.
+    pub fn output(&self) -> &Output {
+        &self.output
+    }
+
+    /// Place of an axis in the model.
+    fn index_of(&self, axis: Axis) -> Option<usize> {
+        let channel = channel_of(axis)?;
+        self.axes.iter().position(|modelled| modelled.channel == channel)
+    }
+
+    /// Something is missing, or something went wrong.
+    #[cold]
+    fn disturbed(&mut self, raw: &RawSample) {
+        if raw.skipped > 0 {
+            let _ = self.predictor.skip(raw.skipped);
+            if let Some(detector) = &mut self.detector {
+                detector.disturbed();
+            }
+        }
+        if raw.faults.intersects(Faults::BUS | Faults::OVERRUN | Faults::RESET) {
+            self.rate.disturbed();
+        }
+    }
+
+    fn is_still(&mut self, measured: &[f32; AXES]) -> bool {
+        match (self.motion, &mut self.detector) {
+            (Some(motion), _) => motion == Motion::Still,
+            (None, Some(detector)) => {
+                let [ax, ay, az, gx, gy, gz] = *measured;
+                detector.update([ax, ay, az], [gx, gy, gz])
+            }
+            (None, None) => false,
+        }
+    }
+
+    fn update_quantities(&mut self, raw: &RawSample, measured: &[f32; AXES]) {
+        for (source, value) in self.sources.iter().zip(&mut self.quantities) {
+            match source {
+                QuantitySource::Thermometer => *value = self.scales.temperature_c(raw),
+                QuantitySource::Measured(channel) => *value = measured[usize::from(*channel) % AXES],
+                QuantitySource::Application(_) => {}
+            }
+        }
+    }
+
+    fn is_rate_off(&self) -> bool {
+        self.rate.rate_hz().is_some_and(|rate_hz| {
+            let off = rate_hz - self.model_rate_hz;
+            self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
+        })
+    }
+}
+
+/// Which of the six an axis is.
+fn channel_of(axis: Axis) -> Option<u8> {
+    match axis {
+        Axis::Ax => Some(0),
+        Axis::Ay => Some(1),
+        Axis::Az => Some(2),
+        Axis::Gx => Some(3),
+        Axis::Gy => Some(4),
+        Axis::Gz => Some(5),
+        Axis::Other => None,
+    }
+}

@@ -1,0 +1,68 @@
+//! Does the model still fit? One axis at a time.
+
+use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Monitor};
+use heapless::Vec;
+
+use super::output::AXES;
+
+/// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a sample; a sixth
+/// of that is spent, and an alarm comes at most five seconds later.
+const TURN: u8 = 200;
+
+/// The monitors of the axes of a model.
+#[derive(Debug, Clone)]
+pub(super) struct Watch {
+    monitors: Vec<Monitor<f32>, AXES>,
+    watched: u8,
+    left: u8,
+    /// Bit i: the model of axis i has stopped fitting.
+    drifted: u8,
+}
+
+impl Watch {
+    pub(super) const NOTHING: Self = Self { monitors: Vec::new(), watched: 0, left: TURN, drifted: 0 };
+
+    pub(super) fn clear(&mut self) {
+        self.monitors.clear();
+        (self.watched, self.left, self.drifted) = (0, TURN, 0);
+    }
+
+    pub(super) fn add(&mut self, parameters: &AxisParameters<f32>, period_s: f64) {
+        // there is a place for every axis
+        let _ = self.monitors.push(Monitor::new(parameters, period_s));
+    }
+
+    #[inline]
+    pub(super) fn update(&mut self, corrections: &[Correction<f32>]) {
+        let index = usize::from(self.watched);
+        if let (Some(monitor), Some(correction)) = (self.monitors.get_mut(index), corrections.get(index)) {
+            let drift = monitor.update(correction);
+            if drift.mean || drift.variance {
+                self.drifted |= 1_u8.checked_shl(u32::from(self.watched)).unwrap_or(0);
+            }
+        }
+        self.left -= 1;
+        if self.left == 0 {
+            self.left = TURN;
+            self.watched = if index + 1 < self.monitors.len() { self.watched + 1 } else { 0 };
+        }
+    }
+
+    #[inline]
+    pub(super) fn any(&self) -> bool {
+        self.drifted != 0
+    }
+
+    pub(super) fn drift(&self, index: usize) -> Option<Drift> {
+        self.monitors.get(index).map(Monitor::drift)
+    }
+
+    pub(super) fn statistics(&self, index: usize) -> Option<InnovationStatistics<f32>> {
+        self.monitors.get(index).map(Monitor::statistics)
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.monitors.iter_mut().for_each(Monitor::restart);
+        self.drifted = 0;
+    }
+}

@@ -1,0 +1,96 @@
+//! Raw codes of a six-axis sensor, and what they mean.
+
+use bitflags::bitflags;
+use fos_core::FittedOn;
+
+/// Codes of this magnitude and beyond are full scale: both parts clip there.
+const FULL_SCALE: u16 = 32_767;
+
+bitflags! {
+    /// What went wrong on the way from the sensor to a sample. It speaks of everything since the sample before.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Faults: u16 {
+        /// A transfer over the bus failed, and was repeated or given up.
+        const BUS = 1;
+        /// The sensor's FIFO ran over: samples are lost.
+        const OVERRUN = 1 << 1;
+        /// Samples are missing: [`RawSample::skipped`] says how many.
+        const GAP = 1 << 2;
+        /// The sensor had been reset, or was set up anew.
+        const RESET = 1 << 3;
+        /// It does not say that it is the part it should be.
+        const WRONG_PART = 1 << 4;
+        /// All axes have repeated the same codes for longer than noise allows.
+        const STUCK = 1 << 5;
+        /// At least one axis is at full scale.
+        const SATURATED = 1 << 6;
+        /// The thermometer says that it has nothing to say.
+        const TEMPERATURE = 1 << 7;
+        /// The sensor's true sample rate is not the model's.
+        const RATE = 1 << 8;
+    }
+}
+
+/// What a sensor gave at one instant, axes x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RawSample {
+    /// Ticks without a sample before this one.
+    pub skipped: u32,
+    /// Codes of the accelerometers.
+    pub accel: [i16; 3],
+    /// Codes of the gyros.
+    pub gyro: [i16; 3],
+    /// Code of the thermometer; none where it is invalid.
+    pub temperature: Option<i16>,
+    /// What went wrong since the sample before.
+    pub faults: Faults,
+}
+
+/// What the codes of a sensor mean, as it is set up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Of an accelerometer's code, m/s².
+    pub accel_mps2: f32,
+    /// Of a gyro's code, rad/s.
+    pub gyro_rads: f32,
+    /// Of the thermometer's code, K.
+    pub temperature_k: f32,
+    /// What the thermometer's code 0 stands for, °C.
+    pub temperature_zero_c: f32,
+    /// Sample period that the sensor is set to, s.
+    pub period_s: f64,
+    /// Whether the codes are as the sensor gives them, or after a correction of the factory's or the driver's.
+    pub values: FittedOn,
+}
+
+impl Scales {
+    /// Specific force x, y, z in m/s², then rate x, y, z in rad/s.
+    #[inline]
+    pub fn measured(&self, raw: &RawSample) -> [f32; 6] {
+        let [ax, ay, az] = raw.accel.map(|code| f32::from(code) * self.accel_mps2);
+        let [gx, gy, gz] = raw.gyro.map(|code| f32::from(code) * self.gyro_rads);
+        [ax, ay, az, gx, gy, gz]
+    }
+
+    /// Temperature in °C; NaN where there is none.
+    #[inline]
+    pub fn temperature_c(&self, raw: &RawSample) -> f32 {
+        raw.temperature
+            .map_or(f32::NAN, |code| f32::from(code) * self.temperature_k + self.temperature_zero_c)
+    }
+}
+
+impl RawSample {
+    /// Whether each of the six axes is at full scale.
+    #[inline]
+    pub fn saturated(&self) -> [bool; 6] {
+        let [ax, ay, az] = self.accel.map(at_full_scale);
+        let [gx, gy, gz] = self.gyro.map(at_full_scale);
+        [ax, ay, az, gx, gy, gz]
+    }
+}
+
+#[inline]
+fn at_full_scale(code: i16) -> bool {
+    code.unsigned_abs() >= FULL_SCALE
+}
