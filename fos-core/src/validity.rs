@@ -3,11 +3,14 @@
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
 
+use serde::Serialize;
+
 /// Everything that speaks against trusting a [`Correction`](crate::Correction); empty when nothing does.
 ///
 /// It is computed for every axis and every sample and travels with the numbers it concerns.
 #[must_use = "a correction must not be used without asking whether it is valid"]
-#[derive(Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(transparent)]
 pub struct Validity(u16);
 
 /// Every reason, with its name, in the order of the bits.

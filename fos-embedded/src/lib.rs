@@ -1,6 +1,7 @@
 //! The device side.
 //!
 //! - [`hub`]: six axes over shared inputs: what an application calls.
+//! - [`hub_log`]: raw samples as firmware reads them from a file, through a hub, with a digest of what came out.
 //! - [`raw`]: raw codes of a sensor, and what they mean.
 //! - [`store`]: model images in flash, two slots, the newest valid one wins.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
@@ -11,6 +12,7 @@
 extern crate std;
 
 pub mod hub;
+pub mod hub_log;
 pub mod raw;
 pub mod replay;
 pub mod store;

@@ -245,10 +245,10 @@ pub fn step<'p, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 }
 
 // the 2 KiB of a table make a byte eight times as fast as without
-static CRC: Crc<u64, Table<1>> = Crc::<u64, Table<1>>::new(&CRC_64_XZ);
+pub(crate) static CRC: Crc<u64, Table<1>> = Crc::<u64, Table<1>>::new(&CRC_64_XZ);
 
-/// Stands for an innovation that is not there.
-const NO_INNOVATION: u32 = 0x7fc0_0000;
+/// Stands for a number that is not there.
+pub(crate) const ABSENT: u32 = 0x7fc0_0000;
 
 /// Digests (CRC-64/XZ) of what a predictor said, to compare two machines to the last bit.
 ///
@@ -270,7 +270,7 @@ impl Digest {
     /// Takes the corrections of one sample.
     pub fn update(&mut self, corrections: &[Correction<f32>]) {
         for correction in corrections {
-            let innovation = correction.innovation.map_or(NO_INNOVATION, f32::to_bits).to_le_bytes();
+            let innovation = correction.innovation.map_or(ABSENT, f32::to_bits).to_le_bytes();
             let [a, b, c, d] = innovation;
             let [e, f, g, h] = correction.corrected.to_le_bytes();
             let [low, high] = correction.validity.bits().to_le_bytes();

@@ -4,8 +4,8 @@
 use std::io::BufReader;
 
 use embedded_io::{ErrorKind, ErrorType, Write};
-use fos_core::{Image, Predictor, Sample};
-use fos_embedded::telemetry::{Recorder, StartFrame, TelemetryError, VERSION};
+use fos_core::{Image, Predictor, Sample, Validity};
+use fos_embedded::telemetry::{Recorder, SampleFrame, StartFrame, TelemetryError, VERSION};
 use host_fit::diagnose::{Question, Verdict, diagnose};
 use host_fit::effects::Library;
 use host_fit::export::image;
@@ -74,8 +74,16 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
     for (tick, (rate, celsius)) in rate.iter().zip(&temperature).enumerate() {
         let quantities = [*celsius as f32];
         let sample = Sample { measured: &[*rate as f32], quantities: &quantities };
-        let corrections = predictor.track(&sample);
-        recorder.sample(&start, tick as u32, true, &sample, corrections).expect("sent");
+        let correction = predictor.track(&sample)[0];
+        let frame = SampleFrame {
+            tick: tick as u32,
+            still: true,
+            measured: sample.measured,
+            quantities: sample.quantities,
+            innovations: &[correction.innovation.unwrap_or(f32::NAN)],
+            validity: &[correction.validity],
+        };
+        recorder.sample(&start, frame).expect("sent");
     }
     let cable = recorder.release();
 
@@ -127,15 +135,23 @@ impl Write for Full {
 #[test]
 fn what_cannot_be_sent_is_counted_and_does_no_harm() {
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "" };
-    let sample = Sample { measured: &[0.1], quantities: &[] };
+    let (measured, validity) = ([0.1], [Validity::VALID]);
+    let frame = |tick| SampleFrame {
+        tick,
+        still: true,
+        measured: measured.as_slice(),
+        quantities: &[],
+        innovations: measured.as_slice(),
+        validity: validity.as_slice(),
+    };
     let mut full: Recorder<_, 128> = Recorder::new(Full);
     for tick in 0..3 {
-        let said = full.sample(&start, tick, true, &sample, &[]);
+        let said = full.sample(&start, frame(tick));
         assert_eq!(said, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
     }
     assert_eq!(full.failed(), 3);
     let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: usize::MAX };
     let mut small: Recorder<_, 8> = Recorder::new(cable);
-    assert_eq!(small.sample(&start, 0, true, &sample, &[]), Err(TelemetryError::TooLong));
+    assert_eq!(small.sample(&start, frame(0)), Err(TelemetryError::TooLong));
     assert!(small.release().bytes.is_empty(), "no half frame");
 }

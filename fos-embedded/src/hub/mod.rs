@@ -158,7 +158,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let (model, sensor) = (image.period_s(), self.scales.period_s);
         image.load(&mut self.predictor).map_err(HubError::Image)?;
         let off = model - sensor;
-        if !(off.max(-off) <= PERIOD_TOLERANCE * sensor) {
+        if off.max(-off) > PERIOD_TOLERANCE * sensor {
             return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
         }
         self.model_rate_hz = 1.0 / model as f32;
@@ -203,14 +203,17 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         used
     }
 
-    /// As [`give`](Self::give), for the quantity of this index in the model: one that has only a name.
+    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives: for one that
+    /// has only a name.
     pub fn give_nth(&mut self, index: usize, value: f32) -> bool {
-        match (self.sources.get(index), self.quantities.get_mut(index)) {
-            (Some(QuantitySource::Application(_)), Some(slot)) => {
+        let given = self.sources.iter().zip(&mut self.quantities);
+        let mut given = given.filter(|(source, _)| matches!(source, QuantitySource::Application(_)));
+        match given.nth(index) {
+            Some((_, slot)) => {
                 *slot = value;
                 true
             }
-            _ => false,
+            None => false,
         }
     }
 

@@ -16,18 +16,23 @@
 //! # Ok::<(), fos_embedded::telemetry::TelemetryError<core::convert::Infallible>>(())
 //! ```
 
+mod alarm;
+
 use core::fmt;
 
+pub use alarm::AlarmRecorder;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
-use fos_core::{Correction, Sample};
+use fos_core::Validity;
 use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
 use serde::{Deserialize, Serialize};
+
+use crate::hub::Output;
 
 /// The version that this crate writes, and the only one it reads.
 pub const VERSION: u16 = 1;
 
-/// Axes of a sample, at most.
-pub const MAX_AXES: usize = 6;
+/// Columns of a hub's six axes, as in the log format, one a line.
+pub const HUB_AXES: &str = "ax_mps2\nay_mps2\naz_mps2\ngx_rads\ngy_rads\ngz_rads";
 
 /// A start frame is sent again after so many samples: a minute at 200 Hz, for those who join late.
 const START_EVERY: u32 = 12_000;
@@ -69,12 +74,26 @@ pub struct SampleFrame<V, B> {
     pub quantities: V,
     /// Innovation of every axis; NaN where there is none.
     pub innovations: V,
-    /// Validity of every axis, as bits.
+    /// [`Validity`] of every axis: its bits, as u16.
     pub validity: B,
 }
 
+impl<'a> SampleFrame<&'a [f32], &'a [Validity]> {
+    /// What a hub made of its latest sample; `logged` is [`Hub::logged`](crate::hub::Hub::logged).
+    pub fn new(output: &'a Output, logged: &'a [f32]) -> Self {
+        Self {
+            tick: output.tick,
+            still: output.still,
+            measured: &output.measured,
+            quantities: logged,
+            innovations: &output.innovation,
+            validity: &output.validity,
+        }
+    }
+}
+
 /// A frame of the device: everything borrowed.
-pub type Borrowed<'a> = Frame<&'a str, &'a [f32], &'a [u16]>;
+pub type Borrowed<'a> = Frame<&'a str, &'a [f32], &'a [Validity]>;
 
 /// Why a frame was not sent or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,43 +130,27 @@ pub struct Recorder<W, const BYTES: usize> {
 
 impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
     /// Over this stream.
-    pub fn new(stream: W) -> Self {
+    pub const fn new(stream: W) -> Self {
         Self { stream, until_start: 0, failed: 0 }
     }
 
-    /// Sends a sample and what the predictor made of it; before the first, and every minute or so, `start` too.
+    /// Sends a sample and what the model made of it; before the first, and every minute or so, `start` too.
     ///
     /// # Errors
     ///
-    /// The stream. A frame that was cut off is ended by the next one's delimiter and counts as damaged there.
+    /// It is too long, or the stream fails. A frame that was cut off is ended by the next one's delimiter and counts as damaged
+    /// there.
     pub fn sample(
         &mut self,
         start: &StartFrame<&str>,
-        tick: u32,
-        still: bool,
-        sample: &Sample<'_, f32>,
-        corrections: &[Correction<f32>],
+        frame: SampleFrame<&[f32], &[Validity]>,
     ) -> Result<(), TelemetryError<W::Error>> {
         if self.until_start == 0 {
             self.send(&Frame::Start(*start))?;
             self.until_start = START_EVERY;
         }
         self.until_start -= 1;
-        let mut innovations = [f32::NAN; MAX_AXES];
-        let mut validity = [0_u16; MAX_AXES];
-        for ((innovation, bits), correction) in innovations.iter_mut().zip(&mut validity).zip(corrections) {
-            *innovation = correction.innovation.unwrap_or(f32::NAN);
-            *bits = correction.validity.bits();
-        }
-        let n = corrections.len().min(MAX_AXES);
-        self.send(&Frame::Sample(SampleFrame {
-            tick,
-            still,
-            measured: sample.measured,
-            quantities: sample.quantities,
-            innovations: innovations.get(..n).unwrap_or(&[]),
-            validity: validity.get(..n).unwrap_or(&[]),
-        }))
+        self.send(&Frame::Sample(frame))
     }
 
     /// Sends a frame.

@@ -1,0 +1,119 @@
+//! Only what matters: the stretch before and after an alarm.
+
+use fos_core::Validity;
+use heapless::{Deque, Vec};
+
+use super::{Recorder, SampleFrame, StartFrame, TelemetryError};
+use crate::hub::{AXES, Output};
+
+/// So many frames are sent a sample while there is something to send: one more than come in, so that the stretch before drains.
+const FRAMES_A_SAMPLE: usize = 2;
+
+/// Keeps the last `BEFORE` samples, with up to `LOGGED` logged quantities each; on an alarm it sends them and those that follow.
+///
+/// The alarm is a model that stops fitting ([`Output::drift`]), or whatever the application takes for one
+/// ([`trigger`](Self::trigger)). A sample takes 80 + 4·`LOGGED` bytes.
+#[derive(Debug)]
+pub struct AlarmRecorder<W, const BYTES: usize, const LOGGED: usize, const BEFORE: usize> {
+    recorder: Recorder<W, BYTES>,
+    kept: Deque<Kept<LOGGED>, BEFORE>,
+    after: u32,
+    /// Samples that are still to come into the stretch under way.
+    to_come: u32,
+    /// Kept samples that belong to it: the oldest ones.
+    to_send: usize,
+    drifted: bool,
+}
+
+#[derive(Debug, Clone)]
+struct Kept<const LOGGED: usize> {
+    tick: u32,
+    still: bool,
+    measured: [f32; AXES],
+    innovation: [f32; AXES],
+    validity: [Validity; AXES],
+    logged: Vec<f32, LOGGED>,
+}
+
+impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFORE: usize>
+    AlarmRecorder<W, BYTES, LOGGED, BEFORE>
+{
+    /// Over this recorder; `after` samples are sent after an alarm.
+    pub const fn new(recorder: Recorder<W, BYTES>, after: u32) -> Self {
+        const { assert!(BEFORE > 0, "there must be room for a sample") };
+        Self { recorder, kept: Deque::new(), after, to_come: 0, to_send: 0, drifted: false }
+    }
+
+    /// An alarm at the latest sample: what is kept, and what follows, is sent.
+    pub fn trigger(&mut self) {
+        self.to_send = self.kept.len();
+        self.to_come = self.after;
+    }
+
+    /// Takes a sample, and sends at most two.
+    ///
+    /// # Errors
+    ///
+    /// The first frame that was not sent; it is counted and given up, the others are sent.
+    pub fn sample(
+        &mut self,
+        start: &StartFrame<&str>,
+        output: &Output,
+        logged: &[f32],
+    ) -> Result<(), TelemetryError<W::Error>> {
+        let mut sent = Ok(());
+        let mut frames = FRAMES_A_SAMPLE;
+        if self.kept.is_full() {
+            frames -= usize::from(self.to_send > 0);
+            sent = sent.and(self.oldest(start));
+        }
+        let &Output { tick, still, measured, innovation, validity, drift, .. } = output;
+        let logged = Vec::from_slice(logged.get(..logged.len().min(LOGGED)).unwrap_or(&[]));
+        let logged = logged.unwrap_or_default();
+        // there is room: the oldest has gone
+        let _ = self.kept.push_back(Kept { tick, still, measured, innovation, validity, logged });
+        if self.to_come > 0 {
+            self.to_come -= 1;
+            self.to_send += 1;
+        }
+        if drift && !self.drifted {
+            self.trigger();
+        }
+        self.drifted = drift;
+        for _ in 0..frames {
+            if self.to_send > 0 {
+                sent = sent.and(self.oldest(start));
+            }
+        }
+        sent
+    }
+
+    /// A stretch is being sent.
+    pub fn is_sending(&self) -> bool {
+        self.to_send > 0 || self.to_come > 0
+    }
+
+    /// The recorder: for its count of failures, or to send everything.
+    pub fn recorder(&mut self) -> &mut Recorder<W, BYTES> {
+        &mut self.recorder
+    }
+
+    /// Lets go of the oldest; sends it if it belongs to a stretch.
+    fn oldest(&mut self, start: &StartFrame<&str>) -> Result<(), TelemetryError<W::Error>> {
+        let Some(kept) = self.kept.pop_front() else { return Ok(()) };
+        if self.to_send == 0 {
+            return Ok(());
+        }
+        self.to_send -= 1;
+        let Kept { tick, still, measured, innovation, validity, logged } = &kept;
+        let frame = SampleFrame {
+            tick: *tick,
+            still: *still,
+            measured: measured.as_slice(),
+            quantities: logged.as_slice(),
+            innovations: innovation.as_slice(),
+            validity: validity.as_slice(),
+        };
+        self.recorder.sample(start, frame)
+    }
+}

@@ -1,0 +1,277 @@
+//! The hub against the predictor that it drives, and against what a product will do to it.
+
+mod models;
+
+use fos_core::{
+    Axis, Correction, FittedOn, Image, ImageError, Predictor, Quantity, Sample, StillnessDetector, Validity,
+};
+use fos_embedded::hub::{Hub, HubError, Motion, Output};
+use fos_embedded::raw::{Faults, RawSample};
+use models::{AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits};
+
+fn loaded(made: &Made<'_>) -> TestHub {
+    let mut hub = Hub::new(SCALES);
+    hub.load(&image(made)).expect("a model for this sensor");
+    hub.give(Quantity::Supply, 3.3);
+    hub
+}
+
+fn still(made: &Made<'_>) -> TestHub {
+    let mut hub = loaded(made);
+    hub.set_motion(Some(Motion::Still));
+    hub
+}
+
+fn same(output: &Output, corrections: &[Correction<f32>]) {
+    for (axis, correction) in corrections.iter().enumerate() {
+        assert_eq!(output.corrected[axis].to_bits(), correction.corrected.to_bits());
+        assert_eq!(output.validity[axis], correction.validity);
+        let innovation = output.innovation[axis];
+        assert_eq!((!innovation.is_nan()).then_some(innovation), correction.innovation);
+    }
+}
+
+#[test]
+fn it_says_what_the_predictor_says_bit_for_bit() {
+    let bytes = image(&Made { stillness: Some(limits()), ..MADE });
+    let parsed = Image::parse(&bytes).expect("an image");
+    let mut predictor: Predictor<f32, 6, 8, 64, 128> = parsed.predictor().expect("it fits");
+    let mut detector = StillnessDetector::new(limits()).expect("limits");
+    let mut hub = loaded(&Made { stillness: Some(limits()), ..MADE });
+    let mut random = Random(5);
+    let (mut tracked, mut skips) = (0, 0);
+    for n in 0..20_000_u32 {
+        let mut raw = random.at_rest();
+        if n % 4000 > 3000 {
+            raw.gyro[1] += (3000.0 * random.next()) as i16;
+        }
+        if random.next() > 0.999 {
+            raw.skipped = 1 + (40.0 * (1.0 + random.next())) as u32;
+        }
+        if random.next() > 0.99 {
+            raw.temperature = None;
+        }
+        let output = *hub.update(&raw);
+
+        if raw.skipped > 0 {
+            skips += 1;
+            let _ = predictor.skip(raw.skipped);
+            detector.disturbed();
+        }
+        let measured = SCALES.measured(&raw);
+        let [ax, ay, az, gx, gy, gz] = measured;
+        let is_still = detector.update([ax, ay, az], [gx, gy, gz]);
+        let quantities = [SCALES.temperature_c(&raw), 3.3];
+        let sample = Sample { measured: &measured, quantities: &quantities };
+        let corrections = if is_still { predictor.track(&sample) } else { predictor.coast(&sample) };
+        same(&output, corrections);
+        assert_eq!(output.still, is_still);
+        tracked += u32::from(is_still);
+    }
+    assert!((8_000..16_000).contains(&tracked) && skips > 5, "{tracked} tracked, {skips} gaps");
+}
+
+#[test]
+fn without_a_model_it_gives_what_it_measures_and_says_so() {
+    let mut hub = TestHub::new(SCALES);
+    let raw = Random(1).at_rest();
+    let output = hub.update(&raw);
+    assert_eq!(output.corrected, SCALES.measured(&raw));
+    assert!(output.validity.iter().all(|validity| *validity == Validity::NOT_MODELLED));
+    assert!(!output.is_valid());
+}
+
+#[test]
+fn an_axis_that_the_model_does_not_have_is_as_measured() {
+    let mut hub = still(&Made { axes: &[Axis::Gz, Axis::Ay], ..MADE });
+    let mut random = Random(2);
+    for _ in 0..50 {
+        let raw = random.at_rest();
+        let output = *hub.update(&raw);
+        let measured = SCALES.measured(&raw);
+        for axis in [0, 2, 3, 4] {
+            assert_eq!(
+                (output.corrected[axis], output.validity[axis]),
+                (measured[axis], Validity::NOT_MODELLED)
+            );
+        }
+        assert!((output.corrected[5] - AT_REST[5]).abs() < 0.01);
+        assert!((output.corrected[1] - AT_REST[1]).abs() < 0.05);
+    }
+    assert!(hub.output().validity[5].is_valid() && hub.output().validity[1].is_valid());
+    assert!((hub.output().corrected[5] - hub.output().measured[5]).abs() > 1e-4, "something was taken out");
+}
+
+#[test]
+fn a_model_for_other_values_or_another_rate_or_another_sensor_is_refused_by_name() {
+    let mut hub = still(&MADE);
+    let factory = Made { fitted_on: FittedOn::FactoryCorrected, ..MADE };
+    let refused = HubError::FittedOn { model: FittedOn::FactoryCorrected, sensor: FittedOn::Raw };
+    assert_eq!(hub.load(&image(&factory)), Err(refused));
+    let slow = Made { period_s: 0.01, ..MADE };
+    assert_eq!(hub.load(&image(&slow)), Err(HubError::Period { model_s: 0.01, sensor_s: 0.005 }));
+    let other = Made { axes: &[Axis::Gx, Axis::Other], ..MADE };
+    assert_eq!(hub.load(&image(&other)), Err(HubError::Axis(1)));
+    let twice = Made { axes: &[Axis::Gx, Axis::Gx], ..MADE };
+    assert_eq!(hub.load(&image(&twice)), Err(HubError::Axis(1)));
+    let elsewhere = Made { quantities: &[Quantity::Temperature, Quantity::Measured(Axis::Other)], ..MADE };
+    assert_eq!(hub.load(&image(&elsewhere)), Err(HubError::Quantity(1)));
+    let mut damaged = image(&MADE);
+    damaged[30] ^= 1;
+    assert!(matches!(hub.load(&damaged), Err(HubError::Image(ImageError::Checksum { .. }))));
+
+    // afterwards there is no model, and the next good one runs as if it were the first
+    let mut random = Random(3);
+    let raw = random.at_rest();
+    assert_eq!(hub.update(&raw).corrected, SCALES.measured(&raw));
+    hub.load(&image(&MADE)).expect("a good one");
+    hub.give(Quantity::Supply, 3.3);
+    let mut fresh = still(&MADE);
+    for _ in 0..100 {
+        let raw = random.at_rest();
+        let (ours, theirs) = (*hub.update(&raw), *fresh.update(&raw));
+        assert_eq!((ours.corrected, ours.validity), (theirs.corrected, theirs.validity));
+    }
+}
+
+#[test]
+fn a_clock_three_percent_fast_is_noticed_and_a_good_one_is_not() {
+    for (true_hz, flagged) in [(206.0, true), (194.0, true), (200.0, false), (201.0, false)] {
+        let mut hub = still(&MADE);
+        let mut random = Random(4);
+        for n in 0..5000_u32 {
+            let _ = hub.update(&random.at_rest());
+            if n % 10 == 9 {
+                hub.clock((f64::from(n) * 1e6 / true_hz) as u64 + 17);
+            }
+        }
+        let rate_hz = hub.rate_hz().expect("a rate");
+        assert!((f64::from(rate_hz) - true_hz).abs() < 0.3, "{rate_hz}");
+        assert_eq!(hub.output().faults.contains(Faults::RATE), flagged, "{true_hz}");
+    }
+}
+
+#[test]
+fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
+    let mut hub = still(&MADE);
+    let mut random = Random(6);
+    for _ in 0..100 {
+        let _ = hub.update(&random.at_rest());
+    }
+    assert!(hub.output().is_valid());
+    // on its side: gravity along x
+    let on_its_side = |random: &mut Random| {
+        let mut raw = random.at_rest();
+        raw.accel.swap(0, 2);
+        raw
+    };
+    for n in 0..2000 {
+        let output = hub.update(&on_its_side(&mut random));
+        for (axis, truth) in [(0, 9.81), (2, 0.0)] {
+            assert!((output.corrected[axis] - truth).abs() < 0.25, "{n}: {:?}", output.corrected);
+            assert!(n == 0 || output.validity[axis].contains(Validity::OWN_HISTORY));
+        }
+        assert!(output.validity[3].is_valid(), "gyros do not mind");
+    }
+    for _ in 0..100 {
+        let _ = hub.update(&random.at_rest());
+    }
+    assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity);
+}
+
+#[test]
+fn full_scale_and_stuck_samples_do_not_enter_the_history() {
+    let (mut hub, mut clean) = (still(&MADE), still(&MADE));
+    let mut random = Random(7);
+    for n in 0..300 {
+        let raw = random.at_rest();
+        let mut hit = raw;
+        if n == 200 {
+            hit.gyro[0] = i16::MIN;
+            hit.accel[1] = i16::MAX;
+        }
+        if n == 220 {
+            hit.faults = Faults::STUCK;
+        }
+        let (output, _) = (*hub.update(&hit), clean.update(&raw));
+        let expected = [n == 200, n == 200];
+        assert_eq!(output.validity[1].contains(Validity::SATURATED), expected[0]);
+        assert_eq!(output.validity[3].contains(Validity::SATURATED), expected[1]);
+        assert_eq!(output.faults.contains(Faults::SATURATED), n == 200);
+        assert_eq!(output.validity[4].contains(Validity::STUCK), n == 220);
+        assert!(output.corrected.iter().all(|value| value.is_finite()));
+    }
+    let off = (hub.output().corrected[3] - clean.output().corrected[3]).abs();
+    assert!(off < 1e-6 && hub.output().is_valid(), "{off}");
+}
+
+#[test]
+fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
+    let mut hub = TestHub::new(SCALES);
+    hub.load(&image(&MADE)).expect("a model");
+    let mut random = Random(8);
+    assert!(hub.update(&random.at_rest()).validity[0].contains(Validity::INPUT_NOT_FINITE));
+    assert!(!hub.give(Quantity::Load, 3.0) && !hub.give(Quantity::Temperature, 3.0) && !hub.give_nth(1, 3.0));
+    assert!(hub.give(Quantity::Supply, 3.3));
+    let raw = random.at_rest();
+    assert!(!hub.update(&raw).validity[0].contains(Validity::INPUT_NOT_FINITE));
+    let before = hub.output().corrected[3];
+    assert!(hub.give_nth(0, 3.4));
+    let change = hub.update(&raw).corrected[3] - before;
+    // 0.1 V are a scaled unit of supply: 0.2 scaled units of error, 0.0004 rad/s
+    assert!((change + 0.0004).abs() < 1e-5, "{change}");
+    assert_eq!(hub.logged().as_slice(), [25.0, 3.4]);
+    let bytes = image(&MADE);
+    let info = Image::parse(&bytes).expect("an image").info();
+    assert_eq!(hub.columns::<32>(&info).as_deref(), Some("temp_c\nsupply_v"));
+    assert_eq!(hub.columns::<8>(&info), None);
+}
+
+#[test]
+fn a_model_that_stops_fitting_is_noticed_on_its_axis_and_forgotten_on_demand() {
+    let mut hub = still(&MADE);
+    let mut random = Random(9);
+    for _ in 0..20_000 {
+        assert!(!hub.update(&random.at_rest()).drift);
+    }
+    let shifted = |random: &mut Random| {
+        let mut raw = random.at_rest();
+        raw.gyro[2] += (0.004 / SCALES.gyro_rads) as i16;
+        raw
+    };
+    let noticed = (0..1400).position(|_| hub.update(&shifted(&mut random)).drift).expect("it is noticed");
+    assert!(noticed < 1200 + 160, "six seconds and some: {noticed}");
+    let drifted = SIX.map(|axis| hub.drift(axis).is_some_and(|drift| drift.mean || drift.variance));
+    assert_eq!(drifted, [false, false, false, false, false, true]);
+    assert!(hub.statistics(Axis::Gz).is_some() && hub.statistics(Axis::Other).is_none());
+    hub.restart_watch();
+    for _ in 0..5000 {
+        assert!(!hub.update(&random.at_rest()).drift);
+    }
+}
+
+#[test]
+fn whatever_the_codes_the_output_is_finite_and_bounded() {
+    let mut hub = loaded(&Made { stillness: Some(limits()), ..MADE });
+    let mut random = Random(10);
+    let full = [32_768.0 * SCALES.accel_mps2, 32_768.0 * SCALES.gyro_rads];
+    for n in 0..200_000_u32 {
+        if n % 5000 == 0 {
+            hub.set_motion([None, Some(Motion::Still), Some(Motion::Moving)][n as usize / 5000 % 3]);
+        }
+        let mut code = || (random.next() * 40_000.0).clamp(-32_768.0, 32_767.0) as i16;
+        let raw = RawSample {
+            accel: [code(), code(), code()],
+            gyro: [code(), code(), code()],
+            temperature: (n % 7 > 0).then(&mut code),
+            skipped: if n % 997 == 0 { u32::from(code().unsigned_abs()) * 100_000 } else { 0 },
+            faults: Faults::from_bits_truncate(if n % 31 == 0 { code() as u16 } else { 0 }),
+        };
+        hub.give(Quantity::Supply, [f32::NAN, f32::INFINITY, 1e38, 3.3][n as usize % 4]);
+        let output = hub.update(&raw);
+        for (axis, value) in output.corrected.iter().enumerate() {
+            let correction = OFFSET[axis].abs() + 22.0 * models::SPREAD[axis];
+            assert!(value.abs() <= full[axis / 3] + correction, "{n}, axis {axis}: {value}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Model images for tests, and a sensor to go with them.
+#![allow(dead_code, reason = "no test uses all of it")]
+
+use fos_core::image::encode;
+use fos_core::{
+    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
+    Source, StillnessLimits, Term, Transform, u, y,
+};
+use fos_embedded::hub::Hub;
+use fos_embedded::raw::{RawSample, Scales};
+
+pub(crate) type TestHub = Hub<8, 64, 128>;
+
+pub(crate) const SCALES: Scales = Scales {
+    accel_mps2: 0.001_197,
+    gyro_rads: 0.000_305,
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: FittedOn::Raw,
+};
+
+pub(crate) const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+
+/// True value at rest, level, and the spread of the measured values: m/s², rad/s.
+pub(crate) const AT_REST: [f32; 6] = [0.0, 0.0, 9.81, 0.0, 0.0, 0.0];
+pub(crate) const SPREAD: [f32; 6] = [0.01, 0.01, 0.01, 0.002, 0.002, 0.002];
+
+/// The offset of every axis, in its unit.
+pub(crate) const OFFSET: [f32; 6] = [0.02, -0.03, 0.05, 0.004, -0.006, 0.002];
+
+pub(crate) static STOCHASTIC: [Term<f32>; 3] =
+    [Term::new(0.4, &[y(1)]), Term::new(0.1, &[y(2)]), Term::new(0.01, &[y(1), y(2)])];
+pub(crate) static PHYSICAL: [Term<f32>; 2] = [Term::new(0.5, &[u(0, 0)]), Term::new(0.2, &[u(1, 0)])];
+
+pub(crate) fn parameters(axis: Axis) -> AxisParameters<f32> {
+    let at = SIX.iter().position(|other| *other == axis).unwrap_or(3);
+    AxisParameters {
+        axis,
+        reference: AT_REST[at],
+        offset: OFFSET[at],
+        scale: SPREAD[at],
+        constant: 0.0,
+        range: Range::new(-5.0, 5.0),
+        full_scale: 0.0,
+        stuck_after: 20,
+        gap_limit: 20,
+        coast_limit_s: 10.0,
+        innovation: InnovationStatistics { mean: 0.0, variance: 1.2, lag_1_correlation: -0.3 },
+    }
+}
+
+pub(crate) fn limits() -> StillnessLimits<f32> {
+    StillnessLimits {
+        window: 100,
+        accel_variance: 0.001,
+        gyro_variance: 5e-5,
+        gyro_at_rest: [OFFSET[3], OFFSET[4], OFFSET[5]],
+        gyro_deviation: 0.01,
+    }
+}
+
+const INPUT: Input<f32> = Input {
+    source: Source::Quantity(0),
+    transform: Transform::LowPass { tau_s: 30.0 },
+    centre: 25.0,
+    scale: 10.0,
+    source_range: Range::new(-2.0, 2.0),
+    range: Range::new(-2.0, 2.0),
+};
+
+/// Temperature through a lag, and supply.
+pub(crate) fn inputs() -> [Input<f32>; 2] {
+    let supply = Input {
+        source: Source::Quantity(1),
+        transform: Transform::Identity,
+        centre: 3.3,
+        scale: 0.1,
+        ..INPUT
+    };
+    [INPUT, supply]
+}
+
+pub(crate) struct Made<'a> {
+    pub(crate) axes: &'a [Axis],
+    pub(crate) quantities: &'a [Quantity],
+    pub(crate) period_s: f64,
+    pub(crate) fitted_on: FittedOn,
+    pub(crate) stillness: Option<StillnessLimits<f32>>,
+}
+
+pub(crate) const MADE: Made<'_> = Made {
+    axes: &SIX,
+    quantities: &[Quantity::Temperature, Quantity::Supply],
+    period_s: 0.005,
+    fitted_on: FittedOn::Raw,
+    stillness: None,
+};
+
+pub(crate) fn image(made: &Made<'_>) -> Vec<u8> {
+    let axes: Vec<AxisModel<'_, f32>> = made
+        .axes
+        .iter()
+        .map(|axis| AxisModel { parameters: parameters(*axis), physical: &PHYSICAL, stochastic: &STOCHASTIC })
+        .collect();
+    let model = Model {
+        period_s: made.period_s,
+        fitted_on: made.fitted_on,
+        stillness: made.stillness,
+        quantities: made.quantities,
+        inputs: &inputs(),
+        axes: &axes,
+    };
+    let info = Info { quantities: "temp_c °C\nsupply_v V", ..Info::default() };
+    encode(&model, &info, &mut [0; 4096]).expect("it fits").to_vec()
+}
+
+/// Uniform in ±1, always the same (a linear congruential generator, Knuth's constants).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / 8_388_608.0 - 1.0
+    }
+
+    /// A sample at rest, level, at 25 °C, with noise of `SPREAD` and `OFFSET` on it.
+    pub(crate) fn at_rest(&mut self) -> RawSample {
+        let mut codes = [0; 6];
+        for (axis, code) in codes.iter_mut().enumerate() {
+            let lsb = if axis < 3 { SCALES.accel_mps2 } else { SCALES.gyro_rads };
+            let noise = self.next() + self.next() + self.next();
+            *code = ((AT_REST[axis] + OFFSET[axis] + noise * SPREAD[axis]) / lsb).round() as i16;
+        }
+        let [ax, ay, az, gx, gy, gz] = codes;
+        RawSample { accel: [ax, ay, az], gyro: [gx, gy, gz], temperature: Some(0), ..RawSample::default() }
+    }
+}
