@@ -11,7 +11,7 @@
 
 use fos_core::{Image, Predictor};
 use fos_embedded::replay::{self, Decoder, Digest, HEADER_LENGTH, Header};
-use platform::{File, Instructions, argument, fail, println};
+use platform::{File, Instructions, Tally, argument, fail, println};
 
 mod platform;
 
@@ -22,29 +22,6 @@ type Device = Predictor<f32, 6, 16, 128, 256>;
 const CHUNK: usize = 8192;
 
 const MAX_IMAGE: usize = 32_768;
-
-/// Instructions of a step, mean and worst.
-struct Cost {
-    instructions: Instructions,
-    /// What counting itself costs.
-    overhead: f64,
-    sum: f64,
-    worst: f64,
-}
-
-impl Cost {
-    fn start() -> Self {
-        let mut instructions = Instructions::start();
-        let overhead = instructions.of(|| {});
-        Self { instructions, overhead, sum: 0.0, worst: 0.0 }
-    }
-
-    fn add(&mut self, work: impl FnOnce()) {
-        let spent = self.instructions.of(work) - self.overhead;
-        self.sum += spent;
-        self.worst = self.worst.max(spent);
-    }
-}
 
 fn open(index: usize) -> File {
     let mut path = [0; 1024];
@@ -78,7 +55,8 @@ fn run() {
             Err(error) => fail(format_args!("log: {error}")),
         };
 
-    let (mut digest, mut cost) = (Digest::default(), Cost::start());
+    let (mut digest, mut cost) = (Digest::default(), Tally::new());
+    let mut instructions = Instructions::start();
     let (mut samples, mut skipped) = (0_u64, 0_u64);
     let mut chunk = [0; CHUNK];
     let whole_records = CHUNK - CHUNK % header.record_length();
@@ -92,7 +70,7 @@ fn run() {
             samples += 1;
             skipped += u64::from(record.skipped);
             let mut corrections = &[][..];
-            cost.add(|| corrections = replay::step(&mut predictor, &record));
+            cost.add(instructions.of(|| corrections = replay::step(&mut predictor, &record)));
             digest.update(corrections);
         }
         if length < whole_records {
@@ -102,9 +80,8 @@ fn run() {
     println!("samples {samples} skipped {skipped}");
     println!("corrections {:016x}", digest.corrections());
     println!("innovations {:016x}", digest.innovations());
-    let mean = cost.sum / samples.max(1) as f64;
-    if mean.is_finite() {
-        println!("instructions a sample: mean {mean:.0}, worst {:.0}", cost.worst);
+    if cost.mean().is_finite() {
+        println!("instructions a sample: {cost}");
     }
     println!("bytes: predictor {}, decoder {}", size_of::<Device>(), size_of::<Decoder>());
 }

@@ -21,6 +21,7 @@ pub mod figures;
 pub mod file;
 pub mod fit;
 pub mod grow;
+pub mod hub_log;
 pub mod model;
 pub mod moments;
 pub mod paper;

@@ -6,11 +6,66 @@ pub(crate) use board::*;
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 pub(crate) use host::*;
 
+/// How many instructions something took, again and again.
+pub(crate) struct Tally {
+    counts: [u32; Tally::MOST],
+    sum: f64,
+    n: u32,
+}
+
+impl Tally {
+    /// Beyond so many instructions they are counted as so many.
+    const MOST: usize = 16_384;
+
+    pub(crate) const fn new() -> Self {
+        Self { counts: [0; Self::MOST], sum: 0.0, n: 0 }
+    }
+
+    pub(crate) fn add(&mut self, instructions: f64) {
+        self.counts[(instructions as usize).min(Self::MOST - 1)] += 1;
+        self.sum += instructions;
+        self.n += 1;
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.sum / f64::from(self.n.max(1))
+    }
+
+    /// The smallest number that is not exceeded by so large a share.
+    pub(crate) fn quantile(&self, share: f64) -> usize {
+        let mut left = (f64::from(self.n) * share) as u32;
+        for (instructions, count) in self.counts.iter().enumerate() {
+            if *count > left {
+                return instructions;
+            }
+            left -= count;
+        }
+        0
+    }
+
+    pub(crate) fn median(&self) -> usize {
+        self.quantile(0.5)
+    }
+
+    pub(crate) fn worst(&self) -> usize {
+        self.counts.iter().rposition(|count| *count > 0).unwrap_or(0)
+    }
+}
+
+impl core::fmt::Display for Tally {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.n == 0 {
+            return f.write_str("none");
+        }
+        write!(f, "median {}, mean {:.0}, worst {}", self.median(), self.mean(), self.worst())
+    }
+}
+
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod board {
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m::peripheral::{Peripherals, SYST};
-    use semihosting::io::Read;
+    use semihosting::io::{Read, Write};
 
     pub(crate) use semihosting::println;
 
@@ -61,6 +116,19 @@ mod board {
             }
         }
 
+        pub(crate) fn create(path: &core::ffi::CStr) -> Self {
+            match semihosting::fs::File::create(path) {
+                Ok(file) => Self(file),
+                Err(error) => fail(format_args!("{path:?}: {error}")),
+            }
+        }
+
+        pub(crate) fn write(&mut self, bytes: &[u8]) {
+            if let Err(error) = self.0.write_all(bytes) {
+                fail(format_args!("cannot write: {error}"));
+            }
+        }
+
         /// Fills as much of `buffer` as the file has left; how much.
         pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
             let mut filled = 0;
@@ -75,9 +143,21 @@ mod board {
         }
     }
 
-    /// Counts instructions: with `-icount shift=5` the emulator takes 32 ns an instruction, and SysTick of the
-    /// mps2 boards runs at 25 MHz.
-    pub(crate) struct Instructions(SYST);
+    /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer of the
+    /// mps2 boards runs at 25 MHz, other boards' at another rate: 2000 instructions at the start tell.
+    pub(crate) struct Instructions {
+        timer: SYST,
+        a_tick: f64,
+        /// What counting itself costs.
+        overhead: f64,
+    }
+
+    /// A function of its own, or constants of its caller would lie too far away.
+    #[inline(never)]
+    fn two_thousand() {
+        // SAFETY: it does nothing
+        unsafe { core::arch::asm!(".rept 2000", "nop", ".endr") }
+    }
 
     impl Instructions {
         pub(crate) fn start() -> Self {
@@ -89,23 +169,28 @@ mod board {
             timer.set_reload(0x00ff_ffff);
             timer.clear_current();
             timer.enable_counter();
-            Self(timer)
+            let mut counting = Self { timer, a_tick: 1.0, overhead: 0.0 };
+            let empty = counting.of(|| {});
+            let ticks = counting.of(two_thousand);
+            counting.a_tick = 2000.0 / (ticks - empty);
+            counting.overhead = counting.of(|| {});
+            counting
         }
 
-        /// Instructions that `work` takes; it must take fewer than 20 million.
+        /// Instructions that `work` takes; it must take fewer than 10 million.
         pub(crate) fn of(&mut self, work: impl FnOnce()) -> f64 {
-            self.0.clear_current();
+            self.timer.clear_current();
             let before = SYST::get_current();
             work();
             let ticks = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
-            f64::from(ticks) * 1.25
+            (f64::from(ticks) * self.a_tick - self.overhead).max(0.0)
         }
     }
 }
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 mod host {
-    use std::io::Read;
+    use std::io::{Read, Write};
 
     pub(crate) use std::println;
 
@@ -131,6 +216,19 @@ mod host {
             match std::fs::File::open(path.to_string_lossy().as_ref()) {
                 Ok(file) => Self(file),
                 Err(error) => fail(format_args!("{path:?}: {error}")),
+            }
+        }
+
+        pub(crate) fn create(path: &core::ffi::CStr) -> Self {
+            match std::fs::File::create(path.to_string_lossy().as_ref()) {
+                Ok(file) => Self(file),
+                Err(error) => fail(format_args!("{path:?}: {error}")),
+            }
+        }
+
+        pub(crate) fn write(&mut self, bytes: &[u8]) {
+            if let Err(error) = self.0.write_all(bytes) {
+                fail(format_args!("cannot write: {error}"));
             }
         }
 

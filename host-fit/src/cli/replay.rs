@@ -8,6 +8,7 @@ use fos_core::Image;
 use super::arguments::Reading;
 use super::output::{Failure, number, print_json, table};
 use crate::file;
+use crate::hub_log::hub_log;
 use crate::recording::write_columns;
 use crate::replay::{Replay as Replayed, device_log, model_of, replay};
 use crate::rest;
@@ -26,6 +27,9 @@ pub(super) struct Replay {
     /// Write the log in the form that the firmware in the loop reads
     #[arg(long, value_name = "FILE")]
     device_log: Option<PathBuf>,
+    /// Write the log as raw samples for a hub: what the firmware example and the C program read
+    #[arg(long, value_name = "FILE")]
+    hub_log: Option<PathBuf>,
     /// Columns of the axes and quantities, where the image's own names do not fit: gx_rads,gy_rads
     #[arg(long, value_delimiter = ',', value_name = "COLUMNS")]
     axes: Vec<String>,
@@ -45,6 +49,10 @@ impl Replay {
         let replayed = replay(&image, &recording, &rest, &self.axes)?;
         if let Some(path) = &self.device_log {
             file::write_atomically(path, &device_log(&model_of(&image, &self.axes)?, &recording, &rest)?)?;
+        }
+        if let Some(path) = &self.hub_log {
+            let (_, bytes) = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &rest)?;
+            file::write_atomically(path, &bytes)?;
         }
         if let Some(path) = &self.output {
             write_columns(path, &replayed.columns(&recording))?;
@@ -85,6 +93,9 @@ impl Replay {
         }
         if let Some(path) = &self.device_log {
             println!("log for the firmware written to {}", path.display());
+        }
+        if let Some(path) = &self.hub_log {
+            println!("raw samples for a hub written to {}", path.display());
         }
     }
 }

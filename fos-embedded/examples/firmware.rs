@@ -1,0 +1,154 @@
+//! The firmware: a replayed sensor, the hub, and telemetry of all it says; the same source on the board and on the host, to the
+//! same bits.
+//!
+//! ```text
+//! firmware IMAGE LOG [TELEMETRY]
+//! ```
+//!
+//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::hub_log`); TELEMETRY is written for
+//! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part costs.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+use core::convert::Infallible;
+
+use embedded_io::{ErrorType, Write};
+use fos_core::Image;
+use fos_embedded::hub::Hub;
+use fos_embedded::hub_log::{Digest, HEADER_LENGTH, Header, Record, step};
+use fos_embedded::telemetry::{HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION};
+use platform::{File, Instructions, Tally, argument, fail, println};
+
+mod platform;
+
+/// Room for 16 inputs, 128 terms, 256 values of history.
+type Device = Hub<16, 128, 256>;
+
+/// The log is read, and telemetry written, in pieces of at most so many bytes.
+const CHUNK: usize = 8192;
+
+const MAX_IMAGE: usize = 32_768;
+
+/// A file as a stream, written in pieces.
+struct Stream {
+    file: File,
+    piece: [u8; CHUNK],
+    filled: usize,
+}
+
+impl ErrorType for Stream {
+    type Error = Infallible;
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        if self.filled == CHUNK {
+            self.file.write(&self.piece);
+            self.filled = 0;
+        }
+        let length = bytes.len().min(CHUNK - self.filled);
+        self.piece[self.filled..][..length].copy_from_slice(&bytes[..length]);
+        self.filled += length;
+        Ok(length)
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        self.file.write(&self.piece[..self.filled]);
+        self.filled = 0;
+        Ok(())
+    }
+}
+
+fn path<'b>(index: usize, buffer: &'b mut [u8; 1024]) -> &'b core::ffi::CStr {
+    match argument(index, buffer) {
+        Some(path) => path,
+        None => fail(format_args!("usage: firmware IMAGE LOG [TELEMETRY]")),
+    }
+}
+
+fn run() {
+    let mut bytes = [0; MAX_IMAGE];
+    let length = File::open(path(1, &mut [0; 1024])).read(&mut bytes);
+    let bytes = &bytes[..length];
+    let mut log = File::open(path(2, &mut [0; 1024]));
+    let mut start = [0; HEADER_LENGTH];
+    let length = log.read(&mut start);
+    let header = match Header::decode(&start[..length]) {
+        Ok(header) => header,
+        Err(error) => fail(format_args!("log: {error}")),
+    };
+
+    let mut instructions = Instructions::start();
+    let mut hub = Device::new(header.scales);
+    let mut loaded = Ok(());
+    let loading = instructions.of(|| loaded = hub.load(bytes));
+    if let Err(error) = loaded {
+        fail(format_args!("image: {error}"));
+    }
+    let Some(columns) = Image::parse(bytes).ok().and_then(|image| hub.columns::<256>(&image.info())) else {
+        fail(format_args!("image: its quantities have long names"))
+    };
+    let start = StartFrame {
+        version: VERSION,
+        period_s: header.scales.period_s as f32,
+        axes: HUB_AXES,
+        quantities: &columns,
+    };
+    let mut telemetry = argument(3, &mut [0; 1024]).map(|path| {
+        Recorder::<_, 320>::new(Stream { file: File::create(path), piece: [0; CHUNK], filled: 0 })
+    });
+
+    let (mut digest, mut ticks, mut frames) = (Digest::default(), Tally::new(), Tally::new());
+    let mut samples = 0_u64;
+    let mut chunk = [0; CHUNK];
+    let mut given = [0.0; 16];
+    let Some(given) = given.get_mut(..usize::from(header.n_given)) else {
+        fail(format_args!("log: more than 16 quantities"))
+    };
+    let whole_records = CHUNK - CHUNK % header.record_length();
+    loop {
+        let length = log.read(&mut chunk[..whole_records]);
+        for bytes in chunk[..length].chunks(header.record_length()) {
+            let record = match Record::decode(bytes, given) {
+                Ok(record) => record,
+                Err(error) => fail(format_args!("log, sample {samples}: {error}")),
+            };
+            samples += 1;
+            let spent = instructions.of(|| {
+                let _ = step(&mut hub, &record);
+            });
+            // a gap is not a tick: it costs as many ticks as the longest gap limit has
+            if record.raw.skipped == 0 {
+                ticks.add(spent);
+            }
+            digest.update(hub.output());
+            if let Some(recorder) = &mut telemetry {
+                let logged = hub.logged();
+                frames.add(instructions.of(|| {
+                    let frame = SampleFrame::new(hub.output(), &logged);
+                    if recorder.sample(&start, frame).is_err() {
+                        fail(format_args!("a frame does not fit"));
+                    }
+                }));
+            }
+        }
+        if length < whole_records {
+            break;
+        }
+    }
+    if let Some(recorder) = telemetry {
+        let _ = recorder.release().flush();
+    }
+    println!("samples {samples}");
+    println!("outputs {:016x}", digest.value());
+    if loading.is_finite() {
+        println!(
+            "instructions: loading the image {loading:.0}; a tick {ticks}; a frame of telemetry {frames}"
+        );
+    }
+    println!("bytes: hub {}", size_of::<Device>());
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    run();
+}

@@ -1,0 +1,124 @@
+//! From a recording to the raw samples that a hub reads: `fos_embedded::hub_log`.
+
+use fos_core::{Image, Quantity};
+use fos_embedded::hub::Motion;
+use fos_embedded::hub_log::{Header, Record};
+use fos_embedded::raw::{RawSample, Scales};
+
+use crate::feed::Feed;
+use crate::model::UnitModel;
+use crate::recording::{Recording, RecordingError};
+use crate::rest::Rest;
+use crate::signal::quantisation::quantisation;
+
+const ACCELEROMETERS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
+
+/// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little larger.
+const CODES: f64 = 32_000.0;
+
+/// A code of the thermometer is 1/256 K, and 0 is 25 °C, as in the LSM6DSV16X.
+const TEMPERATURE_K: f64 = 1.0 / 256.0;
+const TEMPERATURE_ZERO_C: f64 = 25.0;
+
+/// The application looks at its clock after so many samples: 50 ms at 200 Hz.
+const SAMPLES_A_BATCH: usize = 10;
+
+/// The recording as a hub reads it, and what its codes mean. Where the log shows the steps of the sensor's converter, codes are
+/// those steps; a column that is not there is 0. A row with an empty cell on an axis is a tick without a sample. With limits of stillness in the image the hub's own detector decides, else
+/// `rest`.
+///
+/// # Errors
+///
+/// A column that the model needs is not in the recording.
+pub fn hub_log(
+    image: &Image<'_>,
+    model: &UnitModel,
+    recording: &Recording,
+    rest: &Rest,
+) -> Result<(Header, Vec<u8>), RecordingError> {
+    let feed = Feed::new(recording, model, &rest.still)?;
+    let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
+    let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
+    let given = model
+        .quantities
+        .iter()
+        .filter(|logged| !matches!(logged.quantity, Quantity::Temperature | Quantity::Measured(_)));
+    let held = |name: &str| -> Result<Vec<f64>, RecordingError> {
+        Ok(recording.channel(name)?.held(0..recording.n_rows()).collect())
+    };
+    let given = given.map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
+    let temperature = held("temp_c").unwrap_or_default();
+
+    let scales = Scales {
+        accel_mps2: code(&accel) as f32,
+        gyro_rads: code(&gyro) as f32,
+        temperature_k: TEMPERATURE_K as f32,
+        temperature_zero_c: TEMPERATURE_ZERO_C as f32,
+        period_s: recording.rate.period_s,
+        values: image.fitted_on(),
+    };
+    let header = Header { scales, n_given: given.len() as u8 };
+    let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
+    bytes.extend(header.encode());
+    let codes = |columns: [&[f64]; 3], row: usize, scale: f32| {
+        columns.map(|column| column.get(row).map_or(0, |value| (value / f64::from(scale)).round() as i16))
+    };
+    let mut skipped = 0_u32;
+    for row in 0..recording.n_rows() {
+        skipped = skipped.saturating_add(feed.missing_before(row));
+        if accel.iter().chain(&gyro).any(|column| column.get(row).is_some_and(|value| value.is_nan())) {
+            skipped = skipped.saturating_add(1);
+            continue;
+        }
+        let celsius = temperature.get(row).copied().filter(|celsius| celsius.is_finite());
+        let raw = RawSample {
+            skipped: core::mem::take(&mut skipped),
+            accel: codes(accel, row, scales.accel_mps2),
+            gyro: codes(gyro, row, scales.gyro_rads),
+            temperature: celsius
+                .map(|celsius| ((celsius - TEMPERATURE_ZERO_C) / TEMPERATURE_K).round() as i16),
+            ..RawSample::default()
+        };
+        let motion = match (image.stillness(), feed.is_still(row)) {
+            (Some(_), _) => None,
+            (None, true) => Some(Motion::Still),
+            (None, false) => Some(Motion::Moving),
+        };
+        let looks = (row + 1).is_multiple_of(SAMPLES_A_BATCH);
+        let clock_us = if looks { (recording.time_s[row] * 1e6).max(0.0) as u64 + 1 } else { 0 };
+        let values: Vec<f32> = given.iter().map(|column| column[row] as f32).collect();
+        bytes.extend(Record { raw, motion, clock_us, given: &values }.encode());
+    }
+    Ok((header, bytes))
+}
+
+/// What a code stands for: the converter's step where the columns show it and it reaches far enough.
+fn code(columns: &[&[f64]; 3]) -> f64 {
+    let values = || columns.iter().copied().flatten().copied().filter(|value| value.is_finite());
+    let largest = values().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let steps = columns.iter().filter_map(|column| quantisation(&[column]).map(|found| found.step));
+    let step = steps.fold(f64::INFINITY, f64::min);
+    if largest / step <= CODES && step.is_finite() {
+        step
+    } else if largest > 0.0 {
+        largest / CODES
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_is_the_step_of_the_converter_where_there_is_one() {
+        let coarse: Vec<f64> = (0..1000).map(|n| f64::from(n * 7 % 11) * 0.25).collect();
+        let none: Vec<f64> = (0..1000).map(|n| f64::from(n).sin()).collect();
+        assert!((code(&[&coarse, &coarse, &[]]) - 0.25).abs() < 1e-12);
+        let largest = none.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        assert_eq!(code(&[&none, &[], &[]]), largest / CODES);
+        assert_eq!(code(&[&[], &[], &[]]), 1.0);
+    }
+}
