@@ -2,6 +2,7 @@
 
 use core::hint::cold_path;
 
+use crate::function::exp_m1;
 use crate::model::AxisParameters;
 use crate::program::Part;
 use crate::{Range, Real, Validity};
@@ -104,7 +105,7 @@ impl<R: Real> RunningAxis<R> {
             gap_limit: parameters.gap_limit,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
-            fade: R::from_f64(libm::exp(-period_s / coast_limit_s)),
+            fade: R::from_f64(1.0 + exp_m1(-period_s / coast_limit_s)),
             remainder: R::ZERO,
             known: false,
             steady: false,
@@ -124,6 +125,12 @@ impl<R: Real> RunningAxis<R> {
     /// Within these the remainder is kept, whatever happens.
     pub(crate) fn limits(parameters: &AxisParameters<R>) -> Range<R> {
         parameters.range.widened(MARGIN)
+    }
+
+    pub(crate) fn limit_full_scale(&mut self, full_scale: R) {
+        if full_scale > R::ZERO && full_scale < self.full_scale {
+            self.full_scale = full_scale;
+        }
     }
 
     /// As before the first sample.

@@ -20,6 +20,7 @@ extern crate std;
 
 mod axis;
 mod convert;
+mod function;
 mod history;
 pub mod image;
 mod input;

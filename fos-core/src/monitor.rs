@@ -1,6 +1,7 @@
 //! Does the model still fit? Running statistics of the innovation against those stored when it was fitted.
 
 use crate::axis::Correction;
+use crate::function::exp_m1;
 use crate::model::{AxisParameters, InnovationStatistics};
 use crate::{Real, Validity};
 
@@ -71,7 +72,7 @@ impl<R: Real> Monitor<R> {
             deviation,
             scale,
             mean_threshold: R::from_f64(MEAN_THRESHOLD * inflation),
-            gain: R::from_f64(-libm::expm1(-period_s / TAU_S)),
+            gain: R::from_f64(-exp_m1(-period_s / TAU_S)),
             samples: 0,
             mean: R::ZERO,
             variance: R::ONE,

@@ -253,6 +253,21 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         })
     }
 
+    /// As [`track`](Self::track) for the axes whose bit in `tracked` is set, the first axis' bit being the lowest; the others
+    /// [coast](Self::coast).
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn track_some(&mut self, sample: &Sample<'_, R>, tracked: u32) -> &[Correction<R>] {
+        let mut left = tracked;
+        self.step(sample, |axis, measured, correction| {
+            if left & 1 == 1 {
+                axis.track(measured, axis.reference, correction);
+            } else {
+                axis.coast(measured, correction);
+            }
+            left >>= 1;
+        })
+    }
+
     /// The unit moves: the error is not known, the history holds the model's own output.
     ///
     /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
@@ -282,6 +297,14 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             let _ = self.coast(&Sample { measured: &[], quantities: &[] });
         }
         &self.corrections
+    }
+
+    /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what is known of
+    /// the sensor beside the model.
+    pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
+        if let Some(axis) = self.axes.get_mut(axis) {
+            axis.limit_full_scale(full_scale);
+        }
     }
 
     /// As at power-on: history, inputs and clocks start anew.

@@ -28,6 +28,14 @@ struct CompiledTerm<R> {
     places: [u16; MAX_DEGREE],
 }
 
+impl<R: Real> CompiledTerm<R> {
+    #[inline(always)]
+    fn linear<const N: usize>(&self, window: Window<'_, R, N>) -> R {
+        let [a, _, _] = self.places;
+        self.coefficient * window.at(a)
+    }
+}
+
 /// The terms of all axes: of each axis the physical part, then the stochastic part.
 #[derive(Debug, Clone)]
 pub(crate) struct Program<R, const TERMS: usize> {
@@ -110,9 +118,16 @@ impl<R: Real> Part<R> {
     fn evaluate<const N: usize>(&mut self, terms: &[CompiledTerm<R>], window: Window<'_, R, N>) {
         let mut sum = self.start;
         let Some((linear, terms)) = terms.split_at_checked(usize::from(self.n_linear)) else { return };
-        for term in linear {
-            let [a, _, _] = term.places;
-            sum = sum + term.coefficient * window.at(a);
+        // four at a time: most terms are linear, and the loop itself would be a quarter of their cost
+        let (fours, rest) = linear.as_chunks::<4>();
+        for [first, second, third, fourth] in fours {
+            sum = sum + first.linear(window);
+            sum = sum + second.linear(window);
+            sum = sum + third.linear(window);
+            sum = sum + fourth.linear(window);
+        }
+        for term in rest {
+            sum = sum + term.linear(window);
         }
         let Some((quadratic, terms)) = terms.split_at_checked(usize::from(self.n_quadratic)) else { return };
         for term in quadratic {

@@ -59,12 +59,14 @@ impl<R: Real> Triad<R> {
         (self.first, self.sum, self.sum_of_squares) = (value, [R::ZERO; 3], R::ZERO);
     }
 
-    fn add(&mut self, value: [R; 3]) {
-        for ((sum, first), value) in self.sum.iter_mut().zip(self.first).zip(value) {
-            let deviation = value - first;
-            *sum = *sum + deviation;
-            self.sum_of_squares = self.sum_of_squares + deviation * deviation;
-        }
+    // axis after axis, not a loop: it runs with every sample
+    #[inline(always)]
+    fn add(&mut self, [x, y, z]: [R; 3]) {
+        let [first_x, first_y, first_z] = self.first;
+        let (x, y, z) = (x - first_x, y - first_y, z - first_z);
+        let [sum_x, sum_y, sum_z] = self.sum;
+        self.sum = [sum_x + x, sum_y + y, sum_z + z];
+        self.sum_of_squares = self.sum_of_squares + (x * x + y * y + z * z);
     }
 
     /// Ends the window; its variance, and the square of how far its mean is from that of the window before.
@@ -117,7 +119,10 @@ impl<R: Real> StillnessDetector<R> {
     ///
     /// A value that is not finite means moving, and starts the window anew.
     pub fn update(&mut self, accel: [R; 3], gyro: [R; 3]) -> bool {
-        if !accel.into_iter().chain(gyro).all(Real::is_finite) || self.jumped(accel, gyro) {
+        // one sum tells whether all are finite: they may be too large for it, but then they are no rest
+        let [ax, ay, az] = accel;
+        let [gx, gy, gz] = gyro;
+        if !(ax + ay + az + gx + gy + gz).is_finite() || self.jumped(accel, gyro) {
             return self.disturbed();
         }
         if self.filled == 0 {
@@ -168,6 +173,8 @@ impl<R: Real> StillnessDetector<R> {
     }
 }
 
-fn distance_squared<R: Real>(a: [R; 3], b: [R; 3]) -> R {
-    a.into_iter().zip(b).fold(R::ZERO, |sum, (a, b)| sum + (a - b) * (a - b))
+#[inline(always)]
+fn distance_squared<R: Real>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> R {
+    let (x, y, z) = (ax - bx, ay - by, az - bz);
+    x * x + y * y + z * z
 }

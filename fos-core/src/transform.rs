@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Real;
+use crate::function::{exp_m1, sin_cos_of_cycles};
 
 /// A causal transform of constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
 ///
@@ -88,7 +89,7 @@ pub(crate) struct LowPass<R> {
 
 impl<R: Real> LowPass<R> {
     fn new(tau_s: R, period_s: f64) -> Self {
-        let gain = -libm::expm1(-period_s / tau_s.to_f64());
+        let gain = -exp_m1(-period_s / tau_s.to_f64());
         Self { gain: R::from_f64(gain), value: R::ZERO, carried: R::ZERO }
     }
 
@@ -210,7 +211,7 @@ impl<R: Real> Running<R> {
     }
 
     fn oscillator(frequency_hz: R, period_s: f64, wants_sine: bool) -> Self {
-        let (sin, cos) = libm::sincos(core::f64::consts::TAU * frequency_hz.to_f64() * period_s);
+        let (sin, cos) = sin_cos_of_cycles(frequency_hz.to_f64() * period_s);
         let rotation = Complex { re: R::from_f64(cos), im: R::from_f64(sin) };
         Self::Oscillator { rotation, phasor: Complex::ONE, wants_sine }
     }

@@ -3,8 +3,8 @@
 use bitflags::bitflags;
 use fos_core::FittedOn;
 
-/// Codes of this magnitude and beyond are full scale: both parts clip there.
-const FULL_SCALE: u16 = 32_767;
+/// Codes of this magnitude and beyond are full scale: 16-bit sensors clip there.
+const FULL_SCALE: f32 = 32_767.0;
 
 bitflags! {
     /// What went wrong on the way from the sensor to a sample. It speaks of everything since the sample before.
@@ -67,9 +67,24 @@ impl Scales {
     /// Specific force x, y, z in m/s², then rate x, y, z in rad/s.
     #[inline]
     pub fn measured(&self, raw: &RawSample) -> [f32; 6] {
-        let [ax, ay, az] = raw.accel.map(|code| f32::from(code) * self.accel_mps2);
-        let [gx, gy, gz] = raw.gyro.map(|code| f32::from(code) * self.gyro_rads);
-        [ax, ay, az, gx, gy, gz]
+        // axis after axis, not a loop: it runs with every sample
+        let [ax, ay, az] = raw.accel;
+        let [gx, gy, gz] = raw.gyro;
+        let (accel, gyro) = (self.accel_mps2, self.gyro_rads);
+        [
+            f32::from(ax) * accel,
+            f32::from(ay) * accel,
+            f32::from(az) * accel,
+            f32::from(gx) * gyro,
+            f32::from(gy) * gyro,
+            f32::from(gz) * gyro,
+        ]
+    }
+
+    /// Measured values of this magnitude are at full scale: of accelerometers in m/s², of gyros in rad/s.
+    pub(crate) fn full_scale(&self) -> [f32; 6] {
+        let (accel, gyro) = (FULL_SCALE * self.accel_mps2, FULL_SCALE * self.gyro_rads);
+        [accel, accel, accel, gyro, gyro, gyro]
     }
 
     /// Temperature in °C; NaN where there is none.
@@ -78,19 +93,4 @@ impl Scales {
         raw.temperature
             .map_or(f32::NAN, |code| f32::from(code) * self.temperature_k + self.temperature_zero_c)
     }
-}
-
-impl RawSample {
-    /// Whether each of the six axes is at full scale.
-    #[inline]
-    pub fn saturated(&self) -> [bool; 6] {
-        let [ax, ay, az] = self.accel.map(at_full_scale);
-        let [gx, gy, gz] = self.gyro.map(at_full_scale);
-        [ax, ay, az, gx, gy, gz]
-    }
-}
-
-#[inline]
-fn at_full_scale(code: i16) -> bool {
-    code.unsigned_abs() >= FULL_SCALE
 }

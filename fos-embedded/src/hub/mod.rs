@@ -83,6 +83,9 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     watch: Watch,
     rate: RateEstimator,
     model_rate_hz: f32,
+    rate_off: bool,
+    /// Bit i: the latest sample of the model's axis i was near its reference, so that it may be tracked.
+    in_pose: u32,
     ticks: u32,
     output: Output,
 }
@@ -121,6 +124,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             watch: Watch::NOTHING,
             rate: RateEstimator::new(),
             model_rate_hz: 0.0,
+            rate_off: false,
+            in_pose: 0,
             ticks: 0,
             output: Output::NONE,
         }
@@ -147,7 +152,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.quantities.clear();
         self.detector = None;
         self.watch.clear();
-        self.model_rate_hz = 0.0;
+        (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
         self.output = Output::NONE;
     }
 
@@ -171,6 +176,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
                 if channel < 3 { OTHER_POSE as f32 * axis.parameters.scale } else { f32::INFINITY };
             let modelled = Modelled { channel, reference: axis.parameters.reference, pose_limit };
             self.axes.push(modelled).map_err(|_| HubError::Axis(index))?;
+            self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
             self.watch.add(&axis.parameters, model);
         }
         for (index, quantity) in image.quantities().enumerate() {
@@ -254,6 +260,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// sample rate is found; call it after every batch.
     pub fn clock(&mut self, now_us: u64) {
         self.rate.clock(now_us);
+        self.rate_off = self.rate.rate_hz().is_some_and(|rate_hz| {
+            let off = rate_hz - self.model_rate_hz;
+            self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
+        });
     }
 
     /// The sensor's true sample rate by the application's clock, Hz; none before the first 10 s without a fault.
@@ -269,44 +279,43 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         if raw.skipped > 0 || !raw.faults.is_empty() {
             self.disturbed(raw);
         }
-        let rate = if self.is_rate_off() { Faults::RATE } else { Faults::empty() };
         let measured = self.scales.measured(raw);
         let stuck = raw.faults.contains(Faults::STUCK);
         let still = !stuck && self.is_still(&measured);
-        self.update_quantities(raw, &measured);
-
-        let saturated = raw.saturated();
-        let mut values = [0.0; AXES];
-        // not a number: not known
-        let mut references = [f32::NAN; AXES];
-        for ((axis, value), reference) in self.axes.iter().zip(&mut values).zip(&mut references) {
-            let channel = usize::from(axis.channel) % AXES;
-            *value = measured[channel];
-            let left = self.output.corrected[channel] - axis.reference;
-            if still && !saturated[channel] && left <= axis.pose_limit && -left <= axis.pose_limit {
-                *reference = axis.reference;
-            }
+        if !self.sources.is_empty() {
+            self.update_quantities(raw, &measured);
         }
-        let n = self.axes.len();
-        let sample = Sample { measured: values.get(..n).unwrap_or(&[]), quantities: &self.quantities };
-        let corrections = self.predictor.track_against(&sample, &references);
+
+        let mut values = measured;
+        for (axis, value) in self.axes.iter().zip(&mut values) {
+            *value = at(&measured, axis.channel);
+        }
+        let sample =
+            Sample { measured: values.get(..self.axes.len()).unwrap_or(&[]), quantities: &self.quantities };
+        let tracked = if still { self.in_pose } else { 0 };
+        let corrections = self.predictor.track_some(&sample, tracked);
 
         let output = &mut self.output;
-        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults | rate);
-        (output.measured, output.corrected) = (measured, measured);
-        output.temperature_c = self.scales.temperature_c(raw);
-        output.innovation = [f32::NAN; AXES];
-        output.validity = [Validity::NOT_MODELLED; AXES];
+        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults);
+        (output.measured, output.temperature_c) = (measured, self.scales.temperature_c(raw));
+        let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
-            let channel = usize::from(axis.channel) % AXES;
-            output.corrected[channel] = correction.corrected;
-            output.validity[channel] = correction.validity;
-            if let Some(innovation) = correction.innovation {
-                output.innovation[channel] = innovation;
+            if (correction.corrected - axis.reference).abs() <= axis.pose_limit {
+                in_pose |= bit;
             }
+            bit <<= 1;
+            suspect |= correction.validity;
+            output.set(axis.channel, correction);
         }
-        if saturated.contains(&true) || stuck {
-            output.flag(saturated, stuck);
+        self.in_pose = in_pose;
+        if self.axes.len() < AXES {
+            output.pass_others(&self.axes, self.scales.full_scale());
+        }
+        if stuck || suspect.contains(Validity::SATURATED) {
+            output.flag(stuck);
+        }
+        if self.rate_off {
+            output.faults |= Faults::RATE;
         }
         self.watch.update(corrections);
         output.drift = self.watch.any();
@@ -368,17 +377,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         for (source, value) in self.sources.iter().zip(&mut self.quantities) {
             match source {
                 QuantitySource::Thermometer => *value = self.scales.temperature_c(raw),
-                QuantitySource::Measured(channel) => *value = measured[usize::from(*channel) % AXES],
+                QuantitySource::Measured(channel) => *value = at(measured, *channel),
                 QuantitySource::Application(_) => {}
             }
         }
-    }
-
-    fn is_rate_off(&self) -> bool {
-        self.rate.rate_hz().is_some_and(|rate_hz| {
-            let off = rate_hz - self.model_rate_hz;
-            self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
-        })
     }
 }
 
@@ -393,4 +395,10 @@ fn channel_of(axis: Axis) -> Option<u8> {
         Axis::Gz => Some(5),
         Axis::Other => None,
     }
+}
+
+/// The value of one of the six; there is always one.
+#[inline(always)]
+fn at(values: &[f32; AXES], channel: u8) -> f32 {
+    values.get(usize::from(channel)).copied().unwrap_or(0.0)
 }

@@ -1,7 +1,8 @@
 //! What a hub says of one sample.
 
-use fos_core::Validity;
+use fos_core::{Correction, Validity};
 
+use super::Modelled;
 use crate::raw::Faults;
 
 /// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
@@ -62,11 +63,42 @@ impl Output {
         self.faults.is_empty() && !self.drift && self.validity.iter().all(|validity| validity.is_valid())
     }
 
+    /// What the model says of an axis.
+    #[inline(always)]
+    pub(super) fn set(&mut self, channel: u8, correction: &Correction<f32>) {
+        let channel = usize::from(channel);
+        let places = (
+            self.corrected.get_mut(channel),
+            self.innovation.get_mut(channel),
+            self.validity.get_mut(channel),
+        );
+        if let (Some(corrected), Some(innovation), Some(validity)) = places {
+            *corrected = correction.corrected;
+            *innovation = correction.innovation.unwrap_or(f32::NAN);
+            *validity = correction.validity;
+        }
+    }
+
+    /// Axes that the model does not have: as measured.
+    pub(super) fn pass_others(&mut self, axes: &[Modelled], full_scale: [f32; AXES]) {
+        let places = self.corrected.iter_mut().zip(&mut self.validity).zip(self.measured).zip(full_scale);
+        for (channel, (((corrected, validity), measured), full_scale)) in (0..).zip(places) {
+            if axes.iter().all(|axis| axis.channel != channel) {
+                let saturated = measured.abs() >= full_scale;
+                *corrected = measured;
+                *validity = Validity::NOT_MODELLED;
+                if saturated {
+                    *validity |= Validity::SATURATED;
+                    self.faults |= Faults::SATURATED;
+                }
+            }
+        }
+    }
+
     #[cold]
-    pub(super) fn flag(&mut self, saturated: [bool; AXES], stuck: bool) {
-        for (validity, saturated) in self.validity.iter_mut().zip(saturated) {
-            if saturated {
-                *validity |= Validity::SATURATED;
+    pub(super) fn flag(&mut self, stuck: bool) {
+        for validity in &mut self.validity {
+            if validity.contains(Validity::SATURATED) {
                 self.faults |= Faults::SATURATED;
             }
             if stuck {
