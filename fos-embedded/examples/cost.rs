@@ -1,4 +1,8 @@
-//! What a model costs: instructions a sample on the emulated Cortex-M4F, RAM, and the size of its image.
+//! What a hub costs: instructions and stack on an emulated Cortex-M, and RAM, part by part, beside what people pay today.
+//!
+//! ```text
+//! cost
+//! ```
 //!
 //! Prints tables in Markdown. On the host it runs without counting; sizes are those of the machine it runs on.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
@@ -7,168 +11,316 @@ use core::hint::black_box;
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Monitor, Predictor,
-    Quantity, Range, Sample, Source, Term, Transform, y,
+    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Monitor,
+    Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
 };
-use platform::{Instructions, fail, println};
+use fos_embedded::hub::Hub;
+use fos_embedded::raw::{RawSample, Scales};
+use fos_embedded::telemetry::{Frame, HUB_AXES, SampleFrame, StartFrame, VERSION, encode as encode_frame};
+use platform::{Instructions, Tally, fail, println, stack_of};
 
 mod platform;
 
 const PERIOD_S: f64 = 0.005;
 const STEPS: u32 = 2000;
+const AXES: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
-/// Half linear, the rest quadratic but for a tenth cubic: what a search of cross-product degree 3 tends to find.
-static TERMS_OF_AN_AXIS: [Term<f32>; 20] = [
+/// Ten lags: what six axes of ten terms each are.
+static LINEAR: [Term<f32>; 10] = [
     Term::new(0.3, &[y(1)]),
     Term::new(0.2, &[y(2)]),
     Term::new(0.1, &[y(3)]),
-    Term::new(0.01, &[y(1), y(2)]),
-    Term::new(-0.01, &[y(3), y(3)]),
     Term::new(0.05, &[y(4)]),
-    Term::new(0.05, &[y(7)]),
-    Term::new(-0.01, &[y(4), y(10)]),
-    Term::new(0.01, &[y(2), y(5)]),
-    Term::new(0.001, &[y(1), y(1), y(2)]),
-    Term::new(0.02, &[y(5)]),
+    Term::new(0.05, &[y(5)]),
     Term::new(0.02, &[y(6)]),
+    Term::new(0.02, &[y(7)]),
     Term::new(0.02, &[y(8)]),
     Term::new(0.02, &[y(9)]),
     Term::new(0.02, &[y(10)]),
-    Term::new(0.003, &[y(1), y(6)]),
-    Term::new(-0.003, &[y(2), y(8)]),
-    Term::new(0.003, &[y(3), y(9)]),
-    Term::new(-0.003, &[y(6), y(7)]),
-    Term::new(0.001, &[y(2), y(3), y(4)]),
 ];
 
-const PARAMETERS: AxisParameters<f32> = AxisParameters {
-    axis: Axis::Gx,
-    reference: 0.0,
-    offset: 0.011,
-    scale: 0.002,
-    constant: 0.001,
-    range: Range::new(-5.0, 5.0),
-    full_scale: 8.0,
-    stuck_after: 100,
-    gap_limit: 20,
-    coast_limit_s: 60.0,
-    innovation: InnovationStatistics { mean: 0.0, variance: 0.3, lag_1_correlation: 0.0 },
+/// What a search of cross-product degree 3 tends to find: half linear, the rest quadratic but for one cubic.
+static MIXED: [Term<f32>; 10] = [
+    Term::new(0.3, &[y(1)]),
+    Term::new(0.2, &[y(2)]),
+    Term::new(0.1, &[y(3)]),
+    Term::new(0.05, &[y(4)]),
+    Term::new(0.05, &[y(7)]),
+    Term::new(0.01, &[y(1), y(2)]),
+    Term::new(-0.01, &[y(3), y(3)]),
+    Term::new(-0.01, &[y(4), y(10)]),
+    Term::new(0.01, &[y(2), y(5)]),
+    Term::new(0.001, &[y(1), y(1), y(2)]),
+];
+
+/// Of temperature: the thermometer's and the die's.
+static PHYSICAL: [Term<f32>; 2] = [Term::new(0.2, &[u(0, 0)]), Term::new(0.1, &[u(1, 0)])];
+
+const SCALES: Scales = Scales {
+    accel_mps2: 0.001_197,
+    gyro_rads: 0.000_305,
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: PERIOD_S,
+    values: FittedOn::Raw,
 };
 
-const fn input(source: Source, transform: Transform<f32>, centre: f32, scale: f32) -> Input<f32> {
-    let range = Range::new(-5.0, 5.0);
-    Input { source, transform, centre, scale, source_range: range, range }
-}
-
-/// Temperature, what the die makes of it, and the long memory of the error itself.
-static INPUTS: [Input<f32>; 3] = [
-    input(Source::Quantity(0), Transform::Identity, 25.0, 10.0),
-    input(Source::Quantity(0), Transform::LowPass { tau_s: 60.0 }, 25.0, 10.0),
-    input(Source::Remainder(0), Transform::LowPass { tau_s: 30.0 }, 0.0, 1.0),
-];
-
-fn model<'a>(axes: &'a [AxisModel<'a, f32>], inputs: &'a [Input<f32>]) -> Model<'a, f32> {
-    Model {
-        period_s: PERIOD_S,
-        fitted_on: FittedOn::Raw,
-        stillness: None,
-        quantities: &[Quantity::Temperature],
-        inputs,
-        axes,
+fn parameters(axis: Axis) -> AxisParameters<f32> {
+    AxisParameters {
+        axis,
+        reference: if axis == Axis::Az { 9.81 } else { 0.0 },
+        offset: 0.0,
+        scale: if matches!(axis, Axis::Ax | Axis::Ay | Axis::Az) { 0.02 } else { 0.005 },
+        constant: 0.001,
+        range: Range::new(-5.0, 5.0),
+        full_scale: 0.0,
+        stuck_after: 100,
+        gap_limit: 20,
+        coast_limit_s: 60.0,
+        innovation: InnovationStatistics { mean: 0.0, variance: 0.3, lag_1_correlation: 0.0 },
     }
 }
 
-/// A measured value that is never the same twice.
-fn measured(state: &mut u32) -> f32 {
-    *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-    0.011 + (*state >> 8) as f32 * (0.004 / 16_777_216.0)
+const LIMITS: StillnessLimits<f32> = StillnessLimits {
+    window: 100,
+    accel_variance: 0.01,
+    gyro_variance: 0.001,
+    gyro_at_rest: [0.0; 3],
+    gyro_deviation: 0.05,
+};
+
+const fn input(transform: Transform<f32>) -> Input<f32> {
+    let range = Range::new(-5.0, 5.0);
+    Input { source: Source::Quantity(0), transform, centre: 25.0, scale: 10.0, source_range: range, range }
 }
 
-/// Instructions of one tracked and of one coasted sample.
-fn steps<const AXES: usize, const TERMS: usize, const HISTORY: usize>(
+static INPUTS: [Input<f32>; 2] = [input(Transform::Identity), input(Transform::LowPass { tau_s: 60.0 })];
+
+/// Calls `with` on a model of six axes with these terms each.
+fn with_model<T>(
+    physical: &[Term<f32>],
+    stochastic: &[Term<f32>],
+    with: impl FnOnce(&Model<'_, f32>) -> T,
+) -> T {
+    let axes = AXES.map(|axis| AxisModel { parameters: parameters(axis), physical, stochastic });
+    with(&Model {
+        period_s: PERIOD_S,
+        fitted_on: FittedOn::Raw,
+        stillness: Some(LIMITS),
+        quantities: if physical.is_empty() { &[] } else { &[Quantity::Temperature] },
+        inputs: if physical.is_empty() { &[] } else { &INPUTS },
+        axes: &axes,
+    })
+}
+
+/// Codes that are never the same twice, of a unit at rest.
+struct Sensor(u32);
+
+impl Sensor {
+    fn noise(&mut self) -> i16 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 28) as i16 - 8
+    }
+
+    fn sample(&mut self) -> RawSample {
+        RawSample {
+            accel: [self.noise(), self.noise(), 8196 + self.noise()],
+            gyro: [self.noise(), self.noise(), self.noise()],
+            temperature: Some(128),
+            ..RawSample::default()
+        }
+    }
+}
+
+/// What `step` costs, sample after sample.
+fn tally(instructions: &mut Instructions, mut step: impl FnMut(&RawSample)) -> Tally {
+    let (mut tally, mut sensor) = (Tally::new(), Sensor(1));
+    for _ in 0..STEPS {
+        let raw = sensor.sample();
+        tally.add(instructions.of(|| step(black_box(&raw))));
+    }
+    tally
+}
+
+fn row(name: &str, tally: &Tally) {
+    println!("| {name} | {} | {} |", tally.median(), tally.worst());
+}
+
+/// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its image.
+fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     instructions: &mut Instructions,
-    model: &Model<'_, f32>,
-) -> (f64, f64) {
-    let mut predictor = match Predictor::<f32, AXES, 3, TERMS, HISTORY>::new(model) {
+    name: &str,
+    (physical, stochastic): (&[Term<f32>], &[Term<f32>]),
+) -> (f64, usize, usize) {
+    let mut buffer = [0; 4096];
+    let image =
+        with_model(physical, stochastic, |model| match encode(model, &Info::default(), &mut buffer) {
+            Ok(image) => image.len(),
+            Err(error) => fail(format_args!("{error}")),
+        });
+    let bytes = &buffer[..image];
+    let mut hub: Hub<INPUTS, TERMS, HISTORY> = Hub::new(SCALES);
+    let mut loaded = Ok(());
+    let load_stack = stack_of(|| loaded = hub.load(bytes));
+    if let Err(error) = loaded {
+        fail(format_args!("{name}: {error}"));
+    }
+    let loading = instructions.of(|| loaded = hub.load(bytes));
+    // until it counts as still
+    let mut sensor = Sensor(2);
+    for _ in 0..4 * LIMITS.window {
+        let _ = hub.update(&sensor.sample());
+    }
+    if !hub.output().is_valid() {
+        fail(format_args!("{name}: {:?}", hub.output()));
+    }
+    let mut still = true;
+    let tracked = tally(instructions, |raw| still &= hub.update(raw).still);
+    if !still {
+        fail(format_args!("{name}: not still"));
+    }
+    hub.set_motion(Some(fos_embedded::hub::Motion::Moving));
+    let coasted = tally(instructions, |raw| {
+        let _ = hub.update(raw);
+    });
+    hub.set_motion(None);
+    // a gap is the deepest way through
+    let gap = RawSample { skipped: 1000, ..sensor.sample() };
+    let stack = stack_of(|| {
+        let _ = hub.update(&sensor.sample());
+        let _ = hub.update(&gap);
+        hub.clock(1);
+    });
+    println!(
+        "| {name} | {} | {} | {} | {} | {} | {stack} | {image} |",
+        tracked.median(),
+        tracked.worst(),
+        coasted.median(),
+        coasted.worst(),
+        size_of::<Hub<INPUTS, TERMS, HISTORY>>(),
+    );
+    (loading, load_stack, stack)
+}
+
+/// The parts of a hub's sample, one by one.
+fn parts(instructions: &mut Instructions) {
+    println!("| part | median | worst |");
+    println!("|---|---|---|");
+    row(
+        "codes to SI units",
+        &tally(instructions, |raw| {
+            black_box(SCALES.measured(raw));
+        }),
+    );
+    let mut detector = match StillnessDetector::new(LIMITS) {
+        Ok(detector) => detector,
+        Err(error) => fail(format_args!("{error}")),
+    };
+    let measured = |raw: &RawSample| {
+        let [ax, ay, az, gx, gy, gz] = SCALES.measured(raw);
+        ([ax, ay, az], [gx, gy, gz])
+    };
+    row(
+        "and whether the unit is still",
+        &tally(instructions, |raw| {
+            let (accel, gyro) = measured(raw);
+            black_box(detector.update(accel, gyro));
+        }),
+    );
+    for (name, physical, stochastic) in [
+        ("codes, and six axes of no terms", &[][..], &[][..]),
+        ("codes, and six axes of 10 linear terms", &[], &LINEAR),
+        ("codes, and six axes of 10 mixed terms", &[], &MIXED),
+        ("codes, and six axes of 10 linear terms, 2 inputs", &PHYSICAL, &LINEAR),
+    ] {
+        let predictor = with_model(physical, stochastic, Predictor::<f32, 6, 2, 72, 128>::new);
+        let mut predictor = match predictor {
+            Ok(predictor) => predictor,
+            Err(error) => fail(format_args!("{error}")),
+        };
+        row(
+            name,
+            &tally(instructions, |raw| {
+                let sample =
+                    Sample { measured: &SCALES.measured(raw), quantities: &[SCALES.temperature_c(raw)] };
+                let _ = black_box(predictor.track(&sample));
+            }),
+        );
+    }
+    let mut monitor = Monitor::new(&parameters(Axis::Gx), PERIOD_S);
+    let mut predictor = match with_model(&[], &[], Predictor::<f32, 6, 0, 0, 8>::new) {
         Ok(predictor) => predictor,
         Err(error) => fail(format_args!("{error}")),
     };
-    let mut state = 1;
-    let loop_alone = instructions.of(|| {
-        for _ in 0..STEPS {
-            black_box(&[measured(&mut state); AXES]);
-        }
-    });
-    let mut spent = |still: bool| {
-        let all = instructions.of(|| {
-            for _ in 0..STEPS {
-                let values = [measured(&mut state); AXES];
-                let sample = Sample { measured: black_box(&values), quantities: &[25.5] };
-                black_box(if still { predictor.track(&sample) } else { predictor.coast(&sample) });
-            }
-        });
-        (all - loop_alone) / f64::from(STEPS)
-    };
-    (spent(true), spent(false))
+    let sample = Sample { measured: &SCALES.measured(&Sensor(1).sample()), quantities: &[] };
+    let correction = predictor.track(&sample)[0];
+    row(
+        "monitor of one axis (a hub watches one at a time)",
+        &tally(instructions, |_| {
+            let _ = black_box(monitor.update(black_box(&correction)));
+        }),
+    );
+
+    let mut hub: Hub<0, 60, 64> = Hub::new(SCALES);
+    let _ = hub.update(&Sensor(1).sample());
+    let mut buffer = [0; 320];
+    row(
+        "a frame of telemetry",
+        &tally(instructions, |_| {
+            let logged = hub.logged();
+            black_box(encode_frame(&Frame::Sample(SampleFrame::new(hub.output(), &logged)), &mut buffer));
+        }),
+    );
+    let start = StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c" };
+    black_box(encode_frame(&Frame::Start(start), &mut buffer));
+
+    let cubic = black_box([[0.01_f32, 1e-3, 1e-5, 1e-7]; 6]);
+    row(
+        "**today's floor**: codes, and a cubic of temperature on six axes",
+        &tally(instructions, |raw| {
+            black_box(cubic_correction(raw, &cubic));
+        }),
+    );
 }
 
-/// One row of the table: a model of `n_terms` terms on each of `AXES` axes.
-fn row<const AXES: usize, const TERMS: usize, const HISTORY: usize>(instructions: &mut Instructions) {
-    let terms = &TERMS_OF_AN_AXIS[..TERMS / AXES];
-    let factors: usize = terms.iter().map(|term| term.factors().len()).sum();
-    let axes = [AxisModel { parameters: PARAMETERS, physical: &[], stochastic: terms }; AXES];
-    let model = model(&axes, &[]);
-    let (track, coast) = steps::<AXES, TERMS, HISTORY>(instructions, &model);
-    let image = match encode(&model, &Info::default(), &mut [0; 8192]) {
-        Ok(image) => image.len(),
-        Err(error) => fail(format_args!("{error}")),
-    };
-    let ram = size_of::<Predictor<f32, AXES, 0, TERMS, HISTORY>>();
-    println!(
-        "| {AXES} | {} | {factors} | {track:.0} | {coast:.0} | {:.0} | {ram} | {image} |",
-        terms.len(),
-        track / AXES as f64
-    );
+/// What autopilots do: a cubic of temperature, held within its range, taken off each axis.
+#[inline(never)]
+fn cubic_correction(raw: &RawSample, coefficients: &[[f32; 4]; 6]) -> [f32; 6] {
+    let mut corrected = SCALES.measured(raw);
+    let from_middle = SCALES.temperature_c(raw).clamp(-10.0, 60.0) - 25.0;
+    for (value, [a, b, c, d]) in corrected.iter_mut().zip(coefficients) {
+        *value -= a + from_middle * (b + from_middle * (c + from_middle * d));
+    }
+    corrected
 }
 
 fn run() {
     let mut instructions = Instructions::start();
     println!(
-        "| axes | terms an axis | factors an axis | track | coast | track an axis | RAM, bytes | image, bytes |"
+        "| hub, six axes | still, median | worst | moving, median | worst | RAM, bytes | stack, bytes | image, bytes |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    row::<1, 0, 16>(&mut instructions);
-    row::<1, 5, 16>(&mut instructions);
-    row::<1, 10, 16>(&mut instructions);
-    row::<1, 20, 16>(&mut instructions);
-    row::<6, 0, 64>(&mut instructions);
-    row::<6, 30, 64>(&mut instructions);
-    row::<6, 60, 64>(&mut instructions);
-    row::<6, 120, 64>(&mut instructions);
-
+    let (loading, load_stack, stack) =
+        hub::<0, 60, 64>(&mut instructions, "10 linear terms an axis", (&[], &LINEAR));
+    let _ = hub::<0, 60, 64>(&mut instructions, "10 terms an axis, half of them products", (&[], &MIXED));
+    let _ = hub::<2, 72, 128>(
+        &mut instructions,
+        "10 linear terms, 2 inputs of temperature",
+        (&PHYSICAL, &LINEAR),
+    );
+    let _ = hub::<16, 128, 256>(
+        &mut instructions,
+        "the same with room for 16 inputs, 128 terms",
+        (&PHYSICAL, &LINEAR),
+    );
     println!();
-    println!("| inputs (one axis, no terms) | track | coast |");
-    println!("|---|---|---|");
-    let axes = [AxisModel { parameters: PARAMETERS, physical: &[], stochastic: &[] }];
-    let names = ["none", "+ identity", "+ low-pass", "+ low-pass of the remainder"];
-    for (n_inputs, name) in names.iter().enumerate() {
-        let (track, coast) = steps::<1, 1, 16>(&mut instructions, &model(&axes, &INPUTS[..n_inputs]));
-        println!("| {name} | {track:.0} | {coast:.0} |");
-    }
-
-    let mut monitor = Monitor::new(&PARAMETERS, PERIOD_S);
-    let mut predictor = match Predictor::<f32, 1, 1, 1, 1>::new(&model(&axes, &[])) {
-        Ok(predictor) => predictor,
-        Err(error) => fail(format_args!("{error}")),
-    };
-    let correction = predictor.track(&Sample { measured: &[0.012], quantities: &[] })[0];
-    let all = instructions.of(|| {
-        for _ in 0..STEPS {
-            let _ = black_box(monitor.update(black_box(&correction)));
-        }
-    });
+    parts(&mut instructions);
     println!();
-    println!("monitor, a correction: {:.0} instructions", all / f64::from(STEPS));
+    println!(
+        "loading the image of 10 linear terms an axis: {loading:.0} instructions, {load_stack} bytes of stack"
+    );
+    // for the budget
+    println!("ram {} stack {}", size_of::<Hub<0, 60, 64>>(), stack.max(load_stack));
 }
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]

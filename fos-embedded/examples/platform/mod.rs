@@ -8,47 +8,46 @@ pub(crate) use host::*;
 
 /// How many instructions something took, again and again.
 pub(crate) struct Tally {
-    counts: [u32; Tally::MOST],
+    /// By steps of [`Tally::STEP`].
+    counts: [u32; 16_384],
     sum: f64,
     n: u32,
+    worst: f64,
 }
 
 impl Tally {
-    /// Beyond so many instructions they are counted as so many.
-    const MOST: usize = 16_384;
+    /// The timer counts in steps of 1.25 instructions or so: finer is of no use.
+    const STEP: usize = 4;
 
     pub(crate) const fn new() -> Self {
-        Self { counts: [0; Self::MOST], sum: 0.0, n: 0 }
+        Self { counts: [0; 16_384], sum: 0.0, n: 0, worst: 0.0 }
     }
 
     pub(crate) fn add(&mut self, instructions: f64) {
-        self.counts[(instructions as usize).min(Self::MOST - 1)] += 1;
+        let step = (instructions as usize / Self::STEP).min(self.counts.len() - 1);
+        self.counts[step] += 1;
         self.sum += instructions;
         self.n += 1;
+        self.worst = self.worst.max(instructions);
     }
 
     pub(crate) fn mean(&self) -> f64 {
         self.sum / f64::from(self.n.max(1))
     }
 
-    /// The smallest number that is not exceeded by so large a share.
-    pub(crate) fn quantile(&self, share: f64) -> usize {
-        let mut left = (f64::from(self.n) * share) as u32;
-        for (instructions, count) in self.counts.iter().enumerate() {
+    pub(crate) fn median(&self) -> usize {
+        let mut left = self.n / 2;
+        for (step, count) in self.counts.iter().enumerate() {
             if *count > left {
-                return instructions;
+                return step * Self::STEP;
             }
             left -= count;
         }
         0
     }
 
-    pub(crate) fn median(&self) -> usize {
-        self.quantile(0.5)
-    }
-
     pub(crate) fn worst(&self) -> usize {
-        self.counts.iter().rposition(|count| *count > 0).unwrap_or(0)
+        self.worst as usize
     }
 }
 
@@ -141,6 +140,26 @@ mod board {
             }
             filled
         }
+    }
+
+    /// So many bytes below the stack pointer are looked at.
+    const STACK: usize = 32_768;
+
+    const PAINT: u8 = 0xa5;
+
+    /// Bytes of stack that `work` takes: what it overwrites of a painted stack.
+    #[inline(never)]
+    pub(crate) fn stack_of(work: impl FnOnce()) -> usize {
+        // what this function itself still needs, calls included
+        let top = cortex_m::register::msp::read() as usize - 64;
+        let painted = core::ptr::with_exposed_provenance_mut::<u8>(top - STACK);
+        // SAFETY: nothing lies there: there are 4 MiB of RAM, and little of it is used
+        (0..STACK).for_each(|at| unsafe { painted.add(at).write_volatile(PAINT) });
+        work();
+        // SAFETY: as above
+        let untouched =
+            (0..STACK).take_while(|at| unsafe { painted.add(*at).read_volatile() } == PAINT).count();
+        STACK - untouched + 64
     }
 
     /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer of the
@@ -244,6 +263,12 @@ mod host {
             }
             filled
         }
+    }
+
+    /// The stack is looked at on the emulated board only.
+    pub(crate) fn stack_of(work: impl FnOnce()) -> usize {
+        work();
+        0
     }
 
     /// Instructions are counted on the emulated board only.

@@ -272,6 +272,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     }
 
     /// One sample, and what was skipped before it.
+    // a function of its own has the registers to itself
+    #[inline(never)]
     pub fn update(&mut self, raw: &RawSample) -> &Output {
         let ticks = raw.skipped.saturating_add(1);
         self.ticks = self.ticks.wrapping_add(ticks);
