@@ -70,8 +70,6 @@ pub struct Predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usi
     program: Program<R, TERMS>,
     inputs: Vec<RunningInput<R>, INPUTS>,
     axes: Vec<RunningAxis<R>, AXES>,
-    /// Some axis has a physical part.
-    has_physical: bool,
     history: History<R, HISTORY>,
     corrections: Vec<Correction<R>, AXES>,
     building: Building,
@@ -123,7 +121,6 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             program: Program::new(),
             inputs: Vec::new(),
             axes: Vec::new(),
-            has_physical: false,
             history: History::new(),
             corrections: Vec::new(),
             building: Building { period_s: 0.0, n_quantities: 0, n_inputs: 0, n_axes: 0 },
@@ -135,7 +132,6 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.program.clear();
         self.inputs.clear();
         self.axes.clear();
-        self.has_physical = false;
         self.history.clear();
         self.corrections.clear();
     }
@@ -191,7 +187,6 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         let layout = Layout { n_inputs: self.building.n_inputs, n_axes: self.building.n_axes };
         let physical = self.program.append::<HISTORY>(R::ZERO, physical, axis, layout)?;
         let stochastic = self.program.append::<HISTORY>(parameters.constant, stochastic, axis, layout)?;
-        self.has_physical |= !physical.is_empty();
         let program = AxisProgram { physical, stochastic, inputs_used, depth };
         let running = RunningAxis::new(parameters, program, self.building.period_s);
         let too_many = ModelError::TooManyAxes { found: self.building.n_axes, capacity: AXES };
@@ -338,10 +333,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             self.make_room();
         }
         let unusable = self.update_inputs(sample.quantities);
-        if self.has_physical {
-            self.evaluate(true);
-        }
-        self.evaluate(false);
+        self.evaluate();
         let mut measured = sample.measured.iter();
         let mut corrections = self.corrections.iter_mut();
         for axis in &mut self.axes {
@@ -358,13 +350,14 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         &self.corrections
     }
 
-    /// Evaluates the physical or the stochastic part of every axis.
+    /// Evaluates the physical and the stochastic part of every axis.
     #[inline(never)]
-    fn evaluate(&mut self, physical: bool) {
+    fn evaluate(&mut self) {
         let window = self.history.window();
+        let mut terms = self.program.terms();
         for axis in &mut self.axes {
-            let part = if physical { &mut axis.physical } else { &mut axis.stochastic };
-            self.program.evaluate(part, window);
+            terms = axis.physical.evaluate(terms, window);
+            terms = axis.stochastic.evaluate(terms, window);
         }
     }
 

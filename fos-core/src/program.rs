@@ -13,17 +13,18 @@ use crate::{Channel, Factor, MAX_DEGREE, ModelError, Real, Term};
 pub(crate) struct Part<R> {
     /// The sum begins with it: 0 or a0.
     start: R,
-    /// Its terms begin here: first those of degree 1, then 2, then 3.
-    first: u16,
+    // first those of degree 1, then 2, then 3
     n_linear: u16,
     n_quadratic: u16,
     n_cubic: u16,
+    is_empty: bool,
+    has_products: bool,
     pub(crate) value: R,
 }
 
 /// A term whose factors are places in the history.
 #[derive(Debug, Clone, Copy)]
-struct CompiledTerm<R> {
+pub(crate) struct CompiledTerm<R> {
     coefficient: R,
     places: [u16; MAX_DEGREE],
 }
@@ -78,8 +79,7 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
         layout: Layout,
     ) -> Result<Part<R>, ModelError> {
         let too_many = ModelError::TooManyTerms { capacity: TERMS };
-        let first = u16::try_from(self.terms.len()).map_err(|_| too_many)?;
-        let mut counts = [0; MAX_DEGREE];
+        let mut counts = [0_u16; MAX_DEGREE];
         for (count, degree) in counts.iter_mut().zip(1..) {
             for term in terms.clone().filter(|term| term.factors().len() == degree) {
                 let mut places = [0; MAX_DEGREE];
@@ -90,55 +90,79 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
                 }
                 let compiled = CompiledTerm { coefficient: term.coefficient, places };
                 self.terms.push(compiled).map_err(|_| too_many)?;
-                *count += 1;
+                *count = count.checked_add(1).ok_or(too_many)?;
             }
         }
         let [n_linear, n_quadratic, n_cubic] = counts;
-        Ok(Part { start, first, n_linear, n_quadratic, n_cubic, value: start })
+        let has_products = n_quadratic > 0 || n_cubic > 0;
+        let is_empty = n_linear == 0 && !has_products;
+        Ok(Part { start, n_linear, n_quadratic, n_cubic, is_empty, has_products, value: start })
     }
 
-    /// Evaluates a part.
+    /// The terms of all parts, in the order in which the parts were appended.
     #[inline(always)]
-    pub(crate) fn evaluate<const N: usize>(&self, part: &mut Part<R>, window: Window<'_, R, N>) {
-        // a part begins within the terms, or at their end
-        part.evaluate(self.terms.get(usize::from(part.first)..).unwrap_or(&[]), window);
+    pub(crate) fn terms(&self) -> &[CompiledTerm<R>] {
+        &self.terms
     }
 }
 
 impl<R: Real> Part<R> {
-    /// It has no terms: its value never changes.
-    pub(crate) fn is_empty(&self) -> bool {
-        (self.n_linear, self.n_quadratic, self.n_cubic) == (0, 0, 0)
-    }
-
-    /// Evaluates the part, whose terms are the first of `terms`; were they too few, it would keep its value.
-    ///
-    /// A function of its own, so that the three loops have the registers to themselves.
-    #[inline(never)]
-    fn evaluate<const N: usize>(&mut self, terms: &[CompiledTerm<R>], window: Window<'_, R, N>) {
+    /// Evaluates the part, whose terms are the first of `terms`, and returns those after it; were they too few, it would keep
+    /// its value.
+    #[inline(always)]
+    pub(crate) fn evaluate<'t, const N: usize>(
+        &mut self,
+        terms: &'t [CompiledTerm<R>],
+        window: Window<'_, R, N>,
+    ) -> &'t [CompiledTerm<R>] {
+        if self.is_empty {
+            return terms;
+        }
         let mut sum = self.start;
-        let Some((linear, terms)) = terms.split_at_checked(usize::from(self.n_linear)) else { return };
+        let Some((linear, mut rest)) = terms.split_at_checked(usize::from(self.n_linear)) else {
+            return terms;
+        };
         // four at a time: most terms are linear, and the loop itself would be a quarter of their cost
-        let (fours, rest) = linear.as_chunks::<4>();
+        let (fours, left) = linear.as_chunks::<4>();
         for [first, second, third, fourth] in fours {
             sum = sum + first.linear(window);
             sum = sum + second.linear(window);
             sum = sum + third.linear(window);
             sum = sum + fourth.linear(window);
         }
-        for term in rest {
+        for term in left {
             sum = sum + term.linear(window);
         }
-        let Some((quadratic, terms)) = terms.split_at_checked(usize::from(self.n_quadratic)) else { return };
+        if self.has_products {
+            (sum, rest) = self.products(sum, rest, window);
+        }
+        self.value = sum;
+        rest
+    }
+
+    /// `sum` and the terms with more than one factor, and the terms after them. A function of its own, so that its loops have the
+    /// registers to themselves.
+    #[inline(never)]
+    fn products<'t, const N: usize>(
+        &self,
+        mut sum: R,
+        terms: &'t [CompiledTerm<R>],
+        window: Window<'_, R, N>,
+    ) -> (R, &'t [CompiledTerm<R>]) {
+        let Some((quadratic, rest)) = terms.split_at_checked(usize::from(self.n_quadratic)) else {
+            return (sum, terms);
+        };
         for term in quadratic {
             let [a, b, _] = term.places;
             sum = sum + term.coefficient * window.at(a) * window.at(b);
         }
-        let Some((cubic, _)) = terms.split_at_checked(usize::from(self.n_cubic)) else { return };
+        let Some((cubic, rest)) = rest.split_at_checked(usize::from(self.n_cubic)) else {
+            return (sum, rest);
+        };
         for term in cubic {
             let [a, b, c] = term.places;
             sum = sum + term.coefficient * window.at(a) * window.at(b) * window.at(c);
         }
-        self.value = sum;
+        (sum, rest)
     }
 }

@@ -11,8 +11,8 @@ use core::hint::black_box;
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Monitor,
-    Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
+    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Monitor, Predictor,
+    Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
 };
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};

@@ -78,6 +78,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     /// As the application says; none if it leaves that to the detector.
     motion: Option<Motion>,
     axes: Vec<Modelled, AXES>,
+    /// Axis i of the model is the i-th of the six.
+    in_order: bool,
     quantities: Vec<f32, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
     watch: Watch,
@@ -119,6 +121,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             detector: None,
             motion: None,
             axes: Vec::new(),
+            in_order: true,
             quantities: Vec::new(),
             sources: Vec::new(),
             watch: Watch::NOTHING,
@@ -148,6 +151,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     fn unload(&mut self) {
         self.predictor.clear();
         self.axes.clear();
+        self.in_order = true;
         self.sources.clear();
         self.quantities.clear();
         self.detector = None;
@@ -172,6 +176,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             if self.axes.iter().any(|other| other.channel == channel) {
                 return Err(HubError::Axis(index));
             }
+            self.in_order &= usize::from(channel) == index;
             let pose_limit =
                 if channel < 3 { OTHER_POSE as f32 * axis.parameters.scale } else { f32::INFINITY };
             let modelled = Modelled { channel, reference: axis.parameters.reference, pose_limit };
@@ -289,8 +294,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
 
         let mut values = measured;
-        for (axis, value) in self.axes.iter().zip(&mut values) {
-            *value = at(&measured, axis.channel);
+        if !self.in_order {
+            for (axis, value) in self.axes.iter().zip(&mut values) {
+                *value = at(&measured, axis.channel);
+            }
         }
         let sample =
             Sample { measured: values.get(..self.axes.len()).unwrap_or(&[]), quantities: &self.quantities };
