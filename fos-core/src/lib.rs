@@ -29,6 +29,7 @@ mod predictor;
 mod program;
 mod range;
 mod real;
+mod root;
 mod stillness;
 mod term;
 mod transform;

@@ -320,6 +320,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.watch.statistics(self.index_of(axis)?)
     }
 
+    /// Running standard deviation of the innovation of an axis over that of the fit: 1 as fitted. None if it has no model. It
+    /// takes a square root: ask now and then, not every sample.
+    pub fn deviation_ratio(&self, axis: Axis) -> Option<f32> {
+        self.watch.deviation_ratio(self.index_of(axis)?)
+    }
+
     /// Forgets that the model has stopped fitting, and tests anew.
     pub fn restart_watch(&mut self) {
         self.watch.restart();
