@@ -6,7 +6,7 @@ mod exported_model;
 use std::process::Command;
 
 use exported_model::model;
-use fos_core::{Image, Model, Predictor, Sample};
+use fos_core::{Axis, Image, Model, Predictor, Sample};
 use fos_embedded::hub::HubError;
 use fos_embedded::test_vector::{CheckError, TestVector};
 use host_fit::export::{image, rust_source};
@@ -100,6 +100,23 @@ fn a_model_for_another_sensor_does_not_pass_the_check() {
     let refused = hub.load_model(&faster).map_err(CheckError::from);
     assert!(matches!(refused, Err(CheckError::Load(HubError::Period { .. }))), "{refused:?}");
     assert_eq!(vector.run(&mut hub), Err(0), "without a model");
+}
+
+#[test]
+fn the_hub_says_how_much_the_noise_has_grown() {
+    let vector = exported::TEST_VECTOR;
+    let mut hub = exported::ModelHub::new(vector.scales);
+    assert_eq!(hub.deviation_ratio(Axis::Gx), None, "without a model");
+    hub.load_model(&exported::MODEL).expect("the exported one");
+    let ratio = |hub: &exported::ModelHub, axis| hub.deviation_ratio(axis).map(f64::from);
+    // the monitor's variance starts at that of the fit; micromath is off by 6 %
+    let as_fitted = ratio(&hub, Axis::Gx).expect("modelled");
+    assert!((as_fitted - 1.0).abs() < 0.061, "{as_fitted}");
+    assert_eq!(vector.run(&mut hub), Ok(()));
+    // remainders drawn evenly from their range vary more than the noise of the fit
+    let grown = ratio(&hub, Axis::Gx).expect("modelled");
+    assert!(grown > as_fitted && grown < 3.0, "{grown}");
+    assert_eq!(hub.deviation_ratio(Axis::Ay), None, "no model of this axis");
 }
 
 /// Compiles `source` against fos-core as this test was; what the compiler says if it does not compile.
