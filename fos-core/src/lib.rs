@@ -30,6 +30,7 @@ mod predictor;
 mod program;
 mod range;
 mod real;
+mod root;
 mod stillness;
 mod term;
 mod transform;

@@ -94,7 +94,25 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// The first thing that is wrong with the model, or that there is no room for.
     pub fn new(model: &Model<'_, R>) -> Result<Self, ModelError> {
         let mut predictor = Self::empty();
-        predictor.begin(Building {
+        predictor.load(model)?;
+        Ok(predictor)
+    }
+
+    /// Takes another model in place, compiled as by [`new`](Self::new); history, inputs and clocks start anew.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); it is then without a model.
+    pub fn load(&mut self, model: &Model<'_, R>) -> Result<(), ModelError> {
+        let loaded = self.fill(model);
+        if loaded.is_err() {
+            self.clear();
+        }
+        loaded
+    }
+
+    fn fill(&mut self, model: &Model<'_, R>) -> Result<(), ModelError> {
+        self.begin(Building {
             period_s: model.period_s,
             n_quantities: model.quantities.len(),
             n_inputs: model.inputs.len(),
@@ -104,13 +122,13 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             limits.check()?;
         }
         for input in model.inputs {
-            predictor.add_input(input)?;
+            self.add_input(input)?;
         }
         for axis in model.axes {
             let (physical, stochastic) = (axis.physical.iter().copied(), axis.stochastic.iter().copied());
-            predictor.add_axis(&axis.parameters, physical, stochastic)?;
+            self.add_axis(&axis.parameters, physical, stochastic)?;
         }
-        Ok(predictor)
+        Ok(())
     }
 
     /// A predictor without a model, which corrects nothing: what a `static` begins with, before

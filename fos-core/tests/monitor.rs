@@ -136,6 +136,30 @@ fn the_running_statistics_are_those_of_the_data_in_f64() {
 }
 
 #[test]
+fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
+    // of the feature in use: docs/decisions/micromath.md
+    let budget = if cfg!(feature = "micromath") { 0.0607 } else { 6.0e-8 };
+    for growth in [0.1, 1.0, 2.0, 30.0] {
+        let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(7));
+        assert!(
+            (f64::from(monitor.deviation_ratio()) - 1.0).abs() <= budget,
+            "as fitted until told otherwise"
+        );
+        // ten time constants: nothing is left of that 1
+        for _ in 0..60_000 {
+            let _ = monitor.update(&correction(growth * noise.normal()));
+        }
+        let ratio = f64::from(monitor.deviation_ratio());
+        // 2·30 s of memory are 12,000 samples: standard error √(1/24,000) = 0.65 %; four of it
+        assert!((ratio / growth - 1.0).abs() < 0.026 + budget, "{growth}: {ratio}");
+        let exact = (monitor.statistics().variance.to_f64() / VARIANCE).sqrt();
+        assert!((ratio / exact - 1.0).abs() < budget + 1e-6, "{growth}: {ratio} {exact}");
+        let in_unit = f64::from(monitor.deviation_in_unit());
+        assert!((in_unit / (ratio * SCALE * VARIANCE.sqrt()) - 1.0).abs() < 1e-6, "{growth}: {in_unit}");
+    }
+}
+
+#[test]
 fn an_innovation_that_is_no_number_is_not_counted() {
     let (mut clean, mut poisoned, mut noise) = (monitor::<f32>(0.0), monitor::<f32>(0.0), Noise::new(1));
     for n in 0..1000 {

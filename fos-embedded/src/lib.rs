@@ -6,6 +6,7 @@
 //! - [`store`]: model images in flash, two slots, the newest valid one wins.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
 //! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
+//! - [`test_vector`]: known samples, and the bits that a hub must make of them.
 #![no_std]
 
 #[cfg(test)]
@@ -17,3 +18,4 @@ pub mod raw;
 pub mod replay;
 pub mod store;
 pub mod telemetry;
+pub mod test_vector;

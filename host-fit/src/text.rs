@@ -1,4 +1,4 @@
-//! Types that are stored as they are written on the command line.
+//! Numbers for people, and types that are stored as they are written on the command line.
 
 /// Serialises a type by its `Display` and reads it back by its `FromStr`.
 macro_rules! stored_as_text {
@@ -19,3 +19,18 @@ macro_rules! stored_as_text {
 }
 
 pub(crate) use stored_as_text;
+
+/// A number in four significant digits.
+pub(crate) fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&magnitude) {
+        let decimals = (3 - magnitude.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}

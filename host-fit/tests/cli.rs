@@ -26,6 +26,11 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
         folder,
         &["export", "unit.json", "--image", "unit.fosm", "--rust", "model.rs", "--sensor", "demo part"],
     );
+    done(folder, &["export", "unit.json", "--c", "gyro-x.h", "--sensor", "demo part"]);
+    let header = std::fs::read_to_string(folder.join("gyro-x.h")).expect("written");
+    assert!(header.contains("static inline int gyro_x_check(") && header.contains("demo part"), "{header}");
+    assert!(fails(folder, 1, &["export", "unit.json", "--c", "1.h"]).contains("begins with a letter"));
+    assert!(fails(folder, 1, &["export", "unit.json"]).contains("--c FILE"));
     let inspected = done(folder, &["inspect", "unit.fosm"]);
     assert!(
         inspected.contains("demo part") && inspected.contains("Gx") && inspected.contains("temp_c"),

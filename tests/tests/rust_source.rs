@@ -1,78 +1,19 @@
-//! A model as Rust source compiles, and is the model of its image to the last bit.
+//! A model as Rust source compiles, is the model of its image to the last bit, and comes with a test vector that notices when
+//! it is not.
 
-use fos_core::{Axis, Predictor, StillnessLimits, Transform, u, y};
-use fos_core::{
-    AxisParameters, FittedOn, Image, InnovationStatistics, Input, Quantity, Range, Sample, Source,
-};
+mod exported_model;
+
+use std::process::Command;
+
+use exported_model::model;
+use fos_core::{Axis, Image, Model, Predictor, Sample};
+use fos_embedded::hub::HubError;
+use fos_embedded::test_vector::{CheckError, TestVector};
 use host_fit::export::{image, rust_source};
-use host_fit::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
 #[allow(unreachable_pub, reason = "exported to be used from anywhere in a firmware")]
 mod exported {
     include!("../golden/model.rs");
-}
-
-fn term(coefficient: f64, factors: &[fos_core::Factor]) -> FittedTerm {
-    FittedTerm { coefficient, standard_error: None, factors: factors.to_vec() }
-}
-
-fn input(source: Source, transform: Transform<f64>) -> NamedInput {
-    let range = Range::new(-3.0, 3.0);
-    let input = Input { source, transform, centre: 25.0, scale: 2.5, source_range: range, range };
-    NamedInput { name: String::new(), input }
-}
-
-/// Two axes, every kind of term, every transform.
-fn model() -> UnitModel {
-    let axis = |axis, column: &str| FittedAxis {
-        column: column.to_owned(),
-        parameters: AxisParameters {
-            axis,
-            reference: 0.0,
-            offset: 0.0123,
-            scale: 0.0021,
-            constant: 0.01,
-            range: Range::new(-4.5, 4.25),
-            full_scale: 4.36,
-            stuck_after: 40,
-            gap_limit: 20,
-            coast_limit_s: 10.0,
-            innovation: InnovationStatistics { mean: 0.0, variance: 0.8, lag_1_correlation: 0.01 },
-        },
-        physical: vec![term(0.3, &[u(0, 0)]), term(-0.02, &[u(0, 0), u(1, 0)])],
-        stochastic: vec![term(0.6, &[y(1)]), term(1.0 / 3.0, &[y(2)]), term(1e-7, &[y(1), y(2), u(2, 1)])],
-    };
-    let transforms = [
-        Transform::Identity,
-        Transform::LowPass { tau_s: 61.5 },
-        Transform::Rate { tau_s: 10.0 },
-        Transform::Variance { tau_s: 2.0 },
-        Transform::Backlash { half_width: 0.5 },
-        Transform::Absolute,
-    ];
-    let clocks = [
-        Transform::Decay { tau_s: 120.0 },
-        Transform::Time,
-        Transform::Sine { frequency_hz: 16.37 },
-        Transform::Cosine { frequency_hz: 16.37 },
-    ];
-    let logged = transforms.map(|transform| input(Source::Quantity(0), transform));
-    let clocks = clocks.map(|transform| input(Source::Clock, transform));
-    let memory = input(Source::Remainder(1), Transform::LowPass { tau_s: 1.0 });
-    UnitModel {
-        period_s: 0.005,
-        fitted_on: FittedOn::Raw,
-        stillness: Some(StillnessLimits {
-            window: 100,
-            accel_variance: 1e-3,
-            gyro_variance: 1e-5,
-            gyro_at_rest: [0.01, -0.02, 0.0],
-            gyro_deviation: 0.02,
-        }),
-        quantities: vec![LoggedQuantity { column: "temp_c".into(), quantity: Quantity::Temperature }],
-        inputs: logged.into_iter().chain(clocks).chain([memory]).collect(),
-        axes: vec![axis(Axis::Gx, "gx_rads"), axis(Axis::Gz, "gz_rads")],
-    }
 }
 
 #[test]
@@ -88,18 +29,145 @@ fn the_source_is_the_golden_one() {
 
 #[test]
 fn source_and_image_are_the_same_model_to_the_last_bit() {
-    type Device = Predictor<f32, 2, 16, 16, 64>;
+    type Device = Predictor<f32, 2, 16, 32, 64>;
     let bytes = image(&model(), "", "").expect("exported");
     let mut stored: Device = Image::parse(&bytes).expect("its own image").predictor().expect("fits");
     let mut compiled = Device::new(&exported::MODEL).expect("fits");
     for n in 0..5000_u32 {
         let noise = f32::from((n.wrapping_mul(40_503) >> 7) as u8) * 1e-5;
+        let az = 9.85 - noise;
         let sample =
-            Sample { measured: &[0.012 + noise, 0.013 - noise], quantities: &[24.0 + 0.001 * n as f32] };
+            Sample { measured: &[0.012 + noise, az], quantities: &[24.0 + 0.001 * n as f32, 3.28, az] };
         let (a, b) = match n % 1000 {
             0..800 => (stored.track(&sample).to_vec(), compiled.track(&sample).to_vec()),
             _ => (stored.coast(&sample).to_vec(), compiled.coast(&sample).to_vec()),
         };
         assert_eq!(a, b, "{n}");
     }
+}
+
+#[test]
+fn the_model_comes_to_the_bits_of_its_test_vector() {
+    assert_eq!(exported::check(), Ok(()));
+}
+
+/// What `check` says of another model than the one that was exported.
+fn check(model: &Model<'_, f32>, vector: &TestVector<'_>) -> Result<(), usize> {
+    let mut hub = exported::ModelHub::new(vector.scales);
+    hub.load_model(model).expect("as large as the exported one");
+    vector.run(&mut hub)
+}
+
+#[test]
+fn a_coefficient_changed_in_its_last_bit_is_noticed() {
+    let mut unnoticed = Vec::new();
+    for (axis, exact) in exported::MODEL.axes.iter().enumerate() {
+        for (term, _) in exact.physical.iter().chain(exact.stochastic).enumerate() {
+            let (mut physical, mut stochastic) = (exact.physical.to_vec(), exact.stochastic.to_vec());
+            let changed = physical.iter_mut().chain(&mut stochastic).nth(term).expect("this term");
+            *changed = changed.with_coefficient(changed.coefficient.next_up());
+            let mut axes = exported::MODEL.axes.to_vec();
+            (axes[axis].physical, axes[axis].stochastic) = (&physical, &stochastic);
+            let model = Model { axes: &axes, ..exported::MODEL };
+            if check(&model, &exported::TEST_VECTOR).is_ok() {
+                unnoticed.push((axis, term));
+            }
+        }
+    }
+    // a term of 1e-7 beside others of 1: its last bit is rounded away whatever the samples, and the comment says so
+    println!("not noticed: {unnoticed:?}");
+    assert!(unnoticed.len() <= 4, "{unnoticed:?}");
+    assert!(!unnoticed.contains(&(0, 0)) && !unnoticed.contains(&(1, 0)), "{unnoticed:?}");
+}
+
+#[test]
+fn a_changed_or_missing_expectation_is_a_deviation() {
+    let vector = exported::TEST_VECTOR;
+    let mut expected = vector.expected.to_vec();
+    let row = 40;
+    expected[row * vector.channels.len() + 1].validity ^= 1 << 9;
+    assert_eq!(check(&exported::MODEL, &TestVector { expected: &expected, ..vector }), Err(row));
+    let short = &vector.expected[..vector.expected.len() - 1];
+    let last = vector.samples.len() - 1;
+    assert_eq!(check(&exported::MODEL, &TestVector { expected: short, ..vector }), Err(last));
+}
+
+#[test]
+fn a_model_for_another_sensor_does_not_pass_the_check() {
+    let vector = exported::TEST_VECTOR;
+    let mut hub = exported::ModelHub::new(vector.scales);
+    let faster = Model { period_s: 0.5 * exported::MODEL.period_s, ..exported::MODEL };
+    let refused = hub.load_model(&faster).map_err(CheckError::from);
+    assert!(matches!(refused, Err(CheckError::Load(HubError::Period { .. }))), "{refused:?}");
+    assert_eq!(vector.run(&mut hub), Err(0), "without a model");
+}
+
+#[test]
+fn the_hub_says_how_much_the_noise_has_grown() {
+    let vector = exported::TEST_VECTOR;
+    let mut hub = exported::ModelHub::new(vector.scales);
+    assert_eq!(hub.deviation_ratio(Axis::Gx), None, "without a model");
+    hub.load_model(&exported::MODEL).expect("the exported one");
+    let ratio = |hub: &exported::ModelHub, axis| hub.deviation_ratio(axis).map(f64::from);
+    // the monitor's variance starts at that of the fit; micromath is off by 6 %
+    let as_fitted = ratio(&hub, Axis::Gx).expect("modelled");
+    assert!((as_fitted - 1.0).abs() < 0.061, "{as_fitted}");
+    assert_eq!(vector.run(&mut hub), Ok(()));
+    // remainders drawn evenly from their range vary more than the noise of the fit
+    let grown = ratio(&hub, Axis::Gx).expect("modelled");
+    assert!(grown > as_fitted && grown < 3.0, "{grown}");
+    assert_eq!(hub.deviation_ratio(Axis::Ay), None, "no model of this axis");
+}
+
+/// Compiles `source` against fos-core as this test was; what the compiler says if it does not compile.
+fn compile(source: &str) -> Option<Result<(), String>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("model.rs");
+    std::fs::write(&file, source).expect("writable");
+    let libraries = std::env::current_exe().ok()?.parent()?.to_owned();
+    let mut candidates: Vec<_> = std::fs::read_dir(&libraries)
+        .ok()?
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("libfos_core-") && name.ends_with(".rlib")
+        })
+        .collect();
+    // there may be some of other builds; that of this test is the latest
+    candidates.sort_by_key(|path| std::cmp::Reverse(path.metadata().and_then(|file| file.modified()).ok()));
+    let library = candidates.first()?;
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc)
+        .args(["--edition", "2024", "--crate-type", "lib", "--emit", "metadata", "--out-dir"])
+        .arg(folder.path())
+        .arg("-L")
+        .arg(format!("dependency={}", libraries.display()))
+        .arg("--extern")
+        .arg(format!("fos_core={}", library.display()))
+        .arg(&file)
+        .output()
+        .ok()?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some(if output.status.success() { Ok(()) } else { Err(said) })
+}
+
+#[test]
+fn source_with_an_output_at_lag_zero_does_not_compile() {
+    let source = include_str!("../golden/model.rs");
+    let (model, _) = source.split_once("// From here on").expect("the part that needs fos-core only");
+    match compile(model) {
+        Some(Ok(())) => {}
+        Some(Err(said)) => {
+            println!("skipped: the unchanged source does not compile outside of cargo: {said}");
+            return;
+        }
+        None => {
+            println!("skipped: no rustc, or no library of fos-core beside this test");
+            return;
+        }
+    }
+    let wrong = model.replacen("&[y(1)]", "&[y(0)]", 1);
+    assert_ne!(wrong, model);
+    let said = compile(&wrong).expect("compiled a moment ago").expect_err("an output at lag 0");
+    assert!(said.contains("no output at lag 0"), "{said}");
 }

@@ -61,6 +61,7 @@ fn run(predictor: &mut Device, monitor: &mut Monitor<f32>) {
     black_box(predictor.n_axes());
     black_box(monitor.samples());
     black_box((monitor.statistics(), monitor.mean_in_unit()));
+    black_box((monitor.deviation_ratio(), monitor.deviation_in_unit()));
     let _ = black_box(monitor.drift());
     monitor.restart();
 }

@@ -6,7 +6,8 @@ mod rate;
 mod watch;
 
 use fos_core::{
-    Axis, Drift, Image, Info, InnovationStatistics, Predictor, Quantity, Sample, StillnessDetector, Validity,
+    Axis, AxisParameters, Drift, FittedOn, Image, Info, InnovationStatistics, Model, Predictor, Quantity,
+    Sample, StillnessDetector, StillnessLimits, Validity,
 };
 use heapless::{String, Vec};
 
@@ -148,6 +149,20 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         loaded
     }
 
+    /// As [`load`](Self::load), for a model that was compiled in: what `host-fit export --rust` writes.
+    ///
+    /// # Errors
+    ///
+    /// Too large, or not for this sensor: then the hub has no model, and the output says so.
+    pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
+        self.unload();
+        let loaded = self.take_model(model);
+        if loaded.is_err() {
+            self.unload();
+        }
+        loaded
+    }
+
     fn unload(&mut self) {
         self.predictor.clear();
         self.axes.clear();
@@ -161,30 +176,54 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     }
 
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
-        if image.fitted_on() != self.scales.values {
-            return Err(HubError::FittedOn { model: image.fitted_on(), sensor: self.scales.values });
-        }
-        let (model, sensor) = (image.period_s(), self.scales.period_s);
+        self.check_fitted_on(image.fitted_on())?;
         image.load(&mut self.predictor).map_err(HubError::Image)?;
+        let axes = image.axes().map(|axis| axis.parameters);
+        self.connect(image.period_s(), axes, image.quantities(), image.stillness())
+    }
+
+    fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
+        self.check_fitted_on(model.fitted_on)?;
+        self.predictor.load(model).map_err(|error| HubError::Image(error.into()))?;
+        let axes = model.axes.iter().map(|axis| axis.parameters);
+        self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
+    }
+
+    fn check_fitted_on(&self, model: FittedOn) -> Result<(), HubError> {
+        if model == self.scales.values {
+            Ok(())
+        } else {
+            Err(HubError::FittedOn { model, sensor: self.scales.values })
+        }
+    }
+
+    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
+    fn connect(
+        &mut self,
+        model: f64,
+        axes: impl Iterator<Item = AxisParameters<f32>>,
+        quantities: impl Iterator<Item = Quantity>,
+        stillness: Option<StillnessLimits<f32>>,
+    ) -> Result<(), HubError> {
+        let sensor = self.scales.period_s;
         let off = model - sensor;
         if off.max(-off) > PERIOD_TOLERANCE * sensor {
             return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
         }
         self.model_rate_hz = 1.0 / model as f32;
-        for (index, axis) in image.axes().enumerate() {
-            let channel = channel_of(axis.parameters.axis).ok_or(HubError::Axis(index))?;
+        for (index, parameters) in axes.enumerate() {
+            let channel = channel_of(parameters.axis).ok_or(HubError::Axis(index))?;
             if self.axes.iter().any(|other| other.channel == channel) {
                 return Err(HubError::Axis(index));
             }
             self.in_order &= usize::from(channel) == index;
-            let pose_limit =
-                if channel < 3 { OTHER_POSE as f32 * axis.parameters.scale } else { f32::INFINITY };
-            let modelled = Modelled { channel, reference: axis.parameters.reference, pose_limit };
+            let pose_limit = if channel < 3 { OTHER_POSE as f32 * parameters.scale } else { f32::INFINITY };
+            let modelled = Modelled { channel, reference: parameters.reference, pose_limit };
             self.axes.push(modelled).map_err(|_| HubError::Axis(index))?;
             self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
-            self.watch.add(&axis.parameters, model);
+            self.watch.add(&parameters, model);
         }
-        for (index, quantity) in image.quantities().enumerate() {
+        for (index, quantity) in quantities.enumerate() {
             let source = match quantity {
                 Quantity::Temperature => QuantitySource::Thermometer,
                 Quantity::Measured(axis) => {
@@ -195,7 +234,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
             self.quantities.push(f32::NAN).map_err(|_| HubError::Quantity(index))?;
         }
-        self.detector = image.stillness().and_then(|limits| StillnessDetector::new(limits).ok());
+        self.detector = stillness.and_then(|limits| StillnessDetector::new(limits).ok());
         Ok(())
     }
 
@@ -339,6 +378,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// The running statistics of the innovation of an axis, in the model's scaled units; none if it has no model.
     pub fn statistics(&self, axis: Axis) -> Option<InnovationStatistics<f32>> {
         self.watch.statistics(self.index_of(axis)?)
+    }
+
+    /// Running standard deviation of the innovation of an axis over that of the fit: 1 as fitted. None if it has no model. It
+    /// takes a square root: ask now and then, not every sample.
+    pub fn deviation_ratio(&self, axis: Axis) -> Option<f32> {
+        self.watch.deviation_ratio(self.index_of(axis)?)
     }
 
     /// Forgets that the model has stopped fitting, and tests anew.

@@ -61,6 +61,10 @@ impl Watch {
         self.monitors.get(index).map(Monitor::statistics)
     }
 
+    pub(super) fn deviation_ratio(&self, index: usize) -> Option<f32> {
+        self.monitors.get(index).map(Monitor::deviation_ratio)
+    }
+
     pub(super) fn restart(&mut self) {
         self.monitors.iter_mut().for_each(Monitor::restart);
         self.drifted = 0;

@@ -5,13 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::Failure;
-use crate::export::{image, rust_source};
+use crate::export::{c_source, image, rust_source};
 use crate::file::write_atomically;
 use crate::study::Study;
 
-/// Write the model of a study as an image, as Rust source, or both
+/// Write the model of a study as an image, as Rust source, as a C header
+///
+/// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs them at
+/// start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs")]
+#[command(after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h")]
 pub(super) struct Export {
     /// The study
     study: PathBuf,
@@ -21,6 +24,9 @@ pub(super) struct Export {
     /// The Rust source to write
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
+    /// The C header to write; everything in it is named after it: model.h has model_image, model_check
+    #[arg(long, value_name = "FILE")]
+    c: Option<PathBuf>,
     /// Name of the sensor, stored in the image
     #[arg(long, default_value = "")]
     sensor: String,
@@ -28,8 +34,8 @@ pub(super) struct Export {
 
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if self.image.is_none() && self.rust.is_none() {
-            return Err("nothing to write\nhelp: give --image FILE, --rust FILE, or both".into());
+        if self.image.is_none() && self.rust.is_none() && self.c.is_none() {
+            return Err("nothing to write\nhelp: give --image FILE, --rust FILE, --c FILE, or several".into());
         }
         let study = Study::read(&self.study)?;
         let provenance = study.provenance();
@@ -41,6 +47,12 @@ impl Export {
         if let Some(path) = &self.rust {
             write_atomically(path, rust_source(&study.model, &provenance).as_bytes())?;
             println!("{}: Rust source, {} terms", path.display(), study.model.n_terms());
+        }
+        if let Some(path) = &self.c {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            let source = c_source(&study.model, &name, &self.sensor, &provenance)?;
+            write_atomically(path, source.as_bytes())?;
+            println!("{}: C header, {} terms", path.display(), study.model.n_terms());
         }
         Ok(())
     }

@@ -7,6 +7,8 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+pub(super) use crate::text::number;
+
 /// Any error on its way to the exit code.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
@@ -26,22 +28,7 @@ pub(super) fn table<S: ToString>(header: &[S]) -> Table {
     table
 }
 
-/// A number in four significant digits.
-pub(super) fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if !value.is_finite() {
-        "–".to_owned()
-    } else if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&magnitude) {
-        let decimals = (3 - magnitude.log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-/// The same, or a dash where there is none.
+/// A number in four significant digits, or a dash where there is none.
 pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), number)
 }

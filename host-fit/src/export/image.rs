@@ -2,6 +2,7 @@
 
 use fos_core::image::encode;
 use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
+use fos_embedded::hub::HubError;
 
 use crate::model::{HostPredictor, UnitModel, unit_of};
 
@@ -14,6 +15,14 @@ pub enum ExportError {
     /// The image cannot be written, or cannot be read back.
     #[error("the model makes no usable image: {0}")]
     Image(ImageError),
+    /// No hub takes it: it has an axis or a quantity that a six-axis sensor does not measure.
+    #[error("a hub does not take the model: {0}")]
+    Hub(HubError),
+    /// A name that is none in C.
+    #[error(
+        "{0:?} gives no name to use in C\nhelp: a file name that begins with a letter and is not fos.h, such as gyro_unit.h"
+    )]
+    Name(String),
 }
 
 /// The image of `model`, read back and tried before it is returned.

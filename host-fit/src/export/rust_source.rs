@@ -3,12 +3,17 @@
 use std::fmt::{self, Display, Formatter, Write};
 
 use fos_core::{
-    AxisModel, AxisParameters, Channel, Factor, Input, Model, Range, Source, StillnessLimits, Term, Transform,
+    AxisModel, AxisParameters, Channel, Factor, Input, Model, Quantity, Range, Source, StillnessLimits, Term,
+    Transform,
 };
+use fos_embedded::raw::Scales;
+use fos_embedded::test_vector::{Expected, TestSample};
 
+use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use crate::model::UnitModel;
 
-/// Rust source with one public item, `pub static MODEL: Model<'static, f32>`. `provenance` goes into its comment.
+/// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded. `provenance`
+/// goes into its comment. A model that no hub takes comes without the latter.
 pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     let mut source = String::new();
     for line in provenance.lines() {
@@ -17,7 +22,95 @@ pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     model.with::<f32, _>(|model| {
         let _ = write!(source, "{}", Items(model));
     });
+    let _ = match test_vector(model) {
+        Ok(vector) => write!(source, "{}", TestItems { model, vector: &vector }),
+        Err(error) => writeln!(source, "\n// There is no test vector: {error}."),
+    };
     source
+}
+
+/// What checks that a device computes what was exported.
+struct TestItems<'a> {
+    model: &'a UnitModel,
+    vector: &'a OwnedTestVector,
+}
+
+impl Display for TestItems<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let vector = self.vector.vector();
+        let Room { inputs, terms, history } = Room::for_model(self.model);
+        writeln!(f, "\n// From here on fos-embedded is needed; leave it out where only fos-core is used.\n")?;
+        writeln!(f, "use fos_embedded::hub::{{Hub, Motion::{{Moving, Still}}}};")?;
+        writeln!(f, "use fos_embedded::raw::Scales;")?;
+        writeln!(f, "use fos_embedded::test_vector::{{CheckError, Expected, TestSample, TestVector}};\n")?;
+        writeln!(f, "/// The smallest hub that takes the model: inputs, terms, values of history.")?;
+        writeln!(f, "pub type ModelHub = Hub<{inputs}, {terms}, {history}>;\n")?;
+        writeln!(
+            f,
+            "/// Runs the test vector through a hub of its own, on the stack: at start-up, before the model"
+        )?;
+        writeln!(f, "/// is trusted.")?;
+        writeln!(f, "///\n/// # Errors\n///")?;
+        writeln!(
+            f,
+            "/// Index of the first sample of which one bit deviates; or why the hub does not take the model."
+        )?;
+        writeln!(f, "pub fn check() -> Result<(), CheckError> {{")?;
+        writeln!(f, "    let mut hub = ModelHub::new(TEST_VECTOR.scales);")?;
+        writeln!(f, "    hub.load_model(&MODEL)?;")?;
+        writeln!(f, "    TEST_VECTOR.run(&mut hub).map_err(CheckError::Deviates)")?;
+        writeln!(f, "}}\n")?;
+        writeln!(f, "#[cfg(test)]\n#[test]")?;
+        writeln!(f, "fn the_model_comes_to_the_bits_of_its_test_vector() {{")?;
+        writeln!(f, "    assert_eq!(check(), Ok(()));")?;
+        writeln!(f, "}}\n")?;
+
+        for line in test_vector::comment(self.vector, self.model).lines() {
+            writeln!(f, "/// {line}")?;
+        }
+        let Scales { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, period_s, values } =
+            vector.scales;
+        writeln!(f, "pub static TEST_VECTOR: TestVector<'static> = TestVector {{")?;
+        writeln!(f, "    scales: Scales {{")?;
+        writeln!(f, "        accel_mps2: {accel_mps2:?},")?;
+        writeln!(f, "        gyro_rads: {gyro_rads:?},")?;
+        writeln!(f, "        temperature_k: {temperature_k:?},")?;
+        writeln!(f, "        temperature_zero_c: {temperature_zero_c:?},")?;
+        writeln!(f, "        period_s: {period_s:?},")?;
+        writeln!(f, "        values: FittedOn::{values:?},")?;
+        writeln!(f, "    }},")?;
+        writeln!(f, "    channels: &{:?},", vector.channels)?;
+        writeln!(f, "    given: &{:?},", vector.given)?;
+        writeln!(f, "    samples: &SAMPLES,")?;
+        writeln!(f, "    given_bits: &GIVEN,")?;
+        writeln!(f, "    expected: &EXPECTED,")?;
+        writeln!(f, "}};\n")?;
+
+        writeln!(f, "static SAMPLES: [TestSample; {}] = [", vector.samples.len())?;
+        for TestSample { motion, skipped, codes, temperature } in vector.samples {
+            writeln!(
+                f,
+                "    TestSample {{ motion: {motion:?}, skipped: {skipped}, codes: {codes:?}, temperature: {temperature:?} }},"
+            )?;
+        }
+        writeln!(f, "];\n")?;
+        writeln!(f, "static GIVEN: [u32; {}] = [", vector.given_bits.len())?;
+        for row in vector.given_bits.chunks(vector.given.len().max(1)) {
+            writeln!(f, "    {},", List(row.iter().map(|bits| format!("{bits:#010x}"))))?;
+        }
+        writeln!(f, "];\n")?;
+        writeln!(f, "const fn bits(corrected: u32, innovation: u32, validity: u16) -> Expected {{")?;
+        writeln!(f, "    Expected {{ corrected, innovation, validity }}")?;
+        writeln!(f, "}}\n")?;
+        writeln!(f, "static EXPECTED: [Expected; {}] = [", vector.expected.len())?;
+        for row in vector.expected.chunks(vector.channels.len().max(1)) {
+            let axis = |&Expected { corrected, innovation, validity }: &Expected| {
+                format!("bits({corrected:#010x}, {innovation:#010x}, {validity:#05x})")
+            };
+            writeln!(f, "    {},", List(row.iter().map(axis)))?;
+        }
+        writeln!(f, "];")
+    }
 }
 
 struct Items<'a>(&'a Model<'a, f32>);
@@ -56,11 +149,7 @@ impl Display for Items<'_> {
             Some(limits) => writeln!(f, "    stillness: Some({}),", Stillness(limits))?,
             None => writeln!(f, "    stillness: None,")?,
         }
-        writeln!(
-            f,
-            "    quantities: &[{}],",
-            List(model.quantities.iter().map(|q| format!("Quantity::{q:?}")))
-        )?;
+        writeln!(f, "    quantities: &[{}],", List(model.quantities.iter().map(quantity)))?;
         writeln!(f, "    inputs: &INPUTS,")?;
         writeln!(f, "    axes: &AXES,")?;
         writeln!(f, "}};")
@@ -74,6 +163,14 @@ fn write_terms(f: &mut Formatter<'_>, part: &str, axis: usize, terms: &[Term<f32
         writeln!(f, "    Term::new({:?}, &[{factors}]),", term.coefficient)?;
     }
     writeln!(f, "];\n")
+}
+
+fn quantity(quantity: &Quantity) -> String {
+    match quantity {
+        Quantity::Measured(axis) => format!("Quantity::Measured(Axis::{axis:?})"),
+        Quantity::Reference(axis) => format!("Quantity::Reference(Axis::{axis:?})"),
+        plain => format!("Quantity::{plain:?}"),
+    }
 }
 
 fn factor(factor: &Factor) -> String {

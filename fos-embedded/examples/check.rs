@@ -1,0 +1,34 @@
+//! An exported model checks itself: the same bits on the board as on the machine that exported it.
+//!
+//! The source is what `host-fit export --rust` writes of the model of tests/tests/exported_model.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+
+use platform::{Instructions, fail, println};
+
+mod platform;
+
+#[allow(unreachable_pub, reason = "exported to be used from anywhere in a firmware")]
+mod exported {
+    include!("../../tests/golden/model.rs");
+}
+
+fn run() {
+    let mut instructions = Instructions::start();
+    let mut checked = Ok(());
+    let cost = instructions.of(|| checked = exported::check());
+    if let Err(error) = checked {
+        fail(format_args!("{error}"));
+    }
+    let samples = exported::TEST_VECTOR.samples.len();
+    let stack = size_of::<exported::ModelHub>();
+    println!("test vector: {samples} samples, every bit as exported; a hub of {stack} bytes on the stack");
+    // on the host nothing is counted
+    if cost.is_finite() {
+        println!("{cost:.0} instructions, those that build the model among them");
+    }
+}
+
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn main() {
+    run();
+}

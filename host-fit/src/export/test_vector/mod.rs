@@ -1,0 +1,167 @@
+//! Samples that exercise a model, and the bits that a hub makes of them: one vector for every form of source.
+
+mod samples;
+
+use fos_embedded::hub::{Hub, HubError};
+use fos_embedded::raw::Scales;
+use fos_embedded::test_vector::{Expected, TestSample, TestVector};
+
+use crate::model::{FittedTerm, UnitModel};
+use samples::Generator;
+
+use samples::HOW;
+
+/// The hub with room for every model.
+type HostHub = Hub<32, 512, 4096>;
+
+/// A [`TestVector`] that owns what it is made of.
+#[derive(Debug, Clone)]
+pub struct OwnedTestVector {
+    scales: Scales,
+    channels: Vec<u8>,
+    given: Vec<u8>,
+    samples: Vec<TestSample>,
+    given_bits: Vec<u32>,
+    expected: Vec<Expected>,
+}
+
+/// A term whose coefficient can change unnoticed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unnoticed {
+    /// Place of the axis in the model.
+    pub axis: usize,
+    /// Place of the term, physical part first.
+    pub term: usize,
+    /// A relative change of this size is noticed, one of half the size is not.
+    pub noticed_from: f64,
+}
+
+/// The test vector of `model`: what fos-embedded's hub makes of it in f32.
+///
+/// # Errors
+///
+/// A hub does not take the model: it has an axis or quantity that no six-axis sensor measures.
+pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
+    let mut generator = Generator::new(model)?;
+    let (scales, channels, given) = (generator.scales(), generator.channels(), generator.given());
+    let mut hub = loaded(model, scales)?;
+    let mut vector =
+        OwnedTestVector { scales, channels, given, samples: vec![], given_bits: vec![], expected: vec![] };
+    for kind in generator.schedule() {
+        let (sample, given) = generator.sample(kind);
+        for (nth, value) in given.iter().enumerate() {
+            hub.give_nth(nth, *value);
+        }
+        hub.set_motion(Some(sample.motion));
+        let output = hub.update(&sample.raw());
+        vector.expected.extend(vector.channels.iter().filter_map(|channel| Expected::of(output, *channel)));
+        vector.given_bits.extend(given.iter().map(|value| value.to_bits()));
+        vector.samples.push(sample);
+    }
+    Ok(vector)
+}
+
+/// A hub with `model`, for a sensor with these scales.
+fn loaded(model: &UnitModel, scales: Scales) -> Result<HostHub, HubError> {
+    let mut hub = HostHub::new(scales);
+    model.with::<f32, _>(|model| hub.load_model(model))?;
+    Ok(hub)
+}
+
+impl OwnedTestVector {
+    /// As fos-embedded takes it.
+    pub fn vector(&self) -> TestVector<'_> {
+        TestVector {
+            scales: self.scales,
+            channels: &self.channels,
+            given: &self.given,
+            samples: &self.samples,
+            given_bits: &self.given_bits,
+            expected: &self.expected,
+        }
+    }
+
+    /// Whether `model` comes to the same bits.
+    pub fn is_met_by(&self, model: &UnitModel) -> bool {
+        loaded(model, self.scales).is_ok_and(|mut hub| self.vector().run(&mut hub).is_ok())
+    }
+
+    /// The terms of `model`, which made the vector, whose coefficient may change in its last bit without being noticed,
+    /// because f32 rounds so small a change away.
+    pub fn unnoticed(&self, model: &UnitModel) -> Vec<Unnoticed> {
+        let mut unnoticed = Vec::new();
+        for (axis, fitted) in model.axes.iter().enumerate() {
+            for (term, fitted) in fitted.physical.iter().chain(&fitted.stochastic).enumerate() {
+                let exact = fitted.coefficient as f32;
+                let noticed_from = |power: &u32| {
+                    let mut changed = model.clone();
+                    let now = f32::from_bits(exact.to_bits() + (1 << power));
+                    if let Some(changed) = term_mut(&mut changed, axis, term) {
+                        changed.coefficient = f64::from(now);
+                    }
+                    !self.is_met_by(&changed)
+                };
+                // 1, 2, 4, … units in the last place; 2^23 of them double a coefficient
+                match (0..=23).find(noticed_from) {
+                    Some(0) => {}
+                    Some(power) => unnoticed.push(Unnoticed { axis, term, noticed_from: ulps(exact, power) }),
+                    None => unnoticed.push(Unnoticed { axis, term, noticed_from: f64::INFINITY }),
+                }
+            }
+        }
+        unnoticed
+    }
+}
+
+/// 2^power units in the last place of `exact`, relative to it.
+fn ulps(exact: f32, power: u32) -> f64 {
+    (f64::from(f32::from_bits(exact.to_bits() + (1 << power))) / f64::from(exact) - 1.0).abs()
+}
+
+/// What a hub must have room for: inputs and as many quantities, terms, values of history (a power of two).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Room {
+    pub(super) inputs: usize,
+    pub(super) terms: usize,
+    pub(super) history: usize,
+}
+
+impl Room {
+    pub(super) fn for_model(model: &UnitModel) -> Self {
+        let (n_inputs, n_axes) = (model.inputs.len(), model.axes.len());
+        let deepest = (samples::longest_lag(model) * (n_inputs + n_axes) + n_inputs).max(n_inputs + n_axes);
+        Self {
+            inputs: n_inputs.max(model.quantities.len()),
+            terms: model.n_terms(),
+            history: deepest.next_power_of_two(),
+        }
+    }
+}
+
+/// What the vector is, how it was made and what it would miss, for the comment beside it.
+pub(super) fn comment(vector: &OwnedTestVector, model: &UnitModel) -> String {
+    let mut comment = format!(
+        "Test vector: {} samples, and the bits that a hub made of them on the host, in f32.\n{HOW}\n",
+        vector.samples.len()
+    );
+    let unnoticed = vector.unnoticed(model);
+    let noticed = model.n_terms() - unnoticed.len();
+    comment.push_str(&format!(
+        "A change of the last bit of a coefficient is noticed in {noticed} of {} terms",
+        model.n_terms()
+    ));
+    for Unnoticed { axis, term, noticed_from } in unnoticed {
+        let axis = &model.axes[axis].column;
+        comment.push_str(&format!(
+            ";\nin {axis}, term {} (physical part first) from {noticed_from:.0e} of it",
+            term + 1
+        ));
+    }
+    comment.push_str(".\n");
+    comment
+}
+
+fn term_mut(model: &mut UnitModel, axis: usize, term: usize) -> Option<&mut FittedTerm> {
+    let axis = model.axes.get_mut(axis)?;
+    axis.physical.iter_mut().chain(&mut axis.stochastic).nth(term)
+}
