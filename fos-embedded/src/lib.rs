@@ -1,17 +1,21 @@
 //! The device side.
 //!
+//! - [`sample_source`]: complete samples from two real parts, and what went wrong on the way.
 //! - [`hub`]: six axes over shared inputs: what an application calls.
 //! - [`raw`]: raw codes of a sensor, and what they mean.
 //! - [`store`]: model images in flash, two slots, the newest valid one wins.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
+//! - [`blocking`]: blocking buses, delays and flash under all of this.
 //! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
 #![no_std]
 
 #[cfg(test)]
 extern crate std;
 
+pub mod blocking;
 pub mod hub;
 pub mod raw;
 pub mod replay;
+pub mod sample_source;
 pub mod store;
 pub mod telemetry;
