@@ -8,7 +8,7 @@ use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::spi::SpiDevice;
 use fos_core::FittedOn;
 
-use super::{Batch, Frame, Part, SensorClock, SourceError};
+use super::{Batch, Part, SensorClock, SourceError};
 use crate::raw::Scales;
 
 /// ±4 g: 8.192 LSB/mg (§5.6.1).
@@ -48,7 +48,7 @@ const FRAME: usize = 8;
 /// Frames of a transfer: as many as the driver's buffer takes, 64 words.
 const FRAMES: usize = bmi323_driver::MAX_WORDS_PER_READ / FRAME;
 
-/// Words of the FIFO, 2 kB (§5.7). With less than a frame to spare it is full, and the oldest frame is being overwritten.
+/// Words of the FIFO, 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest frame may be gone.
 const FIFO_WORDS: u16 = 1024;
 
 /// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7). It is also a code of 0.992 of full
@@ -89,8 +89,7 @@ impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
         }
         self.started = true;
         let temperature = Some(temperature).filter(|code| *code != NOTHING);
-        // room was asked for
-        let _ = batch.frames.push(Frame { accel, gyro, temperature, stamp: u32::from(stamp as u16) });
+        batch.push(accel, gyro, temperature, u32::from(stamp as u16));
     }
 }
 
@@ -134,7 +133,7 @@ impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
 
     async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<S::Error>> {
         let level = self.driver.fifo_fill_level().await?;
-        batch.overrun |= level > FIFO_WORDS - FRAME as u16;
+        batch.overrun |= level >= FIFO_WORDS - FRAME as u16;
         batch.left = level / FRAME as u16;
         for _ in 0..super::MAX_SAMPLES / FRAMES {
             let frames = usize::from(batch.left).min(batch.room()).min(FRAMES);

@@ -16,6 +16,8 @@ pub struct Frame {
     pub temperature: Option<i16>,
     /// The sensor's clock, in counts; wraps.
     pub stamp: u32,
+    /// Frames before this one that were incomplete.
+    pub torn: u16,
 }
 
 /// What a poll reads of a FIFO.
@@ -25,7 +27,7 @@ pub struct Batch {
     pub frames: Vec<Frame, MAX_SAMPLES>,
     /// The FIFO has run over since the last look.
     pub overrun: bool,
-    /// Frames that were incomplete.
+    /// Frames after the last complete one that were incomplete.
     pub torn: u16,
     /// Frames left in the FIFO.
     pub left: u16,
@@ -42,12 +44,19 @@ impl Batch {
         MAX_SAMPLES.saturating_sub(self.frames.len())
     }
 
-    pub(super) fn clear(&mut self) {
-        *self = Self::new();
+    /// Adds a complete frame; there must be [room](Self::room).
+    pub fn push(&mut self, accel: [i16; 3], gyro: [i16; 3], temperature: Option<i16>, stamp: u32) {
+        let torn = core::mem::take(&mut self.torn);
+        let _ = self.frames.push(Frame { accel, gyro, temperature, stamp, torn });
     }
 
-    pub(super) fn tear(&mut self) {
+    /// Notes an incomplete frame.
+    pub fn tear(&mut self) {
         self.torn = self.torn.saturating_add(1);
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = Self::new();
     }
 }
 

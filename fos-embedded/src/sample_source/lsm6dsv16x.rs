@@ -11,7 +11,7 @@ use lsm6dsv16x_rs::asynchronous::prelude::{
 };
 use st_mems_bus::asynchronous::{RegisterOperation, SensorOperation, i2c::I2cBus};
 
-use super::{Batch, Frame, Part, SensorClock, SourceError};
+use super::{Batch, Part, SensorClock, SourceError};
 use crate::raw::Scales;
 
 /// ±4 g: 0.122 mg/LSB (table 2, "Mechanical characteristics").
@@ -274,8 +274,7 @@ impl Assembler {
         (self.slot, self.in_step) = (Slot::EMPTY, true);
         let temperature = self.temperature.filter(|_| self.temperature_age < TEMPERATURE_AGE);
         self.temperature_age = self.temperature_age.saturating_add(1);
-        // room was asked for
-        let _ = batch.frames.push(Frame { accel, gyro, temperature, stamp });
+        batch.push(accel, gyro, temperature, stamp);
     }
 }
 

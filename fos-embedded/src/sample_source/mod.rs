@@ -221,7 +221,8 @@ impl<P: Part> SampleSource<P> {
 
     /// One look at the sensor: whether it is set up, and if so, its oldest frames.
     async fn transfer(&mut self) -> Result<bool, SourceError<P::BusError>> {
-        let set_up = self.part.is_set_up().await?;
+        // neither bus has a check sum: one damaged look is no reset
+        let set_up = self.part.is_set_up().await? || self.part.is_set_up().await?;
         if set_up {
             self.part.read(&mut self.batch).await?;
         }
@@ -257,12 +258,12 @@ impl<P: Part> SampleSource<P> {
             self.pending |= Faults::OVERRUN;
             self.counts.overruns = self.counts.overruns.saturating_add(1);
         }
-        self.torn(self.batch.torn);
         let frames = core::mem::take(&mut self.batch.frames);
         let mut younger = u64::from(self.batch.left).saturating_add(frames.len() as u64);
         let mut stuck = false;
         for frame in &frames {
             younger = younger.saturating_sub(1);
+            self.torn(frame.torn);
             let at_us = now_us.saturating_sub(younger.saturating_mul(P::CLOCK.period_us()));
             let Some(ticks) = self.timeline.step(&P::CLOCK, frame.stamp, at_us, overrun) else {
                 self.torn(1);
@@ -271,6 +272,7 @@ impl<P: Part> SampleSource<P> {
             self.heard_us = now_us;
             stuck = self.deliver_frame(frame, ticks.saturating_sub(1));
         }
+        self.torn(self.batch.torn);
         if stuck {
             self.unstick();
         } else if now_us.saturating_sub(self.heard_us) > SILENT_US {

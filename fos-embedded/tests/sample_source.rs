@@ -1,0 +1,6 @@
+//! The sources of samples: over transcripts of their buses, over simulated sensors, and in front of a hub.
+
+#[path = "sample_source/simulated.rs"]
+mod simulated;
+#[path = "sample_source/transcripts.rs"]
+mod transcripts;

@@ -1,0 +1,651 @@
+//! What goes over the buses, byte by byte, in blocking and in asynchronous form.
+
+use core::fmt::Debug;
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use embedded_hal::{i2c, spi};
+use embedded_hal_mock::eh1;
+use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::sample_source::{Address, Bmi323, Counts, Lsm6dsv16x, Part, SampleSource, SourceError};
+
+/// What happens on the way to the sensor.
+#[derive(Debug, Clone)]
+enum Step {
+    /// These bytes are written from this register on.
+    Write(u8, Vec<u8>),
+    /// These bytes are read from this register on.
+    Read(u8, Vec<u8>),
+    /// So many bytes are asked for from this register on, and nobody answers.
+    NoAnswer(u8, usize),
+    /// µs.
+    Wait(u32),
+}
+use Step::{NoAnswer, Read, Wait, Write};
+
+const ADDRESS: u8 = 0x6a;
+
+fn delay(steps: &[Step]) -> eh1::delay::CheckedDelay {
+    let waits = steps.iter().filter_map(|step| match step {
+        Wait(us) => Some(eh1::delay::Transaction::delay_us(*us)),
+        _ => None,
+    });
+    eh1::delay::CheckedDelay::new(&waits.collect::<Vec<_>>())
+}
+
+fn i2c_bus(steps: &[Step]) -> eh1::i2c::Mock {
+    use eh1::i2c::Transaction;
+    let nack = i2c::ErrorKind::NoAcknowledge(i2c::NoAcknowledgeSource::Address);
+    let transfers = steps.iter().filter_map(|step| match step {
+        Write(register, bytes) => {
+            Some(Transaction::write(ADDRESS, [vec![*register], bytes.clone()].concat()))
+        }
+        Read(register, bytes) => Some(Transaction::write_read(ADDRESS, vec![*register], bytes.clone())),
+        NoAnswer(register, bytes) => {
+            Some(Transaction::write_read(ADDRESS, vec![*register], vec![0; *bytes]).with_error(nack))
+        }
+        Wait(_) => None,
+    });
+    eh1::i2c::Mock::new(&transfers.collect::<Vec<_>>())
+}
+
+fn spi_bus(steps: &[Step]) -> eh1::spi::Mock<u8> {
+    use eh1::spi::Transaction;
+    let transfers = steps.iter().flat_map(|step| match step {
+        Write(register, bytes) => {
+            let written = [vec![*register], bytes.clone()].concat();
+            vec![
+                Transaction::transaction_start(),
+                Transaction::write_vec(written),
+                Transaction::transaction_end(),
+            ]
+        }
+        Read(register, bytes) => vec![
+            Transaction::transaction_start(),
+            Transaction::write_vec(vec![0x80 | *register]),
+            // a byte without meaning comes first
+            Transaction::read_vec([vec![0xa5], bytes.clone()].concat()),
+            Transaction::transaction_end(),
+        ],
+        NoAnswer(..) => panic!("SPI has no acknowledge"),
+        Wait(_) => vec![],
+    });
+    eh1::spi::Mock::new(&transfers.collect::<Vec<_>>())
+}
+
+/// A bus or delay whose every operation is done only when it is asked for the second time.
+struct Yielding<T>(T);
+
+async fn yield_once() {
+    let mut asked = false;
+    core::future::poll_fn(move |_| {
+        if asked {
+            return Poll::Ready(());
+        }
+        asked = true;
+        Poll::Pending
+    })
+    .await;
+}
+
+impl<T: i2c::ErrorType> i2c::ErrorType for Yielding<T> {
+    type Error = T::Error;
+}
+
+impl<T: embedded_hal_async::i2c::I2c> embedded_hal_async::i2c::I2c for Yielding<T> {
+    async fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), T::Error> {
+        yield_once().await;
+        self.0.write(address, bytes).await
+    }
+
+    async fn write_read(&mut self, address: u8, out: &[u8], into: &mut [u8]) -> Result<(), T::Error> {
+        yield_once().await;
+        self.0.write_read(address, out, into).await
+    }
+
+    async fn transaction(&mut self, _: u8, _: &mut [i2c::Operation<'_>]) -> Result<(), T::Error> {
+        unreachable!("not called by the driver")
+    }
+}
+
+impl<T: spi::ErrorType> spi::ErrorType for Yielding<T> {
+    type Error = T::Error;
+}
+
+impl<T: embedded_hal_async::spi::SpiDevice> embedded_hal_async::spi::SpiDevice for Yielding<T> {
+    async fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), T::Error> {
+        yield_once().await;
+        self.0.transaction(operations).await
+    }
+}
+
+impl<T: embedded_hal_async::delay::DelayNs> embedded_hal_async::delay::DelayNs for Yielding<T> {
+    async fn delay_ns(&mut self, ns: u32) {
+        yield_once().await;
+        self.0.delay_ns(ns).await;
+    }
+
+    async fn delay_us(&mut self, us: u32) {
+        yield_once().await;
+        self.0.delay_us(us).await;
+    }
+
+    async fn delay_ms(&mut self, ms: u32) {
+        yield_once().await;
+        self.0.delay_ms(ms).await;
+    }
+}
+
+/// What a future gives, and how often it was asked in vain.
+fn block_on<T>(future: impl Future<Output = T>) -> (T, usize) {
+    let mut future = pin!(future);
+    let mut pending = 0;
+    loop {
+        if let Poll::Ready(output) = future.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+            return (output, pending);
+        }
+        pending += 1;
+    }
+}
+
+type Polls = Vec<Result<Vec<RawSample>, SourceError<String>>>;
+
+/// Every error of the bus is as good as its name.
+fn named<E: Debug>(
+    polled: Result<&[RawSample], SourceError<E>>,
+) -> Result<Vec<RawSample>, SourceError<String>> {
+    polled.map(<[_]>::to_vec).map_err(|error| match error {
+        SourceError::Bus(error) => SourceError::Bus(format!("{error:?}")),
+        SourceError::WrongPart(id) => SourceError::WrongPart(id),
+        SourceError::NotKept { register, written, read } => SourceError::NotKept { register, written, read },
+        SourceError::Resting(polls) => SourceError::Resting(polls),
+        other => panic!("{other:?}"),
+    })
+}
+
+/// Polls every 50 ms, in blocking form.
+fn blocking<P: Part>(part: P, polls: usize) -> (P, Polls, Counts) {
+    let mut source = SampleSource::new(part);
+    let times = (1..=polls as u64).map(|poll| poll * 50_000);
+    let polls = times.map(|now_us| named(now(source.poll(now_us)).expect("done at once"))).collect();
+    let counts = source.counts();
+    (source.release(), polls, counts)
+}
+
+/// As above, in a form that is suspended at every transfer.
+fn yielding<P: Part>(part: P, polls: usize, steps: usize) -> (P, Polls, Counts) {
+    let mut source = SampleSource::new(part);
+    let mut pending = 0;
+    let polls = (1..=polls as u64).map(|poll| {
+        let (polled, times) = block_on(source.poll(poll * 50_000));
+        pending += times;
+        named(polled)
+    });
+    let polls = polls.collect();
+    assert_eq!(pending, steps, "suspended once a step");
+    let counts = source.counts();
+    (source.release(), polls, counts)
+}
+
+fn lsm6dsv16x(polls: usize, steps: &[Step]) -> (Polls, Counts) {
+    let part = Lsm6dsv16x::new(Blocking(i2c_bus(steps)), Address::Low, Blocking(delay(steps)));
+    let (part, result, counts) = blocking(part, polls);
+    let (mut bus, mut waits) = part.release();
+    (bus.0.done(), waits.0.done());
+    let part = Lsm6dsv16x::new(Yielding(i2c_bus(steps)), Address::Low, Yielding(delay(steps)));
+    let (part, again, counts_again) = yielding(part, polls, steps.len());
+    let (mut bus, mut waits) = part.release();
+    (bus.0.done(), waits.0.done());
+    assert_eq!((&result, counts), (&again, counts_again));
+    (result, counts)
+}
+
+fn bmi323(polls: usize, steps: &[Step]) -> (Polls, Counts) {
+    let part = Bmi323::new(Blocking(spi_bus(steps)), Blocking(delay(steps)));
+    let (part, result, counts) = blocking(part, polls);
+    let (mut bus, mut waits) = part.release();
+    (bus.0.done(), waits.0.done());
+    let part = Bmi323::new(Yielding(spi_bus(steps)), Yielding(delay(steps)));
+    let (part, again, counts_again) = yielding(part, polls, steps.len());
+    let (mut bus, mut waits) = part.release();
+    (bus.0.done(), waits.0.done());
+    assert_eq!((&result, counts), (&again, counts_again));
+    (result, counts)
+}
+
+/// A sample without faults, as the words below have it.
+fn sample(n: i16) -> RawSample {
+    let (skipped, faults) = (0, Faults::empty());
+    RawSample { skipped, accel: [n, -2, 8192], gyro: [3, -n, -32768], temperature: Some(-256), faults }
+}
+
+fn bytes(words: &[i16]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+mod lsm6dsv16x {
+    use super::{
+        Faults, NoAnswer, Polls, RawSample, Read, SourceError, Step, Wait, Write, bytes, lsm6dsv16x, sample,
+    };
+
+    /// Register and value, in the order of writing.
+    const CONFIGURATION: [(u8, u8); 12] = [
+        (0x01, 0x00), // FUNC_CFG_ACCESS: main bank
+        (0x12, 0x44), // CTRL3: BDU, IF_INC
+        (0x15, 0x02), // CTRL6: ±500 dps
+        (0x17, 0x01), // CTRL8: ±4 g
+        (0x18, 0x00), // CTRL9: no user offset, no filter
+        (0x62, 0x02), // HAODR_CFG: the set with 200 Hz
+        (0x50, 0x40), // FUNCTIONS_ENABLE: time stamps
+        (0x08, 0x00), // FIFO_CTRL2
+        (0x09, 0x77), // FIFO_CTRL3: both batched at their rate
+        (0x10, 0x17), // CTRL1: high accuracy, 200 Hz
+        (0x11, 0x17), // CTRL2: high accuracy, 200 Hz
+        (0x0a, 0x66), // FIFO_CTRL4: time stamps 1:1, temperature 15 Hz, continuous
+    ];
+
+    fn set_up() -> Vec<Step> {
+        let mut steps = vec![Read(0x0f, vec![0x70]), Write(0x01, vec![0x04]), Wait(50_000)];
+        steps.extend(CONFIGURATION.map(|(register, value)| Write(register, vec![value])));
+        steps.extend(CONFIGURATION.map(|(register, value)| Read(register, vec![value])));
+        steps
+    }
+
+    /// FIFO_CTRL1 to CTRL9 as they should be.
+    fn watch() -> Step {
+        let mut registers = [0; 18];
+        registers[0x0f - 0x07] = 0x70;
+        for (register, value) in CONFIGURATION {
+            if let Some(place) = registers.get_mut(usize::from(register).wrapping_sub(0x07)) {
+                *place = value;
+            }
+        }
+        Read(0x07, registers.to_vec())
+    }
+
+    fn level(words: u8) -> Step {
+        Read(0x1b, vec![words, 0])
+    }
+
+    fn word(tag: u8, counter: i16, data: &[i16]) -> Vec<u8> {
+        [vec![tag << 3 | (counter as u8 & 3) << 1 | 1], bytes(data)].concat()
+    }
+
+    fn accel(n: i16) -> Vec<u8> {
+        word(2, n, &sample(n).accel)
+    }
+
+    fn gyro(n: i16) -> Vec<u8> {
+        word(1, n, &sample(n).gyro)
+    }
+
+    fn temperature(n: i16) -> Vec<u8> {
+        word(3, n, &[-256, 0, 0])
+    }
+
+    /// The clock turns after tick 2.
+    fn stamp(n: i16) -> Vec<u8> {
+        let stamp = (f64::from(n) * 230.4) as u32;
+        let [a, b, c, d] = stamp.wrapping_sub(500).to_le_bytes();
+        word(4, n, &[i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d]), 0])
+    }
+
+    fn all(n: i16) -> Vec<u8> {
+        [gyro(n), accel(n), stamp(n)].concat()
+    }
+
+    fn burst(words: Vec<u8>) -> [Step; 3] {
+        [watch(), level((words.len() / 7) as u8), Read(0x78, words)]
+    }
+
+    /// Set up, a first poll with tick 0, then these.
+    fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
+        let first = burst([temperature(0), all(0)].concat()).to_vec();
+        let (mut result, counts) = lsm6dsv16x(polls + 2, &[set_up(), first, steps].concat());
+        assert_eq!(result.drain(..2).collect::<Polls>(), [Ok(vec![]), Ok(vec![sample(0)])]);
+        (result, counts)
+    }
+
+    #[test]
+    fn is_set_up_and_read_back() {
+        let (result, counts) = lsm6dsv16x(1, &set_up());
+        assert_eq!(result, [Ok(vec![])]);
+        assert_eq!(counts, super::Counts::default());
+    }
+
+    #[test]
+    fn words_of_one_instant_make_a_sample_in_any_order() {
+        let words = [
+            vec![accel(1), gyro(1), stamp(1)],
+            vec![stamp(2), gyro(2), accel(2)],
+            // its last word comes with the next poll
+            vec![accel(3), stamp(3)],
+        ];
+        let mut steps = burst(words.concat().concat()).to_vec();
+        steps.extend(burst([gyro(3), all(4), all(5), all(6), all(7)].concat()));
+        let (result, counts) = polls(2, steps);
+        let samples = |ticks: core::ops::RangeInclusive<i16>| Ok(ticks.map(sample).collect());
+        assert_eq!(result, [samples(1..=2), samples(3..=7)]);
+        assert_eq!(counts.samples, 8);
+    }
+
+    #[test]
+    fn at_most_32_words_a_transfer_and_32_samples_a_poll() {
+        let words: Vec<u8> = (1..=41).flat_map(all).collect();
+        let mut steps = vec![watch(), level(123)];
+        let (now, later) = words.split_at(96 * 7);
+        steps.extend(now.chunks(32 * 7).map(|chunk| Read(0x78, chunk.to_vec())));
+        steps.extend(burst(later.to_vec()));
+        let (result, _) = polls(2, steps);
+        assert_eq!(result, [Ok((1..=32).map(sample).collect()), Ok((33..=41).map(sample).collect())]);
+    }
+
+    #[test]
+    fn a_transfer_without_an_answer_is_repeated_after_1_and_2_ms() {
+        let mut steps = vec![NoAnswer(0x07, 18), Wait(1000), watch(), NoAnswer(0x1b, 2), Wait(2000)];
+        steps.extend(burst(all(1)));
+        let (result, counts) = polls(1, steps);
+        assert_eq!(result, [Ok(vec![RawSample { faults: Faults::BUS, ..sample(1) }])]);
+        assert_eq!(counts.bus, 2);
+    }
+
+    #[test]
+    fn after_three_it_is_set_up_anew_later_and_later() {
+        let fail = [NoAnswer(0x07, 18), Wait(1000), NoAnswer(0x07, 18), Wait(2000), NoAnswer(0x07, 18)];
+        let no_id = NoAnswer(0x0f, 1);
+        let mut steps = fail.to_vec();
+        steps.extend([no_id.clone(), no_id.clone()]);
+        steps.extend(set_up());
+        steps.extend(burst([temperature(9), all(9)].concat()));
+        let (result, counts) = polls(9, steps);
+        let nack = || Err(SourceError::Bus("NoAcknowledge(Address)".into()));
+        let resting = |polls| Err(SourceError::Resting(polls));
+        let faults = Faults::BUS | Faults::RESET | Faults::GAP;
+        // by the application's clock 450 ms after the sample before
+        let sample = RawSample { skipped: 89, faults, ..sample(9) };
+        let expected: Polls = vec![
+            nack(),
+            nack(),
+            resting(1),
+            nack(),
+            resting(3),
+            resting(2),
+            resting(1),
+            Ok(vec![]),
+            Ok(vec![sample]),
+        ];
+        assert_eq!(result, expected);
+        assert_eq!((counts.bus, counts.resets), (5, 1));
+    }
+
+    #[test]
+    fn fewer_words_than_announced_tear_a_sample() {
+        let words = [all(1), gyro(2), accel(2), vec![0; 7], all(3)];
+        let (result, counts) = polls(1, burst(words.concat()).to_vec());
+        let faults = Faults::BUS | Faults::GAP;
+        assert_eq!(result, [Ok(vec![sample(1), RawSample { skipped: 1, faults, ..sample(3) }])]);
+        assert_eq!((counts.torn, counts.gaps, counts.skipped), (2, 1, 1));
+    }
+
+    #[test]
+    fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
+        // the overwriting stopped in the middle of tick 21
+        let words = [accel(21), stamp(21), all(22)].concat();
+        let steps = [watch(), Read(0x1b, vec![5, 0x48]), Read(0x78, words)];
+        let (result, counts) = polls(1, steps.to_vec());
+        let faults = Faults::OVERRUN | Faults::GAP;
+        assert_eq!(result, [Ok(vec![RawSample { skipped: 21, faults, ..sample(22) }])]);
+        assert_eq!((counts.overruns, counts.torn), (1, 0));
+    }
+
+    #[test]
+    fn another_part_is_not_written_to() {
+        let (result, counts) = lsm6dsv16x(2, &[vec![Read(0x0f, vec![0x6c])], set_up()].concat());
+        assert_eq!(result, [Err(SourceError::WrongPart(0x6c)), Ok(vec![])]);
+        assert_eq!(counts.wrong_part, 1);
+    }
+
+    #[test]
+    fn a_register_that_is_not_kept_is_named() {
+        let mut steps = set_up();
+        let place = steps.len() - 10;
+        assert!(matches!(&steps[place], Read(0x15, _)));
+        steps.truncate(place);
+        steps.push(Read(0x15, vec![0x04]));
+        let (result, counts) = lsm6dsv16x(1, &steps);
+        assert_eq!(result, [Err(SourceError::NotKept { register: 0x15, written: 0x02, read: 0x04 })]);
+        assert_eq!(counts.not_kept, 1);
+    }
+
+    #[test]
+    fn the_same_codes_twenty_times_are_stuck() {
+        let held = |n: i16| [word(1, n, &sample(0).gyro), word(2, n, &sample(0).accel), stamp(n)].concat();
+        let words: Vec<u8> = (1..=20).flat_map(held).collect();
+        let mut steps = vec![watch(), level(60)];
+        steps.extend(words.chunks(32 * 7).map(|chunk| Read(0x78, chunk.to_vec())));
+        steps.extend(set_up());
+        let (result, counts) = polls(2, steps);
+        let Ok(samples) = &result[0] else { panic!("{result:?}") };
+        // with tick 0 the twentieth is tick 19
+        let stuck: Vec<bool> = samples.iter().map(|sample| sample.faults == Faults::STUCK).collect();
+        assert_eq!(stuck, (1..=20).map(|n| n >= 19).collect::<Vec<_>>());
+        assert_eq!((counts.stuck, counts.resets), (2, 1));
+    }
+
+    #[test]
+    fn a_temperature_is_good_for_a_second() {
+        let mut steps = Vec::new();
+        for poll in 0..22 {
+            let words: Vec<u8> = (1..=10).flat_map(|n| all(10 * poll + n)).collect();
+            steps.extend(burst(words[..30 * 7].to_vec()));
+        }
+        let (result, counts) = polls(22, steps);
+        let samples = result.into_iter().flat_map(|poll| poll.expect("samples"));
+        let known: Vec<bool> = samples
+            .map(|sample| {
+                assert_eq!(sample.temperature.is_none(), sample.faults == Faults::TEMPERATURE);
+                sample.temperature.is_some()
+            })
+            .collect();
+        assert_eq!(known, (1..=220).map(|n| n < 200).collect::<Vec<_>>());
+        assert_eq!(counts.temperature, 21);
+    }
+
+    #[test]
+    fn a_sensor_that_was_reset_is_set_up_anew_at_once() {
+        let mut reset = [0; 18];
+        (reset[0x0f - 0x07], reset[0x12 - 0x07]) = (0x70, 0x04);
+        let look = Read(0x07, reset.to_vec());
+        // two looks: the first may be damaged
+        let mut steps = vec![look.clone(), watch(), level(0)];
+        steps.extend([look.clone(), look]);
+        steps.extend(set_up());
+        steps.extend(burst([temperature(30), all(30)].concat()));
+        let (result, counts) = polls(3, steps);
+        let faults = Faults::RESET | Faults::GAP;
+        let sample = RawSample { skipped: 29, faults, ..sample(30) };
+        assert_eq!(result, [Ok(vec![]), Ok(vec![]), Ok(vec![sample])]);
+        assert_eq!(counts.resets, 1);
+    }
+}
+
+mod bmi323 {
+    use super::{Faults, Polls, RawSample, Read, SourceError, Step, Wait, Write, bmi323, bytes, sample};
+
+    fn id(id: u8) -> Vec<Step> {
+        let id = Read(0x00, vec![id, 0]);
+        vec![Write(0x7e, vec![0xaf, 0xde]), Wait(2000), id.clone(), Wait(250), id]
+    }
+
+    /// `acc_conf` and `gyr_conf`: high performance, ±4 g, ±500 dps, 200 Hz; `fifo_watermark` and `fifo_conf`: all four.
+    fn watch() -> [Step; 2] {
+        [Read(0x20, vec![0x19, 0x70, 0x29, 0x70]), Read(0x35, vec![0, 0, 0x00, 0x0f])]
+    }
+
+    fn set_up() -> Vec<Step> {
+        let mut steps = id(0x43);
+        steps.extend([
+            Read(0x01, vec![0, 0]),
+            Read(0x02, vec![1, 0]),
+            Write(0x35, vec![0, 0]),
+            Write(0x36, vec![0x00, 0x0f]),
+            Write(0x20, vec![0x19, 0x70]),
+            Write(0x21, vec![0x29, 0x70]),
+            Write(0x37, vec![1, 0]),
+        ]);
+        steps.extend(watch());
+        steps
+    }
+
+    /// The clock turns after tick 2.
+    fn stamp(n: i16) -> i16 {
+        (i32::from(n) * 128 - 300) as u16 as i16
+    }
+
+    fn words(n: i16, sample: &RawSample) -> Vec<u8> {
+        let temperature = sample.temperature.unwrap_or(i16::MIN);
+        bytes(&[&sample.accel[..], &sample.gyro, &[temperature, stamp(n)]].concat())
+    }
+
+    fn frame(n: i16) -> Vec<u8> {
+        words(n, &sample(n))
+    }
+
+    fn level(frames: u16) -> Step {
+        Read(0x15, (frames * 8).to_le_bytes().to_vec())
+    }
+
+    fn burst(frames: Vec<u8>) -> Vec<Step> {
+        let mut steps = watch().to_vec();
+        steps.push(level((frames.len() / 16) as u16));
+        steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+        steps
+    }
+
+    /// Set up, a first poll with tick 0, then these.
+    fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
+        let (mut result, counts) = bmi323(polls + 2, &[set_up(), burst(frame(0)), steps].concat());
+        assert_eq!(result.drain(..2).collect::<Polls>(), [Ok(vec![]), Ok(vec![sample(0)])]);
+        (result, counts)
+    }
+
+    #[test]
+    fn is_set_up_and_read_back() {
+        let (result, counts) = bmi323(1, &set_up());
+        assert_eq!(result, [Ok(vec![])]);
+        assert_eq!(counts, super::Counts::default());
+    }
+
+    #[test]
+    fn every_eight_words_make_a_sample() {
+        let (result, counts) = polls(1, burst((1..=10).flat_map(frame).collect()));
+        assert_eq!(result, [Ok((1..=10).map(sample).collect())]);
+        assert_eq!(counts.samples, 11);
+    }
+
+    #[test]
+    fn frames_before_the_sensor_is_ready_are_no_samples() {
+        let mut no_accel = frame(-2);
+        no_accel[..2].copy_from_slice(&[0x01, 0x7f]);
+        let mut no_gyro = frame(-1);
+        no_gyro[6..8].copy_from_slice(&[0x02, 0x7f]);
+        let frames = [no_accel, no_gyro, frame(0)].concat();
+        let (result, counts) = bmi323(2, &[set_up(), burst(frames)].concat());
+        assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
+        assert_eq!(counts.torn, 0);
+    }
+
+    #[test]
+    fn at_most_8_frames_a_transfer_and_32_samples_a_poll() {
+        let frames: Vec<u8> = (1..=41).flat_map(frame).collect();
+        let mut steps = watch().to_vec();
+        steps.push(level(41));
+        let (now, later) = frames.split_at(32 * 16);
+        steps.extend(now.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+        steps.extend(burst(later.to_vec()));
+        let (result, _) = polls(2, steps);
+        assert_eq!(result, [Ok((1..=32).map(sample).collect()), Ok((33..=41).map(sample).collect())]);
+    }
+
+    #[test]
+    fn fewer_frames_than_announced_are_missing() {
+        let frames = [frame(1), frame(2), [0x00, 0x80].repeat(8)].concat();
+        let (result, counts) = polls(2, [burst(frames), burst(frame(4))].concat());
+        let faults = Faults::BUS | Faults::GAP;
+        let after = RawSample { skipped: 1, faults, ..sample(4) };
+        assert_eq!(result, [Ok(vec![sample(1), sample(2)]), Ok(vec![after])]);
+        assert_eq!((counts.torn, counts.gaps, counts.skipped), (1, 1, 1));
+    }
+
+    #[test]
+    fn a_frame_that_comes_twice_is_one_sample() {
+        let (result, counts) = polls(1, burst([frame(1), frame(1), frame(2)].concat()));
+        let after = RawSample { faults: Faults::BUS, ..sample(2) };
+        assert_eq!(result, [Ok(vec![sample(1), after])]);
+        assert_eq!((counts.torn, counts.gaps), (1, 0));
+    }
+
+    #[test]
+    fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
+        let frames: Vec<u8> = (21..=52).flat_map(frame).collect();
+        let mut steps = watch().to_vec();
+        steps.push(level(128));
+        steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+        let (result, counts) = polls(1, steps);
+        let Ok(samples) = &result[0] else { panic!("{result:?}") };
+        let faults = Faults::OVERRUN | Faults::GAP;
+        assert_eq!(samples[0], RawSample { skipped: 20, faults, ..sample(21) });
+        assert_eq!(samples[1..], (22..=52).map(sample).collect::<Vec<_>>());
+        assert_eq!(counts.overruns, 1);
+    }
+
+    #[test]
+    fn another_part_is_an_error() {
+        let (result, counts) = bmi323(2, &[id(0x24), set_up()].concat());
+        assert_eq!(result, [Err(SourceError::WrongPart(0x24)), Ok(vec![])]);
+        assert_eq!(counts.wrong_part, 1);
+    }
+
+    #[test]
+    fn a_register_that_is_not_kept_is_named() {
+        let mut steps = set_up();
+        let place = steps.len() - 2;
+        steps[place] = Read(0x20, vec![0x19, 0x70, 0x39, 0x70]);
+        let (result, counts) = bmi323(1, &steps);
+        assert_eq!(result, [Err(SourceError::NotKept { register: 0x21, written: 0x7029, read: 0x7039 })]);
+        assert_eq!(counts.not_kept, 1);
+    }
+
+    #[test]
+    fn the_same_codes_twenty_times_are_stuck() {
+        let frames: Vec<u8> = (1..=20).flat_map(|n| words(n, &sample(0))).collect();
+        let (result, counts) = polls(2, [burst(frames), set_up()].concat());
+        let Ok(samples) = &result[0] else { panic!("{result:?}") };
+        let stuck: Vec<bool> = samples.iter().map(|sample| sample.faults == Faults::STUCK).collect();
+        assert_eq!(stuck, (1..=20).map(|n| n >= 19).collect::<Vec<_>>());
+        assert_eq!((counts.stuck, counts.resets), (2, 1));
+    }
+
+    #[test]
+    fn a_thermometer_may_have_nothing_to_say() {
+        let cold = |n| RawSample { temperature: None, faults: Faults::TEMPERATURE, ..sample(n) };
+        let frames = [frame(1), words(2, &cold(2)), frame(3)].concat();
+        let (result, counts) = polls(1, burst(frames));
+        assert_eq!(result, [Ok(vec![sample(1), cold(2), sample(3)])]);
+        assert_eq!(counts.temperature, 1);
+    }
+
+    #[test]
+    fn a_sensor_that_was_reset_is_set_up_anew_at_once() {
+        // two looks: the first may be damaged
+        let look = vec![Read(0x20, vec![0; 4]), Read(0x35, vec![0; 4])];
+        let reset = [look.clone(), look];
+        let steps = [reset.concat(), set_up(), burst(frame(20))].concat();
+        let (result, counts) = polls(2, steps);
+        let faults = Faults::RESET | Faults::GAP;
+        assert_eq!(result, [Ok(vec![]), Ok(vec![RawSample { skipped: 19, faults, ..sample(20) }])]);
+        assert_eq!(counts.resets, 1);
+    }
+}
