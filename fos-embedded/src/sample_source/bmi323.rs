@@ -5,7 +5,7 @@ use bmi323_driver::{
     FifoConfig, GyroConfig, GyroMode, GyroRange, OutputDataRate, SpiTransport,
 };
 use embedded_hal_async::delay::DelayNs;
-use embedded_hal_async::spi::SpiDevice;
+use embedded_hal_async::spi::{Operation, SpiDevice};
 use fos_core::FittedOn;
 
 use super::{Batch, Part, SensorClock, SourceError};
@@ -38,17 +38,25 @@ const FIFO: FifoConfig = FifoConfig {
     include_temperature: true,
 };
 
-/// Where these are kept (§6.1.2): `acc_conf`, then `gyr_conf`; `fifo_watermark`, then `fifo_conf`.
-const ACC_CONF: u8 = 0x20;
-const FIFO_WATERMARK: u8 = 0x35;
+/// What the registers read then (§6.1.2): `acc_conf`, `gyr_conf`, `fifo_watermark`, `fifo_conf`.
+const CONFIGURATION: [(u8, u16); 4] =
+    [(0x20, ACCEL.to_word()), (0x21, GYRO.to_word()), (0x35, 0), (0x36, FIFO.to_word())];
 
-/// Words of a frame: accelerometers, gyros, temperature, time.
-const FRAME: usize = 8;
+/// Reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It is read past the driver, whose `read_fifo_words` checks a length
+/// while it runs: a panic, even if one that never comes.
+const READ_FIFO: [u8; 1] = [0x80 | 0x16];
 
-/// Frames of a transfer: as many as the driver's buffer takes, 64 words.
-const FRAMES: usize = bmi323_driver::MAX_WORDS_PER_READ / FRAME;
+/// A byte without meaning comes before what is read (§7.2.3).
+const DUMMY: usize = 1;
 
-/// Words of the FIFO, 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest frame may be gone.
+/// Bytes of a frame: accelerometers, gyros, temperature, time; words, the low byte first.
+const FRAME: usize = 16;
+
+/// Frames of a transfer: 0.1 ms at 10 MHz.
+const FRAMES: usize = 8;
+
+/// Words of a frame, and of the FIFO: 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest frame may be gone.
+const FRAME_WORDS: u16 = FRAME as u16 / 2;
 const FIFO_WORDS: u16 = 1024;
 
 /// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7). It is also a code of 0.992 of full
@@ -61,7 +69,7 @@ const NOTHING: i16 = i16::MIN;
 
 /// A BMI323 on an SPI bus: ±4 g, ±500 dps, 200 Hz in high-performance mode.
 pub struct Bmi323<S, D> {
-    driver: Driver<SpiTransport<S>>,
+    spi: S,
     delay: D,
     /// A frame has come since the set-up: from then on none is without data.
     started: bool,
@@ -70,16 +78,22 @@ pub struct Bmi323<S, D> {
 impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
     /// SPI mode 0 or 3, at most 10 MHz.
     pub fn new(spi: S, delay: D) -> Self {
-        Self { driver: Driver::new_spi(spi), delay, started: false }
+        Self { spi, delay, started: false }
     }
 
     /// Bus and delay.
     pub fn release(self) -> (S, D) {
-        (self.driver.destroy(), self.delay)
+        (self.spi, self.delay)
     }
 
-    fn take(&mut self, words: &[u16; FRAME], batch: &mut Batch) {
-        let [ax, ay, az, gx, gy, gz, temperature, stamp] = words.map(|word| word as i16);
+    /// The driver has no state of its own that is used here.
+    fn driver(&mut self) -> Driver<SpiTransport<&mut S>> {
+        Driver::new_spi(&mut self.spi)
+    }
+
+    fn take(&mut self, frame: &[u8; FRAME], batch: &mut Batch) {
+        let ([first, second], []) = frame.as_chunks::<{ FRAME / 2 }>() else { return };
+        let ([ax, ay, az, gx], [gy, gz, temperature, stamp]) = (words(first), words(second));
         let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
         if ax == NO_ACCEL || gx == NO_GYRO || (accel == [NOTHING; 3] && gyro == [NOTHING; 3]) {
             if self.started {
@@ -116,11 +130,12 @@ impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
     /// The offsets and gains that a host may write (`acc_dp_off_x` …) are as at power-on after the reset.
     async fn set_up(&mut self) -> Result<(), SourceError<S::Error>> {
         self.started = false;
-        self.driver.init(&mut self.delay).await?;
-        self.driver.set_fifo_config(FIFO, 0).await?;
-        self.driver.set_accel_config(ACCEL).await?;
-        self.driver.set_gyro_config(GYRO).await?;
-        self.driver.flush_fifo().await?;
+        let mut driver = Driver::new_spi(&mut self.spi);
+        driver.init(&mut self.delay).await?;
+        driver.set_fifo_config(FIFO, 0).await?;
+        driver.set_accel_config(ACCEL).await?;
+        driver.set_gyro_config(GYRO).await?;
+        driver.flush_fifo().await?;
         match self.first_wrong().await? {
             Some((register, written, read)) => Err(SourceError::NotKept { register, written, read }),
             None => Ok(()),
@@ -132,18 +147,20 @@ impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
     }
 
     async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<S::Error>> {
-        let level = self.driver.fifo_fill_level().await?;
-        batch.overrun |= level >= FIFO_WORDS - FRAME as u16;
-        batch.left = level / FRAME as u16;
+        let level = self.driver().fifo_fill_level().await?;
+        batch.overrun |= level >= FIFO_WORDS - FRAME_WORDS;
+        batch.left = level / FRAME_WORDS;
         for _ in 0..super::MAX_SAMPLES / FRAMES {
             let frames = usize::from(batch.left).min(batch.room()).min(FRAMES);
-            let mut words = [0; FRAMES * FRAME];
-            let Some(words) = words.get_mut(..frames * FRAME).filter(|words| !words.is_empty()) else {
+            let mut bytes = [0; DUMMY + FRAMES * FRAME];
+            let bytes = bytes.get_mut(..DUMMY + frames * FRAME).unwrap_or_default();
+            if frames == 0 {
                 break;
-            };
-            self.driver.read_fifo_words(words).await?;
+            }
+            let mut burst = [Operation::Write(&READ_FIFO), Operation::Read(bytes)];
+            self.spi.transaction(&mut burst).await.map_err(SourceError::Bus)?;
             batch.left = batch.left.saturating_sub(frames as u16);
-            for frame in words.as_chunks().0 {
+            for frame in bytes.get(DUMMY..).unwrap_or_default().as_chunks().0 {
                 self.take(frame, batch);
             }
         }
@@ -158,16 +175,19 @@ impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
 impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
     /// Of the registers that were set up, the first that reads something else: its address, what it should be, what it is.
     async fn first_wrong(&mut self) -> Result<Option<(u8, u16, u16)>, SourceError<S::Error>> {
-        let mut is = [[0; 2]; 2];
-        let [sensors, fifo] = &mut is;
-        self.driver.read_words(ACC_CONF, sensors).await.map_err(SourceError::Bus)?;
-        self.driver.read_words(FIFO_WATERMARK, fifo).await.map_err(SourceError::Bus)?;
-        let should = [[ACCEL.to_word(), GYRO.to_word()], [0, FIFO.to_word()]];
-        let registers = [ACC_CONF, ACC_CONF + 1, FIFO_WATERMARK, FIFO_WATERMARK + 1];
-        let all = registers.into_iter().zip(should.as_flattened()).zip(is.as_flattened());
-        let mut wrong = all.filter(|((_, should), is)| should != is);
-        Ok(wrong.next().map(|((register, should), is)| (register, *should, *is)))
+        for (register, should) in CONFIGURATION {
+            let is = self.driver().read_word(register).await.map_err(SourceError::Bus)?;
+            if is != should {
+                return Ok(Some((register, should, is)));
+            }
+        }
+        Ok(None)
     }
+}
+
+fn words(bytes: &[u8; FRAME / 2]) -> [i16; 4] {
+    let [a, b, c, d, e, f, g, h] = *bytes;
+    [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes)
 }
 
 impl<E> From<Error<E>> for SourceError<E> {

@@ -9,7 +9,7 @@ use lsm6dsv16x_rs::asynchronous::prelude::{
     FunctionsEnable, GyFullScale, GyMode, HaodrCfg, I2CAddress, ID, Lsm6dsv16x as Driver, MainBank, Odr, Reg,
     Tag, XlFullScale, XlMode,
 };
-use st_mems_bus::asynchronous::{RegisterOperation, SensorOperation, i2c::I2cBus};
+use st_mems_bus::asynchronous::{BusOperation, RegisterOperation, SensorOperation, i2c::I2cBus};
 
 use super::{Batch, Part, SensorClock, SourceError};
 use crate::raw::Scales;
@@ -133,10 +133,10 @@ impl<B: I2c, D: DelayNs> Part for Lsm6dsv16x<B, D> {
         if id != ID {
             return Err(SourceError::WrongPart(id));
         }
-        FuncCfgAccess::new().with_sw_por(1).write(driver).await?;
+        write(driver, Reg::FuncCfgAccess, FuncCfgAccess::new().with_sw_por(1).into_bits()).await?;
         driver.tim.delay_ms(BOOT_MS).await;
         for (register, written) in CONFIGURATION {
-            driver.write_to_register(register as u8, &[written]).await?;
+            write(driver, register, written).await?;
         }
         for (register, written) in CONFIGURATION {
             let mut read = [0];
@@ -185,6 +185,18 @@ impl<B: I2c, D: DelayNs> Part for Lsm6dsv16x<B, D> {
     async fn wait_ms(&mut self, ms: u32) {
         self.driver.tim.delay_ms(ms).await;
     }
+}
+
+/// Writes a register, as the driver's own way does for any length, but without a buffer of 257 bytes.
+async fn write<B: I2c, D>(
+    driver: &mut Driver<I2cBus<B>, D, MainBank>,
+    register: Reg,
+    value: u8,
+) -> Result<(), SourceError<B::Error>>
+where
+    D: DelayNs,
+{
+    driver.bus.write_bytes(&[register as u8, value]).await.map_err(SourceError::Bus)
 }
 
 /// Puts the words of one instant together: they have the same two-bit counter, in any order.

@@ -17,14 +17,15 @@
 //!     loop {
 //!         let now_us = clock_us();
 //!         if let Some(Ok(samples)) = now(source.poll(now_us)) {
+//!             let given = samples.len();
 //!             for raw in samples {
 //!                 let _output = hub.update(raw);
 //!             }
-//!             if !source.has_more() {
+//!             if given > 0 && !source.has_more() {
 //!                 hub.clock(now_us);
 //!             }
 //!         }
-//!         // sleep for 50 ms, or until the next tick
+//!         // poll again at once if it has more; else sleep for 50 ms
 //! #       break;
 //!     }
 //! }
@@ -107,7 +108,7 @@ pub trait Part {
 
 /// Complete samples from a part, with what went wrong on the way.
 ///
-/// Every failure is bounded: three transfers a poll, then up to [`MAX_BACK_OFF`] polls of rest before the part is set up anew.
+/// Every failure is bounded: three attempts a poll, then up to 64 polls of rest before the part is set up anew.
 #[derive(Debug)]
 pub struct SampleSource<P: Part> {
     part: P,
