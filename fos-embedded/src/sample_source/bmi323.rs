@@ -59,7 +59,7 @@ const FRAMES: usize = 8;
 const FRAME_WORDS: u16 = FRAME as u16 / 2;
 const FIFO_WORDS: u16 = 1024;
 
-/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7). It is also a code of 0.992 of full
+/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7, table 18). It is also a code of 0.992 of full
 /// scale on x: such a sample is taken for missing.
 const NO_ACCEL: i16 = 0x7f01;
 const NO_GYRO: i16 = 0x7f02;
@@ -112,7 +112,7 @@ impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
 
     const NAME: &'static str = "BMI323";
 
-    /// Low word of the sensor time, 39.0625 µs a count (§5.6.4): a turn is 2.56 s.
+    /// Low word of the sensor time, 39.0625 µs a count (§6.1.2, `sensor_time_0`): a turn is 2.56 s.
     const CLOCK: SensorClock = SensorClock { bits: 16, count_ps: 39_062_500, period_ns: 5_000_000 };
 
     fn scales() -> Scales {
@@ -195,7 +195,7 @@ impl<E> From<Error<E>> for SourceError<E> {
         match error {
             Error::Bus(error) => Self::Bus(error),
             Error::InvalidChipId(id) => Self::WrongPart(id),
-            _ => Self::Part,
+            _ => Self::Fatal,
         }
     }
 }

@@ -51,7 +51,7 @@ impl Counts {
         let (fault, count) = match error {
             SourceError::Bus(_) => (Faults::BUS, &mut self.bus),
             SourceError::WrongPart(_) => (Faults::WRONG_PART, &mut self.wrong_part),
-            SourceError::NotKept { .. } | SourceError::Part => (Faults::RESET, &mut self.not_kept),
+            SourceError::NotKept { .. } | SourceError::Fatal => (Faults::RESET, &mut self.not_kept),
             SourceError::Resting(_) => return,
         };
         *faults |= fault;

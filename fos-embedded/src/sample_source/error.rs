@@ -20,7 +20,7 @@ pub enum SourceError<E> {
         read: u16,
     },
     /// The part reports a fatal error of its own.
-    Part,
+    Fatal,
     /// It has failed too often; it is left alone for so many polls, this one included.
     Resting(u8),
 }
@@ -33,7 +33,7 @@ impl<E: fmt::Debug> fmt::Display for SourceError<E> {
             Self::NotKept { register, written, read } => {
                 write!(f, "register {register:#04x} reads {read:#06x} after {written:#06x} was written")
             }
-            Self::Part => write!(f, "the part reports a fatal error"),
+            Self::Fatal => write!(f, "the part reports a fatal error"),
             Self::Resting(polls) => write!(f, "left alone for {polls} polls"),
         }
     }

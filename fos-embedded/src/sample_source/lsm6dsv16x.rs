@@ -4,7 +4,7 @@ use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::i2c::I2c;
 use fos_core::FittedOn;
 use lsm6dsv16x_rs::asynchronous::prelude::{
-    Ctrl1, Ctrl2, Ctrl3, Ctrl6, Ctrl8, Ctrl9, Error, FifoBatch, FifoCtrl2, FifoCtrl3, FifoCtrl4,
+    Ctrl1, Ctrl2, Ctrl3, Ctrl4, Ctrl6, Ctrl8, Ctrl9, Error, FifoBatch, FifoCtrl2, FifoCtrl3, FifoCtrl4,
     FifoDataOutTag, FifoMode, FifoStatusReg, FifoTempBatch, FifoTimestampBatch, FuncCfgAccess,
     FunctionsEnable, GyFullScale, GyMode, HaodrCfg, I2CAddress, ID, Lsm6dsv16x as Driver, MainBank, Odr, Reg,
     Tag, XlFullScale, XlMode,
@@ -14,11 +14,11 @@ use st_mems_bus::asynchronous::{BusOperation, RegisterOperation, SensorOperation
 use super::{Batch, Part, SensorClock, SourceError};
 use crate::raw::Scales;
 
-/// ±4 g: 0.122 mg/LSB (table 2, "Mechanical characteristics").
+/// ±4 g: 0.122 mg/LSB ("Mechanical characteristics", LA_So).
 const ACCEL_RANGE: u8 = XlFullScale::_4g as u8;
 const ACCEL_MG: f32 = 0.122;
 
-/// ±500 dps: 17.5 mdps/LSB (table 2).
+/// ±500 dps: 17.5 mdps/LSB (the same, G_So).
 const GYRO_RANGE: u8 = GyFullScale::_500dps as u8;
 const GYRO_MDPS: f32 = 17.5;
 
@@ -28,9 +28,10 @@ const RATE_SET: u8 = Odr::Ha02_200hz as u8 >> 4;
 
 /// What is written, in this order: the rates come after all that they drive, the FIFO last, so that it holds nothing from before.
 /// Offsets that a host may write (X_OFS_USR …) are off: CTRL9 is 0.
-const CONFIGURATION: [(Reg, u8); 12] = [
+const CONFIGURATION: [(Reg, u8); 13] = [
     (Reg::FuncCfgAccess, 0),
     (Reg::Ctrl3, Ctrl3::new().with_bdu(1).with_if_inc(1).into_bits()),
+    (Reg::Ctrl4, Ctrl4::new().with_drdy_mask(1).into_bits()),
     (Reg::Ctrl6, Ctrl6::new().with_fs_g(GYRO_RANGE).into_bits()),
     (Reg::Ctrl8, Ctrl8::new().with_fs_xl(ACCEL_RANGE).into_bits()),
     (Reg::Ctrl9, Ctrl9::new().into_bits()),
@@ -64,14 +65,17 @@ const WORDS: usize = 32;
 /// Words of a sample: accelerometer, gyro, time stamp. Temperatures are extra.
 const WORDS_A_SAMPLE: usize = 3;
 
-/// Transfers a poll: a sample, should all come torn, takes no more than 8 words.
-const TRANSFERS: usize = super::MAX_SAMPLES * 8 / WORDS;
+/// Transfers a poll: 256 words, should most of them be of no use; the FIFO takes no more without compression.
+const TRANSFERS: usize = 8;
 
 /// After the global reset, ms: as the makers' own driver waits.
 const BOOT_MS: u32 = 50;
 
 /// A temperature is good for so many samples, 1 s: one comes every 13.
 const TEMPERATURE_AGE: u8 = 200;
+
+/// While a filter settles, DRDY_MASK has this code or one of the two above it in the FIFO, on all axes.
+const UNSETTLED: i16 = 0x7ffd;
 
 /// What SDO/SA0 is connected to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,14 +115,14 @@ impl<B: I2c, D: DelayNs> Part for Lsm6dsv16x<B, D> {
 
     const NAME: &'static str = "LSM6DSV16X";
 
-    /// 21.7 µs a count, 1/46 080 s.
+    /// TIMESTAMP0 …: 1/46 080 s a count, 21.7 µs.
     const CLOCK: SensorClock = SensorClock { bits: 32, count_ps: 21_701_389, period_ns: 5_000_000 };
 
     fn scales() -> Scales {
         Scales {
             accel_mps2: ACCEL_MG * 9.806_65e-3,
             gyro_rads: (GYRO_MDPS * 1e-3).to_radians(),
-            // table 4, "Temperature sensor characteristics"
+            // "Temperature sensor characteristics"
             temperature_k: 1.0 / 256.0,
             temperature_zero_c: 25.0,
             period_s: 0.005,
@@ -283,7 +287,14 @@ impl Assembler {
     /// Gives a frame once all of it is there.
     fn complete(&mut self, batch: &mut Batch) {
         let Slot { accel: Some(accel), gyro: Some(gyro), stamp: Some(stamp), .. } = self.slot else { return };
-        (self.slot, self.in_step) = (Slot::EMPTY, true);
+        self.slot = Slot::EMPTY;
+        if [accel, gyro].iter().any(|codes| codes.iter().all(|code| *code >= UNSETTLED)) {
+            if self.in_step {
+                batch.tear();
+            }
+            return;
+        }
+        self.in_step = true;
         let temperature = self.temperature.filter(|_| self.temperature_age < TEMPERATURE_AGE);
         self.temperature_age = self.temperature_age.saturating_add(1);
         batch.push(accel, gyro, temperature, stamp);
@@ -295,7 +306,7 @@ impl<E> From<Error<E>> for SourceError<E> {
         match error {
             Error::Bus(error) => Self::Bus(error),
             // none of what is called gives another
-            _ => Self::Part,
+            _ => Self::Fatal,
         }
     }
 }

@@ -161,7 +161,8 @@ impl<P: Part> SampleSource<P> {
     /// The samples since the last poll, oldest first, at most [`MAX_SAMPLES`]; if there are [more](Self::has_more), poll again.
     ///
     /// `now_us` is the application's clock, which only goes forward, µs. A poll takes as long as the bus needs for what it
-    /// reads; a failed transfer adds up to 3 ms, a set-up up to 60 ms.
+    /// reads (LSM6DSV16X at 400 kHz: 0.5 ms a sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a set-up 60 ms. A
+    /// future that is dropped loses what it has read: that is a gap, no more.
     ///
     /// # Errors
     ///

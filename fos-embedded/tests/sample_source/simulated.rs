@@ -69,6 +69,8 @@ pub(crate) struct Chip {
     pub(crate) tick: u64,
     /// Ticks since it was reset.
     since_reset: u64,
+    /// Samples since it runs: at first it has nothing to give.
+    since_start: u32,
     registers: [u16; 256],
     fifo: VecDeque<Vec<u8>>,
     overrun: bool,
@@ -92,6 +94,7 @@ impl Chip {
             next_tick_us: 0.0,
             tick: 0,
             since_reset: 0,
+            since_start: 0,
             registers: [0; 256],
             fifo: VecDeque::new(),
             overrun: false,
@@ -107,7 +110,7 @@ impl Chip {
     pub(crate) fn reset(&mut self) {
         self.registers = [0; 256];
         self.registers[0x12] = 0x04;
-        self.since_reset = 0;
+        (self.since_reset, self.since_start) = (0, 0);
         self.overrun = false;
         self.fifo.clear();
     }
@@ -130,7 +133,7 @@ impl Chip {
         match self.kind {
             Kind::Lsm6dsv16x => {
                 let stamps = register(0x50) == 0x40;
-                stamps && [0x10, 0x11, 0x62, 0x0a].map(register) == [0x17, 0x17, 2, 0x66]
+                stamps && [0x10, 0x11, 0x13, 0x62, 0x0a].map(register) == [0x17, 0x17, 0x08, 2, 0x66]
             }
             Kind::Bmi323 => [0x20, 0x21, 0x36].map(register) == [0x7019, 0x7029, 0x0f00],
         }
@@ -142,11 +145,14 @@ impl Chip {
             _ => codes(self.tick),
         };
         self.held = Some((accel, gyro));
+        let starts = self.since_start < 3;
+        self.since_start += 1;
         let bytes = |codes: [i16; 3]| codes.map(i16::to_le_bytes).concat();
         match self.kind {
             Kind::Lsm6dsv16x => {
                 let tag = |sensor: u8| vec![sensor << 3 | (self.since_reset as u8 & 3) << 1];
                 let stamp = (self.since_reset as f64 * 230.4) as u64 as u32;
+                let gyro = if starts { [0x7ffe; 3] } else { gyro };
                 let mut words = vec![[tag(1), bytes(gyro)].concat(), [tag(2), bytes(accel)].concat()];
                 if self.since_reset.is_multiple_of(13) && !self.trouble.no_temperature {
                     words.push([tag(3), bytes([256, 0, 0])].concat());
@@ -159,7 +165,7 @@ impl Chip {
                 let stamp = (self.since_reset * 128 + 9) as u16;
                 let rest = bytes([temperature, stamp as i16, 0]);
                 let mut frame = [bytes(accel), bytes(gyro), rest[..4].to_vec()].concat();
-                if self.since_reset < 3 {
+                if starts {
                     frame[..2].copy_from_slice(&0x7f01_u16.to_le_bytes());
                 }
                 self.push(frame, 128);

@@ -235,9 +235,10 @@ mod lsm6dsv16x {
     };
 
     /// Register and value, in the order of writing.
-    const CONFIGURATION: [(u8, u8); 12] = [
+    const CONFIGURATION: [(u8, u8); 13] = [
         (0x01, 0x00), // FUNC_CFG_ACCESS: main bank
         (0x12, 0x44), // CTRL3: BDU, IF_INC
+        (0x13, 0x08), // CTRL4: nothing before the filters have settled
         (0x15, 0x02), // CTRL6: ±500 dps
         (0x17, 0x01), // CTRL8: ±4 g
         (0x18, 0x00), // CTRL9: no user offset, no filter
@@ -333,6 +334,22 @@ mod lsm6dsv16x {
         let samples = |ticks: core::ops::RangeInclusive<i16>| Ok(ticks.map(sample).collect());
         assert_eq!(result, [samples(1..=2), samples(3..=7)]);
         assert_eq!(counts.samples, 8);
+    }
+
+    #[test]
+    fn before_the_filters_have_settled_there_are_no_samples() {
+        let unsettled = |tag, n| word(tag, n, &[0x7ffd, 0x7fff, 0x7ffe]);
+        let words = [
+            // the gyro starts later
+            vec![unsettled(2, -3), stamp(-3)],
+            vec![unsettled(1, -2), unsettled(2, -2), stamp(-2)],
+            vec![unsettled(1, -1), accel(-1), stamp(-1)],
+            vec![temperature(0), all(0)],
+        ];
+        let steps = [set_up(), burst(words.concat().concat()).to_vec()].concat();
+        let (result, counts) = lsm6dsv16x(2, &steps);
+        assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
+        assert_eq!(counts.torn, 0);
     }
 
     #[test]
