@@ -2,7 +2,8 @@
 //!
 //! Each slot is a range of pages of its own, kept by `sequential-storage`: checksums, wear levelling, repair after a cut of power.
 //! An update goes into the slot that is not in use and is read back; the slot in use is not touched, whatever happens to
-//! the power or to worn pages of the other one. Afterwards the image before can still be returned to.
+//! the power or to worn pages of the other one. Afterwards the image before can still be returned to. A blocking flash goes
+//! through [`Blocking`](crate::blocking::Blocking).
 //!
 //! ```
 //! # use embedded_storage_async::nor_flash::NorFlash;
@@ -15,13 +16,9 @@
 //! }
 //! ```
 
-use core::future::Future;
 use core::ops::Range;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
 
-use embedded_storage::nor_flash as blocking;
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use embedded_storage_async::nor_flash::NorFlash;
 use fos_core::{Image, ImageError};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
@@ -193,44 +190,3 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
 type Opened<'f, F> = (Map<'f, F>, &'f mut [u8]);
 
 type Map<'f, F> = MapStorage<u8, &'f mut F, Cache<Uncached, Uncached, Uncached, u8>>;
-
-/// A blocking flash as an asynchronous one whose operations are done when they return.
-#[derive(Debug, Clone)]
-pub struct Blocking<F>(pub F);
-
-impl<F: ErrorType> ErrorType for Blocking<F> {
-    type Error = F::Error;
-}
-
-impl<F: blocking::ReadNorFlash> ReadNorFlash for Blocking<F> {
-    const READ_SIZE: usize = F::READ_SIZE;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
-        self.0.read(offset, bytes)
-    }
-
-    fn capacity(&self) -> usize {
-        self.0.capacity()
-    }
-}
-
-impl<F: blocking::NorFlash> NorFlash for Blocking<F> {
-    const WRITE_SIZE: usize = F::WRITE_SIZE;
-    const ERASE_SIZE: usize = F::ERASE_SIZE;
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        self.0.erase(from, to)
-    }
-
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
-        self.0.write(offset, bytes)
-    }
-}
-
-/// What a future gives that is done when it is first asked, as those of [`Blocking`] flash are; `None` from any other.
-pub fn now<T>(future: impl Future<Output = T>) -> Option<T> {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(output) => Some(output),
-        Poll::Pending => None,
-    }
-}

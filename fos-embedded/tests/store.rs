@@ -4,7 +4,8 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashEr
 use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Range, Term, image, y,
 };
-use fos_embedded::store::{Blocking, ModelStore, StoreError, now};
+use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::store::{ModelStore, StoreError};
 
 const PAGE: usize = 4096;
 const PAGES: usize = 6;

@@ -81,7 +81,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
             measured: sample.measured,
             quantities: sample.quantities,
             innovations: &[correction.innovation.unwrap_or(f32::NAN)],
-            validity: &[correction.validity],
+            validity: [correction.validity].as_slice(),
         };
         recorder.sample(&start, frame).expect("sent");
     }

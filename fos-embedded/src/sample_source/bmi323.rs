@@ -1,0 +1,201 @@
+//! BMI323 (Bosch Sensortec) over SPI. Sections are those of its data sheet, BST-BMI323-DS000.
+
+use bmi323_driver::{
+    AccelConfig, AccelMode, AccelRange, Access, AverageSamples, Bandwidth, Bmi323 as Driver, Error,
+    FifoConfig, GyroConfig, GyroMode, GyroRange, OutputDataRate, SpiTransport,
+};
+use embedded_hal_async::delay::DelayNs;
+use embedded_hal_async::spi::{Operation, SpiDevice};
+use fos_core::FittedOn;
+
+use super::{Batch, Part, SensorClock, SourceError};
+use crate::raw::Scales;
+
+/// ±4 g: 8.192 LSB/mg (§5.6.1).
+const ACCEL: AccelConfig = AccelConfig {
+    mode: AccelMode::HighPerformance,
+    average: AverageSamples::Avg1,
+    bandwidth: Bandwidth::OdrOver2,
+    range: AccelRange::G4,
+    odr: OutputDataRate::Hz200,
+};
+
+/// ±500 dps: 65.536 LSB/dps (§5.6.2).
+const GYRO: GyroConfig = GyroConfig {
+    mode: GyroMode::HighPerformance,
+    average: AverageSamples::Avg1,
+    bandwidth: Bandwidth::OdrOver2,
+    range: GyroRange::Dps500,
+    odr: OutputDataRate::Hz200,
+};
+
+/// All that a sample has, one after the other in every frame (§5.7); when it is full, the newest overwrites the oldest.
+const FIFO: FifoConfig = FifoConfig {
+    stop_on_full: false,
+    include_time: true,
+    include_accel: true,
+    include_gyro: true,
+    include_temperature: true,
+};
+
+/// What the registers read then (§6.1.2): `acc_conf`, `gyr_conf`, `fifo_watermark`, `fifo_conf`.
+const CONFIGURATION: [(u8, u16); 4] =
+    [(0x20, ACCEL.to_word()), (0x21, GYRO.to_word()), (0x35, 0), (0x36, FIFO.to_word())];
+
+/// Reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It is read past the driver, whose `read_fifo_words` checks a length
+/// while it runs: a panic, even if one that never comes.
+const READ_FIFO: [u8; 1] = [0x80 | 0x16];
+
+/// A byte without meaning comes before what is read (§7.2.3).
+const DUMMY: usize = 1;
+
+/// Bytes of a frame: accelerometers, gyros, temperature, time; words, the low byte first.
+const FRAME: usize = 16;
+
+/// Frames of a transfer: 0.1 ms at 10 MHz.
+const FRAMES: usize = 8;
+
+/// Words of a frame, and of the FIFO: 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest frame may be gone.
+const FRAME_WORDS: u16 = FRAME as u16 / 2;
+const FIFO_WORDS: u16 = 1024;
+
+/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7, table 18). It is also a code of 0.992 of full
+/// scale on x: such a sample is taken for missing.
+const NO_ACCEL: i16 = 0x7f01;
+const NO_GYRO: i16 = 0x7f02;
+
+/// What an empty FIFO reads, and a thermometer that has nothing to say (§5.6.3).
+const NOTHING: i16 = i16::MIN;
+
+/// A BMI323 on an SPI bus: ±4 g, ±500 dps, 200 Hz in high-performance mode.
+pub struct Bmi323<S, D> {
+    spi: S,
+    delay: D,
+    /// A frame has come since the set-up: from then on none is without data.
+    started: bool,
+}
+
+impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
+    /// SPI mode 0 or 3, at most 10 MHz.
+    pub fn new(spi: S, delay: D) -> Self {
+        Self { spi, delay, started: false }
+    }
+
+    /// Bus and delay.
+    pub fn release(self) -> (S, D) {
+        (self.spi, self.delay)
+    }
+
+    /// The driver has no state of its own that is used here.
+    fn driver(&mut self) -> Driver<SpiTransport<&mut S>> {
+        Driver::new_spi(&mut self.spi)
+    }
+
+    fn take(&mut self, frame: &[u8; FRAME], batch: &mut Batch) {
+        let ([first, second], []) = frame.as_chunks::<{ FRAME / 2 }>() else { return };
+        let ([ax, ay, az, gx], [gy, gz, temperature, stamp]) = (words(first), words(second));
+        let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
+        if ax == NO_ACCEL || gx == NO_GYRO || (accel == [NOTHING; 3] && gyro == [NOTHING; 3]) {
+            if self.started {
+                batch.tear();
+            }
+            return;
+        }
+        self.started = true;
+        let temperature = Some(temperature).filter(|code| *code != NOTHING);
+        batch.push(accel, gyro, temperature, u32::from(stamp as u16));
+    }
+}
+
+impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
+    type BusError = S::Error;
+
+    const NAME: &'static str = "BMI323";
+
+    /// Low word of the sensor time, 39.0625 µs a count (§6.1.2, `sensor_time_0`): a turn is 2.56 s.
+    const CLOCK: SensorClock = SensorClock { bits: 16, count_ps: 39_062_500, period_ns: 5_000_000 };
+
+    fn scales() -> Scales {
+        Scales {
+            accel_mps2: ACCEL.range.scale_g_per_lsb() * 9.806_65,
+            gyro_rads: GYRO.range.scale_dps_per_lsb().to_radians(),
+            // §5.6.3
+            temperature_k: 1.0 / 512.0,
+            temperature_zero_c: 23.0,
+            period_s: 0.005,
+            values: FittedOn::Raw,
+        }
+    }
+
+    /// The offsets and gains that a host may write (`acc_dp_off_x` …) are as at power-on after the reset.
+    async fn set_up(&mut self) -> Result<(), SourceError<S::Error>> {
+        self.started = false;
+        let mut driver = Driver::new_spi(&mut self.spi);
+        driver.init(&mut self.delay).await?;
+        driver.set_fifo_config(FIFO, 0).await?;
+        driver.set_accel_config(ACCEL).await?;
+        driver.set_gyro_config(GYRO).await?;
+        driver.flush_fifo().await?;
+        match self.first_wrong().await? {
+            Some((register, written, read)) => Err(SourceError::NotKept { register, written, read }),
+            None => Ok(()),
+        }
+    }
+
+    async fn is_set_up(&mut self) -> Result<bool, SourceError<S::Error>> {
+        Ok(self.first_wrong().await?.is_none())
+    }
+
+    async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<S::Error>> {
+        let level = self.driver().fifo_fill_level().await?;
+        batch.overrun |= level >= FIFO_WORDS - FRAME_WORDS;
+        batch.left = level / FRAME_WORDS;
+        for _ in 0..super::MAX_SAMPLES / FRAMES {
+            let frames = usize::from(batch.left).min(batch.room()).min(FRAMES);
+            let mut bytes = [0; DUMMY + FRAMES * FRAME];
+            let bytes = bytes.get_mut(..DUMMY + frames * FRAME).unwrap_or_default();
+            if frames == 0 {
+                break;
+            }
+            let mut burst = [Operation::Write(&READ_FIFO), Operation::Read(bytes)];
+            self.spi.transaction(&mut burst).await.map_err(SourceError::Bus)?;
+            batch.left = batch.left.saturating_sub(frames as u16);
+            for frame in bytes.get(DUMMY..).unwrap_or_default().as_chunks().0 {
+                self.take(frame, batch);
+            }
+        }
+        Ok(())
+    }
+
+    async fn wait_ms(&mut self, ms: u32) {
+        self.delay.delay_ms(ms).await;
+    }
+}
+
+impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
+    /// Of the registers that were set up, the first that reads something else: its address, what it should be, what it is.
+    async fn first_wrong(&mut self) -> Result<Option<(u8, u16, u16)>, SourceError<S::Error>> {
+        for (register, should) in CONFIGURATION {
+            let is = self.driver().read_word(register).await.map_err(SourceError::Bus)?;
+            if is != should {
+                return Ok(Some((register, should, is)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn words(bytes: &[u8; FRAME / 2]) -> [i16; 4] {
+    let [a, b, c, d, e, f, g, h] = *bytes;
+    [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes)
+}
+
+impl<E> From<Error<E>> for SourceError<E> {
+    fn from(error: Error<E>) -> Self {
+        match error {
+            Error::Bus(error) => Self::Bus(error),
+            Error::InvalidChipId(id) => Self::WrongPart(id),
+            _ => Self::Fatal,
+        }
+    }
+}

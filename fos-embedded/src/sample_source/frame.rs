@@ -1,0 +1,67 @@
+//! What a FIFO gives.
+
+use heapless::Vec;
+
+/// So many samples a poll at most: 160 ms at 200 Hz.
+pub const MAX_SAMPLES: usize = 32;
+
+/// What a FIFO holds of one instant; axes x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    /// Codes of the accelerometers.
+    pub accel: [i16; 3],
+    /// Codes of the gyros.
+    pub gyro: [i16; 3],
+    /// Latest code of the thermometer; none if it has nothing to say.
+    pub temperature: Option<i16>,
+    /// The sensor's clock, in counts; wraps.
+    pub stamp: u32,
+    /// Frames before this one that were incomplete.
+    pub torn: u16,
+}
+
+/// What a poll reads of a FIFO.
+#[derive(Debug)]
+pub struct Batch {
+    /// Complete frames, oldest first.
+    pub frames: Vec<Frame, MAX_SAMPLES>,
+    /// The FIFO has run over since the last look.
+    pub overrun: bool,
+    /// Frames after the last complete one that were incomplete.
+    pub torn: u16,
+    /// Frames left in the FIFO.
+    pub left: u16,
+}
+
+impl Batch {
+    /// Nothing.
+    pub const fn new() -> Self {
+        Self { frames: Vec::new(), overrun: false, torn: 0, left: 0 }
+    }
+
+    /// Frames that still fit.
+    pub fn room(&self) -> usize {
+        MAX_SAMPLES.saturating_sub(self.frames.len())
+    }
+
+    /// Adds a complete frame; there must be [room](Self::room).
+    pub fn push(&mut self, accel: [i16; 3], gyro: [i16; 3], temperature: Option<i16>, stamp: u32) {
+        let torn = core::mem::take(&mut self.torn);
+        let _ = self.frames.push(Frame { accel, gyro, temperature, stamp, torn });
+    }
+
+    /// Notes an incomplete frame.
+    pub fn tear(&mut self) {
+        self.torn = self.torn.saturating_add(1);
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = Self::new();
+    }
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,329 @@
+//! Complete samples from two real parts, through their maintained drivers over embedded-hal 1.0.
+//!
+//! [`Lsm6dsv16x`] over I2C and [`Bmi323`] over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One source
+//! of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
+//!
+//! The FIFO is the deadline: [`poll`](SampleSource::poll) at least every 250 ms, or samples are lost, flagged and counted. What
+//! each fault is and how long it takes to recover is in docs/faults.md.
+//!
+//! ```
+//! use embedded_hal::{delay::DelayNs, spi::SpiDevice};
+//! use fos_embedded::blocking::{Blocking, now};
+//! use fos_embedded::hub::Hub;
+//! use fos_embedded::sample_source::{Bmi323, SampleSource};
+//!
+//! fn run<S: SpiDevice, D: DelayNs>(spi: S, delay: D, clock_us: impl Fn() -> u64, mut hub: Hub<8, 60, 128>) {
+//!     let mut source = SampleSource::new(Bmi323::new(Blocking(spi), Blocking(delay)));
+//!     loop {
+//!         let now_us = clock_us();
+//!         if let Some(Ok(samples)) = now(source.poll(now_us)) {
+//!             let given = samples.len();
+//!             for raw in samples {
+//!                 let _output = hub.update(raw);
+//!             }
+//!             if given > 0 && !source.has_more() {
+//!                 hub.clock(now_us);
+//!             }
+//!         }
+//!         // poll again at once if it has more; else sleep for 50 ms
+//! #       break;
+//!     }
+//! }
+//! ```
+
+mod bmi323;
+mod counts;
+mod error;
+mod frame;
+mod lsm6dsv16x;
+mod repeats;
+mod timeline;
+
+use core::fmt::Debug;
+use core::future::Future;
+
+use heapless::Vec;
+
+pub use bmi323::Bmi323;
+pub use counts::Counts;
+pub use error::SourceError;
+pub use frame::{Batch, Frame, MAX_SAMPLES};
+pub use lsm6dsv16x::{Address, Lsm6dsv16x};
+use repeats::Repeats;
+pub use timeline::SensorClock;
+use timeline::Timeline;
+
+use crate::raw::{Faults, RawSample, Scales};
+
+/// A transfer that fails is repeated after so many ms, once for each: longer than a glitch, shorter than a sample.
+const RETRY_AFTER_MS: [u32; 2] = [1, 2];
+
+/// A sensor that fails again and again is left alone for so many polls at most.
+const MAX_BACK_OFF: u8 = 64;
+
+/// A sensor that gives no sample for so long is set up anew, µs: the gyros of both parts start within a third of it.
+const SILENT_US: u64 = 250_000;
+
+/// A six-axis sensor with a FIFO, behind its driver.
+///
+/// Futures need not be `Send`: a source belongs to one task.
+pub trait Part {
+    /// Of the bus.
+    type BusError: Debug;
+
+    /// As in its data sheet.
+    const NAME: &'static str;
+
+    /// The sensor's own clock, as it stamps its frames.
+    const CLOCK: SensorClock;
+
+    /// What its codes mean as [`set_up`](Self::set_up) leaves it: nominal, from the data sheet.
+    fn scales() -> Scales;
+
+    /// Resets it, asks what it is, configures it and reads back what was written.
+    ///
+    /// # Errors
+    ///
+    /// The bus; another part; a register that does not keep what was written.
+    fn set_up(&mut self) -> impl Future<Output = Result<(), SourceError<Self::BusError>>>;
+
+    /// Whether it still is as it was set up; if not, it has been reset behind our back.
+    ///
+    /// # Errors
+    ///
+    /// The bus.
+    fn is_set_up(&mut self) -> impl Future<Output = Result<bool, SourceError<Self::BusError>>>;
+
+    /// Reads the oldest frames of its FIFO into `batch`, as many as there is room for. After an error it may be called again
+    /// with the same batch: what was read before stays.
+    ///
+    /// # Errors
+    ///
+    /// The bus.
+    fn read(&mut self, batch: &mut Batch) -> impl Future<Output = Result<(), SourceError<Self::BusError>>>;
+
+    /// Waits.
+    fn wait_ms(&mut self, ms: u32) -> impl Future<Output = ()>;
+}
+
+/// Complete samples from a part, with what went wrong on the way.
+///
+/// Every failure is bounded: three attempts a poll, then up to 64 polls of rest before the part is set up anew.
+#[derive(Debug)]
+pub struct SampleSource<P: Part> {
+    part: P,
+    state: State,
+    /// Polls to rest after the next failure.
+    back_off: u8,
+    /// Polls before a stuck sensor is set up anew once more.
+    stuck_rest: u8,
+    /// It was set up at least once: a sample given before may have a successor.
+    started: bool,
+    /// When it last gave a sample or was set up, µs.
+    heard_us: u64,
+    batch: Batch,
+    timeline: Timeline,
+    repeats: Repeats,
+    /// What the next sample will say.
+    pending: Faults,
+    counts: Counts,
+    samples: Vec<RawSample, MAX_SAMPLES>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum State {
+    Running,
+    /// To be set up anew after so many polls.
+    Down {
+        rest: u8,
+    },
+}
+
+impl<P: Part> SampleSource<P> {
+    /// The part is set up at the first poll.
+    pub const fn new(part: P) -> Self {
+        Self {
+            part,
+            state: State::Down { rest: 0 },
+            back_off: 1,
+            stuck_rest: 0,
+            started: false,
+            heard_us: 0,
+            batch: Batch::new(),
+            timeline: Timeline::new(),
+            repeats: Repeats::new(),
+            pending: Faults::empty(),
+            counts: Counts::ZERO,
+            samples: Vec::new(),
+        }
+    }
+
+    /// The samples since the last poll, oldest first, at most [`MAX_SAMPLES`]; if there are [more](Self::has_more), poll again.
+    ///
+    /// `now_us` is the application's clock, which only goes forward, µs. A poll takes as long as the bus needs for what it
+    /// reads (LSM6DSV16X at 400 kHz: 0.5 ms a sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a set-up 60 ms. A
+    /// future that is dropped loses what it has read: that is a gap, no more.
+    ///
+    /// # Errors
+    ///
+    /// The sensor cannot be read or set up. Polls may go on: it is set up anew after 1, 2, 4 … 64 polls.
+    pub async fn poll(&mut self, now_us: u64) -> Result<&[RawSample], SourceError<P::BusError>> {
+        self.samples.clear();
+        self.batch.clear();
+        match self.state {
+            State::Running => self.run(now_us).await?,
+            State::Down { rest: 0 } => self.set_up(now_us).await?,
+            State::Down { rest } => {
+                self.state = State::Down { rest: rest.saturating_sub(1) };
+                return Err(SourceError::Resting(rest));
+            }
+        }
+        Ok(&self.samples)
+    }
+
+    /// The sensor had more samples at the last poll than it gives at once.
+    pub fn has_more(&self) -> bool {
+        self.state == State::Running && self.batch.left > 0
+    }
+
+    /// What went wrong since the source was made, and how often.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// The part.
+    pub fn release(self) -> P {
+        self.part
+    }
+
+    async fn run(&mut self, now_us: u64) -> Result<(), SourceError<P::BusError>> {
+        let mut set_up = self.transfer().await;
+        for wait_ms in RETRY_AFTER_MS {
+            let Err(error) = &set_up else { break };
+            self.counts.note(error, &mut self.pending);
+            self.part.wait_ms(wait_ms).await;
+            set_up = self.transfer().await;
+        }
+        match set_up {
+            Ok(true) => {
+                self.deliver(now_us);
+                Ok(())
+            }
+            Ok(false) => {
+                self.give_up();
+                if self.state == (State::Down { rest: 0 }) { self.set_up(now_us).await } else { Ok(()) }
+            }
+            Err(error) => {
+                self.counts.note(&error, &mut self.pending);
+                self.give_up();
+                Err(error)
+            }
+        }
+    }
+
+    /// One look at the sensor: whether it is set up, and if so, its oldest frames.
+    async fn transfer(&mut self) -> Result<bool, SourceError<P::BusError>> {
+        // neither bus has a check sum: one damaged look is no reset
+        let set_up = self.part.is_set_up().await? || self.part.is_set_up().await?;
+        if set_up {
+            self.part.read(&mut self.batch).await?;
+        }
+        Ok(set_up)
+    }
+
+    async fn set_up(&mut self, now_us: u64) -> Result<(), SourceError<P::BusError>> {
+        if let Err(error) = self.part.set_up().await {
+            self.counts.note(&error, &mut self.pending);
+            self.give_up();
+            return Err(error);
+        }
+        if self.started {
+            self.pending |= Faults::RESET;
+            self.counts.resets = self.counts.resets.saturating_add(1);
+        }
+        (self.state, self.started, self.heard_us) = (State::Running, true, now_us);
+        // its clock starts anew
+        self.timeline.restart();
+        Ok(())
+    }
+
+    /// To be set up anew, later after every failure without a sample in between.
+    fn give_up(&mut self) {
+        self.state = State::Down { rest: self.back_off.saturating_sub(1) };
+        self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
+    }
+
+    /// Makes samples of the frames of a poll.
+    fn deliver(&mut self, now_us: u64) {
+        let overrun = self.batch.overrun;
+        if overrun {
+            self.pending |= Faults::OVERRUN;
+            self.counts.overruns = self.counts.overruns.saturating_add(1);
+        }
+        let frames = core::mem::take(&mut self.batch.frames);
+        let mut younger = u64::from(self.batch.left).saturating_add(frames.len() as u64);
+        let mut stuck = false;
+        for frame in &frames {
+            younger = younger.saturating_sub(1);
+            self.torn(frame.torn);
+            let at_us = now_us.saturating_sub(younger.saturating_mul(P::CLOCK.period_us()));
+            let Some(ticks) = self.timeline.step(&P::CLOCK, frame.stamp, at_us, overrun) else {
+                self.torn(1);
+                continue;
+            };
+            self.heard_us = now_us;
+            stuck = self.deliver_frame(frame, ticks.saturating_sub(1));
+        }
+        self.torn(self.batch.torn);
+        if stuck {
+            self.unstick();
+        } else if now_us.saturating_sub(self.heard_us) > SILENT_US {
+            self.give_up();
+        }
+    }
+
+    /// Makes a sample of a frame; whether the sensor is stuck.
+    fn deliver_frame(&mut self, frame: &Frame, skipped: u32) -> bool {
+        let mut faults = core::mem::take(&mut self.pending);
+        if skipped > 0 {
+            faults |= Faults::GAP;
+            self.counts.gaps = self.counts.gaps.saturating_add(1);
+            self.counts.skipped = self.counts.skipped.saturating_add(skipped);
+        }
+        if frame.temperature.is_none() {
+            faults |= Faults::TEMPERATURE;
+            self.counts.temperature = self.counts.temperature.saturating_add(1);
+        }
+        let stuck = self.repeats.update(frame);
+        if stuck {
+            faults |= Faults::STUCK;
+            self.counts.stuck = self.counts.stuck.saturating_add(1);
+        } else if self.repeats.is_none() {
+            (self.back_off, self.stuck_rest) = (1, 0);
+        }
+        let Frame { accel, gyro, temperature, .. } = *frame;
+        self.counts.samples = self.counts.samples.saturating_add(1);
+        // as many as there are frames
+        let _ = self.samples.push(RawSample { skipped, accel, gyro, temperature, faults });
+        stuck
+    }
+
+    /// Frames that could not be used; what they held is missing, or comes later.
+    fn torn(&mut self, frames: u16) {
+        if frames > 0 {
+            self.pending |= Faults::BUS;
+            self.counts.torn = self.counts.torn.saturating_add(u32::from(frames));
+        }
+    }
+
+    /// Has a stuck sensor set up anew, less and less often.
+    fn unstick(&mut self) {
+        if self.stuck_rest > 0 {
+            self.stuck_rest = self.stuck_rest.saturating_sub(1);
+            return;
+        }
+        self.stuck_rest = self.back_off;
+        self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
+        self.state = State::Down { rest: 0 };
+    }
+}

@@ -1,0 +1,182 @@
+//! What goes over the SPI bus of a BMI323. Register values are those of its data sheet.
+
+use super::{Faults, Polls, RawSample, Read, SourceError, Step, Wait, Write, bmi323, bytes, sample};
+
+fn id(id: u8) -> Vec<Step> {
+    let id = Read(0x00, vec![id, 0]);
+    vec![Write(0x7e, vec![0xaf, 0xde]), Wait(2000), id.clone(), Wait(250), id]
+}
+
+/// `acc_conf` and `gyr_conf`: high performance, ±4 g, ±500 dps, 200 Hz; `fifo_watermark` and `fifo_conf`: all four.
+fn watch() -> [Step; 4] {
+    [
+        Read(0x20, vec![0x19, 0x70]),
+        Read(0x21, vec![0x29, 0x70]),
+        Read(0x35, vec![0, 0]),
+        Read(0x36, vec![0x00, 0x0f]),
+    ]
+}
+
+fn set_up() -> Vec<Step> {
+    let mut steps = id(0x43);
+    steps.extend([
+        Read(0x01, vec![0, 0]),
+        Read(0x02, vec![1, 0]),
+        Write(0x35, vec![0, 0]),
+        Write(0x36, vec![0x00, 0x0f]),
+        Write(0x20, vec![0x19, 0x70]),
+        Write(0x21, vec![0x29, 0x70]),
+        Write(0x37, vec![1, 0]),
+    ]);
+    steps.extend(watch());
+    steps
+}
+
+/// The clock turns after tick 2.
+fn stamp(n: i16) -> i16 {
+    (i32::from(n) * 128 - 300) as u16 as i16
+}
+
+fn words(n: i16, sample: &RawSample) -> Vec<u8> {
+    let temperature = sample.temperature.unwrap_or(i16::MIN);
+    bytes(&[&sample.accel[..], &sample.gyro, &[temperature, stamp(n)]].concat())
+}
+
+fn frame(n: i16) -> Vec<u8> {
+    words(n, &sample(n))
+}
+
+fn level(frames: u16) -> Step {
+    Read(0x15, (frames * 8).to_le_bytes().to_vec())
+}
+
+fn burst(frames: Vec<u8>) -> Vec<Step> {
+    let mut steps = watch().to_vec();
+    steps.push(level((frames.len() / 16) as u16));
+    steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    steps
+}
+
+/// Set up, a first poll with tick 0, then these.
+fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
+    let (mut result, counts) = bmi323(polls + 2, &[set_up(), burst(frame(0)), steps].concat());
+    assert_eq!(result.drain(..2).collect::<Polls>(), [Ok(vec![]), Ok(vec![sample(0)])]);
+    (result, counts)
+}
+
+#[test]
+fn is_set_up_and_read_back() {
+    let (result, counts) = bmi323(1, &set_up());
+    assert_eq!(result, [Ok(vec![])]);
+    assert_eq!(counts, super::Counts::default());
+}
+
+#[test]
+fn every_eight_words_make_a_sample() {
+    let (result, counts) = polls(1, burst((1..=10).flat_map(frame).collect()));
+    assert_eq!(result, [Ok((1..=10).map(sample).collect())]);
+    assert_eq!(counts.samples, 11);
+}
+
+#[test]
+fn frames_before_the_sensor_is_ready_are_no_samples() {
+    let mut no_accel = frame(-2);
+    no_accel[..2].copy_from_slice(&[0x01, 0x7f]);
+    let mut no_gyro = frame(-1);
+    no_gyro[6..8].copy_from_slice(&[0x02, 0x7f]);
+    let frames = [no_accel, no_gyro, frame(0)].concat();
+    let (result, counts) = bmi323(2, &[set_up(), burst(frames)].concat());
+    assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
+    assert_eq!(counts.torn, 0);
+}
+
+#[test]
+fn at_most_8_frames_a_transfer_and_32_samples_a_poll() {
+    let frames: Vec<u8> = (1..=41).flat_map(frame).collect();
+    let mut steps = watch().to_vec();
+    steps.push(level(41));
+    let (now, later) = frames.split_at(32 * 16);
+    steps.extend(now.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    steps.extend(burst(later.to_vec()));
+    let (result, _) = polls(2, steps);
+    assert_eq!(result, [Ok((1..=32).map(sample).collect()), Ok((33..=41).map(sample).collect())]);
+}
+
+#[test]
+fn fewer_frames_than_announced_are_missing() {
+    let frames = [frame(1), frame(2), [0x00, 0x80].repeat(8)].concat();
+    let (result, counts) = polls(2, [burst(frames), burst(frame(4))].concat());
+    let faults = Faults::BUS | Faults::GAP;
+    let after = RawSample { skipped: 1, faults, ..sample(4) };
+    assert_eq!(result, [Ok(vec![sample(1), sample(2)]), Ok(vec![after])]);
+    assert_eq!((counts.torn, counts.gaps, counts.skipped), (1, 1, 1));
+}
+
+#[test]
+fn a_frame_that_comes_twice_is_one_sample() {
+    let (result, counts) = polls(1, burst([frame(1), frame(1), frame(2)].concat()));
+    let after = RawSample { faults: Faults::BUS, ..sample(2) };
+    assert_eq!(result, [Ok(vec![sample(1), after])]);
+    assert_eq!((counts.torn, counts.gaps), (1, 0));
+}
+
+#[test]
+fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
+    let frames: Vec<u8> = (21..=52).flat_map(frame).collect();
+    let mut steps = watch().to_vec();
+    steps.push(level(128));
+    steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    let (result, counts) = polls(1, steps);
+    let Ok(samples) = &result[0] else { panic!("{result:?}") };
+    let faults = Faults::OVERRUN | Faults::GAP;
+    assert_eq!(samples[0], RawSample { skipped: 20, faults, ..sample(21) });
+    assert_eq!(samples[1..], (22..=52).map(sample).collect::<Vec<_>>());
+    assert_eq!(counts.overruns, 1);
+}
+
+#[test]
+fn another_part_is_an_error() {
+    let (result, counts) = bmi323(2, &[id(0x24), set_up()].concat());
+    assert_eq!(result, [Err(SourceError::WrongPart(0x24)), Ok(vec![])]);
+    assert_eq!(counts.wrong_part, 1);
+}
+
+#[test]
+fn a_register_that_is_not_kept_is_named() {
+    let mut steps = set_up();
+    steps.truncate(steps.len() - 3);
+    steps.push(Read(0x21, vec![0x39, 0x70]));
+    let (result, counts) = bmi323(1, &steps);
+    assert_eq!(result, [Err(SourceError::NotKept { register: 0x21, written: 0x7029, read: 0x7039 })]);
+    assert_eq!(counts.not_kept, 1);
+}
+
+#[test]
+fn the_same_codes_twenty_times_are_stuck() {
+    let frames: Vec<u8> = (1..=20).flat_map(|n| words(n, &sample(0))).collect();
+    let (result, counts) = polls(2, [burst(frames), set_up()].concat());
+    let Ok(samples) = &result[0] else { panic!("{result:?}") };
+    let stuck: Vec<bool> = samples.iter().map(|sample| sample.faults == Faults::STUCK).collect();
+    assert_eq!(stuck, (1..=20).map(|n| n >= 19).collect::<Vec<_>>());
+    assert_eq!((counts.stuck, counts.resets), (2, 1));
+}
+
+#[test]
+fn a_thermometer_may_have_nothing_to_say() {
+    let cold = |n| RawSample { temperature: None, faults: Faults::TEMPERATURE, ..sample(n) };
+    let frames = [frame(1), words(2, &cold(2)), frame(3)].concat();
+    let (result, counts) = polls(1, burst(frames));
+    assert_eq!(result, [Ok(vec![sample(1), cold(2), sample(3)])]);
+    assert_eq!(counts.temperature, 1);
+}
+
+#[test]
+fn a_sensor_that_was_reset_is_set_up_anew_at_once() {
+    // two looks: the first may be damaged
+    let reset = vec![Read(0x20, vec![0; 2]); 2];
+    let steps = [reset, set_up(), burst(frame(20))].concat();
+    let (result, counts) = polls(2, steps);
+    let faults = Faults::RESET | Faults::GAP;
+    assert_eq!(result, [Ok(vec![]), Ok(vec![RawSample { skipped: 19, faults, ..sample(20) }])]);
+    assert_eq!(counts.resets, 1);
+}
