@@ -126,6 +126,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
     }
 
+    /// What the codes of the sensor mean.
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
     /// Takes a model image; history, inputs and clocks start anew. The image is not needed afterwards.
     ///
     /// # Errors
@@ -158,7 +163,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let (model, sensor) = (image.period_s(), self.scales.period_s);
         image.load(&mut self.predictor).map_err(HubError::Image)?;
         let off = model - sensor;
-        if !(off.max(-off) <= PERIOD_TOLERANCE * sensor) {
+        let near = off.max(-off) <= PERIOD_TOLERANCE * sensor;
+        if !near {
             return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
         }
         self.model_rate_hz = 1.0 / model as f32;
@@ -211,6 +217,21 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
                 true
             }
             _ => false,
+        }
+    }
+
+    /// As [`give`](Self::give), for the `k`-th of those quantities of the model that the application gives, from 0, in the model's
+    /// order: that of a log of raw codes.
+    pub fn give_application(&mut self, k: usize, value: f32) -> bool {
+        let mut given = self.sources.iter().zip(&mut self.quantities);
+        let slot =
+            given.by_ref().filter(|(source, _)| matches!(source, QuantitySource::Application(_))).nth(k);
+        match slot {
+            Some((_, slot)) => {
+                *slot = value;
+                true
+            }
+            None => false,
         }
     }
 
