@@ -174,6 +174,11 @@ pub struct fos_output {
 }
 
 const _: () = {
+    // c/layout.c has the same numbers, and those of the fields
+    assert!(size_of::<fos_scales>() == 32 && align_of::<fos_scales>() == 8);
+    assert!(size_of::<fos_raw_sample>() == 24 && align_of::<fos_raw_sample>() == 4);
+    assert!(size_of::<fos_output>() == 96 && align_of::<fos_output>() == 4);
+    assert!(size_of::<fos_status>() == 4);
     assert!(FOS_AXES == AXES);
     assert!(FOS_VALIDITY_VALID == Validity::VALID.bits());
     assert!(FOS_VALIDITY_WARMING_UP == Validity::WARMING_UP.bits());

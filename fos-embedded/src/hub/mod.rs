@@ -112,7 +112,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub const fn new(scales: Scales) -> Self {
         Self {
             scales,
-            predictor: Predictor::empty(),
+            // evaluated when compiling: nothing but zeros, which are set in place and not copied over the stack
+            predictor: const { Predictor::empty() },
             detector: None,
             motion: None,
             axes: Vec::new(),
