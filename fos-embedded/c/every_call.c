@@ -18,16 +18,16 @@ struct arguments {
     uint16_t bit;
 };
 
-volatile struct arguments arguments;
-volatile const void *volatile kept;
+struct arguments *volatile arguments;
+const char *volatile kept;
 
 #ifdef PANIC_ON_PURPOSE
-int32_t fos_panic_on_purpose(size_t index);
+int32_t fos_panic_on_purpose(size_t index); /* in no other archive */
 #endif
 
 int main(void)
 {
-    struct arguments a = arguments;
+    struct arguments a = *arguments;
     kept = fos_status_text(a.status);
     kept = fos_validity_text(a.bit);
     kept = fos_version();

@@ -19,4 +19,5 @@ pub mod hub;
 pub mod raw;
 pub mod replay;
 pub mod store;
+mod stuffing;
 pub mod telemetry;

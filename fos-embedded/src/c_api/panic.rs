@@ -22,7 +22,7 @@ mod check {
 
     /// The counter-check: a program that calls this must not link.
     #[unsafe(no_mangle)]
-    pub extern "C" fn fos_panic_on_purpose(index: usize) -> i32 {
+    pub(super) extern "C" fn fos_panic_on_purpose(index: usize) -> i32 {
         [1, 2, 3][index]
     }
 }
