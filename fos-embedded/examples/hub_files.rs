@@ -84,20 +84,22 @@ mod host {
 
     const NAMES: &str = "temp_c °C\nsupply_v V\nax_mps2 m/s²\nhumidity_pct %";
 
-    const INPUTS: [Input<f32>; 6] = [
+    const INPUTS: [Input<f32>; 7] = [
         input(Source::Quantity(0), Transform::Identity, 25.0, 5.0),
         input(Source::Quantity(0), Transform::LowPass { tau_s: 61.0 }, 25.0, 5.0),
         input(Source::Quantity(1), Transform::Rate { tau_s: 2.0 }, 3.3, 0.1),
         input(Source::Quantity(2), Transform::Identity, 0.0, 5.0),
         input(Source::Quantity(3), Transform::Identity, 50.0, 20.0),
         input(Source::Remainder(3), Transform::LowPass { tau_s: 30.0 }, 0.0, 1.0),
+        input(Source::Clock, Transform::Sine { frequency_hz: 16.4 }, 0.0, 1.0),
     ];
 
-    const PHYSICAL: [Term<f32>; 4] = [
+    const PHYSICAL: [Term<f32>; 5] = [
         Term::new(0.3, &[u(0, 0)]),
         Term::new(-0.1, &[u(1, 0), u(0, 1)]),
         Term::new(0.05, &[u(2, 0)]),
         Term::new(0.02, &[u(4, 0), u(0, 0), u(3, 0)]),
+        Term::new(0.1, &[u(6, 0)]),
     ];
 
     const STOCHASTIC: [Term<f32>; 5] = [
