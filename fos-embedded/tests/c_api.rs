@@ -1,6 +1,5 @@
 //! The C interface from Rust: every status of loading, the same numbers as the hub, frames that the host reads.
 //! What only C can get wrong is in c/check.c.
-#![allow(unsafe_code, reason = "called as C calls it")]
 
 use core::ffi::CStr;
 use core::ptr::null_mut;
