@@ -266,7 +266,7 @@ pub fn step<'h, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     record: &Record<'_>,
 ) -> &'h Output {
     for (index, value) in record.given.iter().enumerate() {
-        hub.give_nth(index, *value);
+        hub.give_application(index, *value);
     }
     hub.set_motion(record.motion);
     let _ = hub.update(&record.raw);

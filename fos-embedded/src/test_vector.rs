@@ -73,7 +73,7 @@ impl TestVector<'_> {
         let mut given_bits = self.given_bits.iter();
         for (n, sample) in self.samples.iter().enumerate() {
             for (nth, bits) in (0..self.given.len()).zip(&mut given_bits) {
-                hub.give_nth(nth, f32::from_bits(*bits));
+                hub.give_application(nth, f32::from_bits(*bits));
             }
             hub.set_motion(Some(sample.motion));
             let output = hub.update(&sample.raw());

@@ -211,12 +211,16 @@ fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
     hub.load(&image(&MADE)).expect("a model");
     let mut random = Random(8);
     assert!(hub.update(&random.at_rest()).validity[0].contains(Validity::INPUT_NOT_FINITE));
-    assert!(!hub.give(Quantity::Load, 3.0) && !hub.give(Quantity::Temperature, 3.0) && !hub.give_nth(1, 3.0));
+    assert!(
+        !hub.give(Quantity::Load, 3.0)
+            && !hub.give(Quantity::Temperature, 3.0)
+            && !hub.give_application(1, 3.0)
+    );
     assert!(hub.give(Quantity::Supply, 3.3));
     let raw = random.at_rest();
     assert!(!hub.update(&raw).validity[0].contains(Validity::INPUT_NOT_FINITE));
     let before = hub.output().corrected[3];
-    assert!(hub.give_nth(0, 3.4));
+    assert!(hub.give_application(0, 3.4));
     let change = hub.update(&raw).corrected[3] - before;
     // 0.1 V are a scaled unit of supply: 0.2 scaled units of error, 0.0004 rad/s
     assert!((change + 0.0004).abs() < 1e-5, "{change}");

@@ -118,7 +118,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub const fn new(scales: Scales) -> Self {
         Self {
             scales,
-            predictor: Predictor::empty(),
+            // evaluated when compiling: nothing but zeros, which are set in place and not copied over the stack
+            predictor: const { Predictor::empty() },
             detector: None,
             motion: None,
             axes: Vec::new(),
@@ -133,6 +134,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             ticks: 0,
             output: Output::NONE,
         }
+    }
+
+    /// What the codes of the sensor mean.
+    pub fn scales(&self) -> &Scales {
+        &self.scales
     }
 
     /// Takes a model image; history, inputs and clocks start anew. The image is not needed afterwards.
@@ -207,7 +213,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     ) -> Result<(), HubError> {
         let sensor = self.scales.period_s;
         let off = model - sensor;
-        if off.max(-off) > PERIOD_TOLERANCE * sensor {
+        // neither is a period that is not a number
+        let near = off.max(-off) <= PERIOD_TOLERANCE * sensor;
+        if !near {
             return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
         }
         self.model_rate_hz = 1.0 / model as f32;
@@ -255,7 +263,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
 
     /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives: for one that
     /// has only a name.
-    pub fn give_nth(&mut self, index: usize, value: f32) -> bool {
+    pub fn give_application(&mut self, index: usize, value: f32) -> bool {
         let given = self.sources.iter().zip(&mut self.quantities);
         let mut given = given.filter(|(source, _)| matches!(source, QuantitySource::Application(_)));
         match given.nth(index) {

@@ -23,10 +23,11 @@ use core::fmt;
 pub use alarm::AlarmRecorder;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use fos_core::Validity;
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Deserialize, Serialize};
 
 use crate::hub::Output;
+use crate::stuffing::Stuffing;
 
 /// The version that this crate writes, and the only one it reads.
 pub const VERSION: u16 = 1;
@@ -183,8 +184,8 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
 
 /// Writes a frame with its checksum and its delimiter into `buffer`; `None` if it does not fit.
 pub fn encode<'b>(frame: &Borrowed<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-    let cobs = Cobs::try_new(Slice::new(buffer)).ok()?;
-    let written = postcard::serialize_with_flavor(frame, CrcModifier::new(cobs, CRC.digest())).ok()?;
+    let stuffing = Stuffing::new(buffer).ok()?;
+    let written = postcard::serialize_with_flavor(frame, CrcModifier::new(stuffing, CRC.digest())).ok()?;
     Some(written)
 }
 

@@ -50,7 +50,7 @@ pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
     for kind in generator.schedule() {
         let (sample, given) = generator.sample(kind);
         for (nth, value) in given.iter().enumerate() {
-            hub.give_nth(nth, *value);
+            hub.give_application(nth, *value);
         }
         hub.set_motion(Some(sample.motion));
         let output = hub.update(&sample.raw());

@@ -152,7 +152,7 @@ impl<'a> Generator<'a> {
     /// Codes of the axes of the model: reference, physical part as it is now, and a remainder.
     fn place_axes(&mut self, kind: Kind, sample: &mut TestSample, given: &[f32]) {
         for (nth, value) in given.iter().enumerate() {
-            self.physical.give_nth(nth, *value);
+            self.physical.give_application(nth, *value);
         }
         let predicted = {
             let output = self.physical.update(&sample.raw());

@@ -1,0 +1,160 @@
+//! What a call came to.
+
+use core::ffi::{CStr, c_char};
+
+use fos_core::{ImageError, ModelError};
+
+use super::FOS_MAX_INPUTS;
+use crate::hub::HubError;
+
+/// What a call came to. Every function says which of these it returns, and what that means for it.
+#[repr(i32)]
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum fos_status {
+    /// Done.
+    Ok = 0,
+    /// A pointer is NULL that must not be.
+    Null = 1,
+    /// A pointer is not aligned for what it should lead to.
+    Misaligned = 2,
+    /// A number stands for nothing, is not finite, or describes memory that cannot be.
+    Argument = 3,
+    /// The memory or buffer handed in is too small.
+    NoRoom = 4,
+    /// The loaded model has no such quantity or axis.
+    NotInModel = 5,
+    /// It is not known yet.
+    NotKnown = 6,
+    /// Loading: fewer bytes than the image has.
+    Truncated = 7,
+    /// Loading: it does not start as a model image does.
+    NotAnImage = 8,
+    /// Loading: an image of a format version, or with flags, that this library does not know.
+    OtherVersion = 9,
+    /// Loading: more bytes than the image, or a part of it, has.
+    TrailingBytes = 10,
+    /// Loading: the checksum does not match.
+    Damaged = 11,
+    /// Loading: the checksum is right, but what it covers is not a model that can be run.
+    Unusable = 12,
+    /// Loading: the model needs more than FOS_MAX_INPUTS, FOS_MAX_TERMS or FOS_MAX_HISTORY.
+    TooLarge = 13,
+    /// Loading: the model was fitted on raw values and the sensor gives corrected ones, or the other way round: a
+    /// correction would be applied twice, or not at all.
+    OtherValues = 14,
+    /// Loading: the model was fitted at a sample period that is further than 10 % from the sensor's.
+    OtherPeriod = 15,
+    /// Loading: an axis of the model is none of the sensor's six, or is there twice.
+    OtherAxis = 16,
+    /// Loading: a quantity of the model is measured by an axis that is none of the sensor's six.
+    OtherQuantity = 17,
+}
+
+/// In the order of their numbers.
+const ALL: [fos_status; 18] = [
+    fos_status::Ok,
+    fos_status::Null,
+    fos_status::Misaligned,
+    fos_status::Argument,
+    fos_status::NoRoom,
+    fos_status::NotInModel,
+    fos_status::NotKnown,
+    fos_status::Truncated,
+    fos_status::NotAnImage,
+    fos_status::OtherVersion,
+    fos_status::TrailingBytes,
+    fos_status::Damaged,
+    fos_status::Unusable,
+    fos_status::TooLarge,
+    fos_status::OtherValues,
+    fos_status::OtherPeriod,
+    fos_status::OtherAxis,
+    fos_status::OtherQuantity,
+];
+
+impl fos_status {
+    pub(super) fn of(result: Result<(), Self>) -> Self {
+        match result {
+            Ok(()) => Self::Ok,
+            Err(status) => status,
+        }
+    }
+
+    fn text(self) -> &'static CStr {
+        match self {
+            Self::Ok => c"done",
+            Self::Null => c"a pointer is NULL",
+            Self::Misaligned => c"a pointer is misaligned",
+            Self::Argument => c"an argument stands for nothing",
+            Self::NoRoom => c"the memory handed in is too small",
+            Self::NotInModel => c"the model has no such quantity or axis",
+            Self::NotKnown => c"not known yet",
+            Self::Truncated => c"the image is truncated",
+            Self::NotAnImage => c"not a model image",
+            Self::OtherVersion => c"an image of an unknown version",
+            Self::TrailingBytes => c"bytes behind the end of the image",
+            Self::Damaged => c"the image is damaged",
+            Self::Unusable => c"the model cannot be run",
+            Self::TooLarge => c"the model is too large",
+            Self::OtherValues => c"the model was fitted on other values than the sensor gives",
+            Self::OtherPeriod => c"the model was fitted at another sample period",
+            Self::OtherAxis => c"an axis of the model is none of the sensor's",
+            Self::OtherQuantity => c"a quantity of the model is none of the sensor's",
+        }
+    }
+}
+
+impl From<HubError> for fos_status {
+    fn from(error: HubError) -> Self {
+        match error {
+            HubError::Image(error) => error.into(),
+            HubError::FittedOn { .. } => Self::OtherValues,
+            HubError::Period { .. } => Self::OtherPeriod,
+            HubError::Axis(_) => Self::OtherAxis,
+            // there is a place for as many quantities as inputs
+            HubError::Quantity(index) if index >= FOS_MAX_INPUTS => Self::TooLarge,
+            HubError::Quantity(_) => Self::OtherQuantity,
+        }
+    }
+}
+
+impl From<ImageError> for fos_status {
+    fn from(error: ImageError) -> Self {
+        match error {
+            ImageError::Truncated { .. } => Self::Truncated,
+            ImageError::Magic => Self::NotAnImage,
+            ImageError::UnknownVersion(_) | ImageError::UnknownFlags(_) => Self::OtherVersion,
+            ImageError::TrailingBytes { .. } => Self::TrailingBytes,
+            ImageError::Checksum { .. } => Self::Damaged,
+            ImageError::TooLarge
+            | ImageError::Model(
+                ModelError::TooManyAxes { .. }
+                | ModelError::TooManyInputs { .. }
+                | ModelError::TooManyTerms { .. }
+                | ModelError::LagTooDeep { .. },
+            ) => Self::TooLarge,
+            _ => Self::Unusable,
+        }
+    }
+}
+
+/// A status in words, for a log; "unknown status" for a number that is none. Never NULL; the text is static.
+#[unsafe(no_mangle)]
+pub extern "C" fn fos_status_text(status: i32) -> *const c_char {
+    let status = ALL.iter().find(|known| **known as i32 == status);
+    status.map_or(c"unknown status", |status| status.text()).as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_status_has_its_own_number_and_text() {
+        for (number, status) in (0..).zip(ALL) {
+            assert_eq!(status as i32, number);
+            assert_eq!(ALL.iter().filter(|other| other.text() == status.text()).count(), 1);
+        }
+    }
+}

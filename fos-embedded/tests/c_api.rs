@@ -1,0 +1,240 @@
+//! The C interface from Rust: every status of loading, the same numbers as the hub, frames that the host reads.
+//! What only C can get wrong is in c/check.c.
+
+use core::ffi::CStr;
+use core::ptr::null_mut;
+
+use fos_core::image::encode;
+use fos_core::{
+    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
+    Source, Term, Transform, u, y,
+};
+use fos_embedded::c_api::*;
+use fos_embedded::hub::Hub;
+use fos_embedded::raw::{RawSample, Scales};
+use fos_embedded::telemetry::{self, Frame};
+
+const SCALES: fos_scales = fos_scales {
+    accel_mps2: 0.001_197,
+    gyro_rads: 0.000_305,
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: FOS_VALUES_RAW,
+};
+
+const TEMPERATURE: Input<f32> = Input {
+    source: Source::Quantity(0),
+    transform: Transform::Identity,
+    centre: 25.0,
+    scale: 5.0,
+    source_range: Range::new(-4.0, 4.0),
+    range: Range::new(-4.0, 4.0),
+};
+
+fn parameters(axis: Axis) -> AxisParameters<f32> {
+    AxisParameters {
+        axis,
+        reference: 0.0,
+        offset: 0.001,
+        scale: 0.003,
+        constant: 0.01,
+        range: Range::new(-4.0, 4.0),
+        full_scale: 0.0,
+        stuck_after: 0,
+        gap_limit: 3,
+        coast_limit_s: 2.0,
+        innovation: InnovationStatistics { mean: 0.0, variance: 0.5, lag_1_correlation: 0.0 },
+    }
+}
+
+/// An image of gyro axes with these terms, over these inputs.
+fn image(axes: &[Axis], terms: &[Term<f32>], quantities: &[Quantity], inputs: &[Input<f32>]) -> Vec<u8> {
+    let axes: Vec<_> = axes
+        .iter()
+        .map(|axis| AxisModel { parameters: parameters(*axis), physical: &[], stochastic: terms })
+        .collect();
+    encode_model(axes.as_slice(), quantities, inputs)
+}
+
+fn encode_model(axes: &[AxisModel<'_, f32>], quantities: &[Quantity], inputs: &[Input<f32>]) -> Vec<u8> {
+    let model =
+        Model { period_s: 0.005, fitted_on: FittedOn::Raw, stillness: None, quantities, inputs, axes };
+    let info = Info { quantities: "temp_c °C\nsupply_v V\nhumidity_pct %", ..Info::default() };
+    encode(&model, &info, &mut [0; 32_768]).expect("an image").to_vec()
+}
+
+fn small() -> Vec<u8> {
+    let terms = [Term::new(0.4, &[y(1)]), Term::new(0.1, &[u(0, 0)])];
+    let quantities = [Quantity::Temperature, Quantity::Supply, Quantity::Other];
+    image(&[Axis::Gx, Axis::Gz], &terms, &quantities, &[TEMPERATURE])
+}
+
+/// A hub in memory of its own.
+struct Held {
+    hub: *mut fos_hub,
+    _memory: Vec<u64>,
+}
+
+fn made(scales: &fos_scales) -> Held {
+    let mut memory = vec![u64::MAX; FOS_HUB_BYTES / 8];
+    let mut hub = null_mut();
+    // SAFETY: the memory is as long as said
+    let status = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), FOS_HUB_BYTES, scales, &mut hub) };
+    assert_eq!(status, fos_status::Ok);
+    Held { hub, _memory: memory }
+}
+
+fn load(held: &Held, image: &[u8]) -> fos_status {
+    // SAFETY: a hub, and an image as long as said
+    unsafe { fos_hub_load(held.hub, image.as_ptr(), image.len()) }
+}
+
+#[test]
+fn loading_says_what_is_wrong_with_the_model() {
+    let good = small();
+    let term = Term::new(0.1, &[y(1)]);
+    let changed = |place: usize, value: u8| {
+        let mut image = good.clone();
+        image[place] = value;
+        image
+    };
+    let more = [good.clone(), vec![0]].concat();
+    let all = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+    let seventeen = [Quantity::Supply; 17];
+    let unbounded = Term::new(f32::MAX, &[y(1), y(2)]);
+    let cases = [
+        (good.clone(), fos_status::Ok),
+        (good[..19].to_vec(), fos_status::Truncated),
+        (good[..good.len() - 1].to_vec(), fos_status::Truncated),
+        (changed(0, b'G'), fos_status::NotAnImage),
+        (changed(4, 2), fos_status::OtherVersion),
+        (changed(6, 1), fos_status::OtherVersion),
+        (changed(30, 0x55), fos_status::Damaged),
+        (more, fos_status::TrailingBytes),
+        (image(&[Axis::Gx], &[unbounded], &[], &[]), fos_status::Unusable),
+        (image(&[], &[], &[], &[]), fos_status::Unusable),
+        (image(&all, &[term; 22], &[], &[]), fos_status::TooLarge),
+        (
+            image(
+                &[Axis::Gx],
+                &[Term::new(0.1, &[y(200), y(255)])],
+                &[Quantity::Temperature],
+                &[TEMPERATURE],
+            ),
+            fos_status::TooLarge,
+        ),
+        (image(&[Axis::Gx], &[term], &[Quantity::Temperature], &[TEMPERATURE; 17]), fos_status::TooLarge),
+        (image(&[Axis::Gx], &[term], &seventeen, &[]), fos_status::TooLarge),
+        (image(&[Axis::Other], &[term], &[], &[]), fos_status::OtherAxis),
+        (image(&[Axis::Gx, Axis::Gx], &[term], &[], &[]), fos_status::OtherAxis),
+        (image(&[Axis::Gx], &[term], &[Quantity::Measured(Axis::Other)], &[]), fos_status::OtherQuantity),
+    ];
+    let held = made(&SCALES);
+    for (n, (image, expected)) in cases.iter().enumerate() {
+        assert_eq!(load(&held, image), *expected, "case {n}");
+    }
+    for (scales, expected) in [
+        (fos_scales { values: FOS_VALUES_FACTORY_CORRECTED, ..SCALES }, fos_status::OtherValues),
+        (fos_scales { period_s: 0.0057, ..SCALES }, fos_status::OtherPeriod),
+        (fos_scales { period_s: 0.0044, ..SCALES }, fos_status::OtherPeriod),
+        (fos_scales { period_s: 0.0053, ..SCALES }, fos_status::Ok),
+    ] {
+        assert_eq!(load(&made(&scales), &good), expected);
+    }
+}
+
+#[test]
+fn an_output_in_c_is_the_output_of_the_hub() {
+    let image = small();
+    let held = made(&SCALES);
+    assert_eq!(load(&held, &image), fos_status::Ok);
+    let mut hub: Hub<FOS_MAX_INPUTS, FOS_MAX_TERMS, FOS_MAX_HISTORY> = Hub::new(Scales {
+        accel_mps2: SCALES.accel_mps2,
+        gyro_rads: SCALES.gyro_rads,
+        temperature_k: SCALES.temperature_k,
+        temperature_zero_c: SCALES.temperature_zero_c,
+        period_s: SCALES.period_s,
+        values: FittedOn::Raw,
+    });
+    hub.load(&image).expect("a model");
+    let mut frame = [0; FOS_TELEMETRY_BYTES];
+    for n in 0..200_i16 {
+        let accel = [n, -n, 8192];
+        let gyro = [n % 7, n % 5, if n == 90 { i16::MAX } else { -n }];
+        let temperature = (n != 60).then_some(n);
+        let raw = RawSample { accel, gyro, temperature, skipped: u32::from(n == 50), ..RawSample::default() };
+        let in_c = fos_raw_sample {
+            skipped: raw.skipped,
+            accel,
+            gyro,
+            temperature: temperature.unwrap_or(0),
+            faults: 0,
+            has_temperature: u8::from(temperature.is_some()),
+        };
+        let motion = if n < 100 { FOS_MOTION_STILL } else { FOS_MOTION_MOVING };
+        let mut output = core::mem::MaybeUninit::<fos_output>::uninit();
+        let mut used = 0;
+        // SAFETY: a hub, and places that are as large as said
+        let output = unsafe {
+            assert_eq!(fos_hub_give(held.hub, FOS_QUANTITY_SUPPLY_V, 3.3), fos_status::Ok);
+            assert_eq!(fos_hub_give_application(held.hub, 1, f32::from(n)), fos_status::Ok);
+            assert_eq!(fos_hub_set_motion(held.hub, motion), fos_status::Ok);
+            assert_eq!(fos_hub_update(held.hub, &in_c, output.as_mut_ptr()), fos_status::Ok);
+            let status = fos_telemetry_sample(held.hub, frame.as_mut_ptr(), frame.len(), &mut used);
+            assert_eq!(status, fos_status::Ok);
+            output.assume_init()
+        };
+        hub.give_application(0, 3.3);
+        hub.give_application(2, f32::from(n));
+        hub.set_motion(Some(if n < 100 {
+            fos_embedded::hub::Motion::Still
+        } else {
+            fos_embedded::hub::Motion::Moving
+        }));
+        let expected = *hub.update(&raw);
+        let bits = |values: [f32; 6]| values.map(f32::to_bits);
+        assert_eq!(output.tick, expected.tick);
+        assert_eq!(bits(output.measured), bits(expected.measured));
+        assert_eq!(bits(output.corrected), bits(expected.corrected));
+        assert_eq!(bits(output.innovation), bits(expected.innovation));
+        assert_eq!(output.temperature_c.to_bits(), expected.temperature_c.to_bits());
+        assert_eq!(output.validity, expected.validity.map(|validity| validity.bits()));
+        assert_eq!(output.faults, expected.faults.bits());
+        assert_eq!((output.still, output.drift), (u8::from(expected.still), u8::from(expected.drift)));
+
+        let decoded: Frame<String, Vec<f32>, Vec<u16>> =
+            telemetry::decode(&mut frame[..used]).expect("a frame");
+        let Frame::Sample(sample) = decoded else { panic!("not a sample") };
+        assert_eq!((sample.tick, sample.still), (expected.tick, expected.still));
+        assert_eq!(sample.measured, expected.measured);
+        assert_eq!(sample.validity, output.validity);
+        assert_eq!(sample.quantities[1..], [3.3, f32::from(n)]);
+    }
+}
+
+#[test]
+fn the_start_of_telemetry_names_what_the_samples_hold() {
+    let image = small();
+    let held = made(&SCALES);
+    assert_eq!(load(&held, &image), fos_status::Ok);
+    let mut frame = [0; FOS_TELEMETRY_BYTES];
+    let mut used = 0;
+    // SAFETY: a hub, an image and a buffer as long as said
+    let status = unsafe {
+        fos_telemetry_start(held.hub, image.as_ptr(), image.len(), frame.as_mut_ptr(), frame.len(), &mut used)
+    };
+    assert_eq!(status, fos_status::Ok);
+    let decoded: Frame<&str, (), ()> = telemetry::decode(&mut frame[..used]).expect("a frame");
+    let Frame::Start(start) = decoded else { panic!("not a start") };
+    assert_eq!(start.period_s, 0.005);
+    assert_eq!(start.axes, "ax_mps2\nay_mps2\naz_mps2\ngx_rads\ngy_rads\ngz_rads");
+    assert_eq!(start.quantities, "temp_c\nsupply_v\nhumidity_pct");
+}
+
+#[test]
+fn the_version_is_that_of_the_crate() {
+    // SAFETY: a static text
+    let version = unsafe { CStr::from_ptr(fos_version()) };
+    assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
+}
