@@ -58,7 +58,7 @@ impl Write for Stream {
     }
 }
 
-fn path<'b>(index: usize, buffer: &'b mut [u8; 1024]) -> &'b core::ffi::CStr {
+fn path(index: usize, buffer: &mut [u8; 1024]) -> &core::ffi::CStr {
     match argument(index, buffer) {
         Some(path) => path,
         None => fail(format_args!("usage: firmware IMAGE LOG [TELEMETRY]")),

@@ -225,6 +225,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
                 return Err(HubError::Axis(index));
             }
             self.in_order &= usize::from(channel) == index;
+            // a gyro has no pose; where an accelerometer lies is not known yet
+            self.in_pose |= u32::from(channel >= 3).checked_shl(index as u32).unwrap_or(0);
             let pose_limit = if channel < 3 { OTHER_POSE as f32 * parameters.scale } else { f32::INFINITY };
             let modelled = Modelled { channel, reference: parameters.reference, pose_limit };
             self.axes.push(modelled).map_err(|_| HubError::Axis(index))?;

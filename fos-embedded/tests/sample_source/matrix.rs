@@ -280,7 +280,7 @@ fn assess<P: Part<BusError = NoAnswer>>(
             let off = (f64::from(*corrected) - truth).abs();
             let furthest = &mut row.furthest[axis / 3];
             // not a number: never in bounds
-            if !(off <= BOUNDS[axis / 3]) {
+            if off.is_nan() || off > BOUNDS[axis / 3] {
                 return Err(format!("axis {axis} is {off} from the truth at tick {tick}"));
             }
             *furthest = furthest.max(off);
