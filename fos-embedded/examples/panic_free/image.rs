@@ -8,7 +8,15 @@ use fos_core::{
     Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
     Validity, u, y,
 };
+use fos_embedded::hub::{Hub, Motion as HubMotion};
+use fos_embedded::hub_log;
+use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
+use fos_embedded::telemetry::{
+    AlarmRecorder, Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, decode,
+    encode as encode_frame,
+};
+use fos_embedded::test_vector::TestVector;
 
 type Device = Predictor<f32, 6, 16, 128, 256>;
 
@@ -28,6 +36,7 @@ pub(crate) fn exercise() {
     stillness();
     log(black_box(&[0; 64]));
     written();
+    hub(black_box(&[0; 64]));
 }
 
 fn from_image(bytes: &[u8]) {
@@ -182,4 +191,87 @@ fn log(bytes: &[u8]) {
     }
     let record = black_box(Record { skipped: 0, motion: Motion::Still, measured: &[], quantities: &[] });
     black_box(record.encode().count());
+}
+
+/// A stream that takes some of what it is given.
+struct Stream;
+
+impl embedded_io::ErrorType for Stream {
+    type Error = embedded_io::ErrorKind;
+}
+
+impl embedded_io::Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, embedded_io::ErrorKind> {
+        black_box(bytes);
+        black_box(Ok(1))
+    }
+
+    fn flush(&mut self) -> Result<(), embedded_io::ErrorKind> {
+        Ok(())
+    }
+}
+
+fn hub(bytes: &[u8]) {
+    let scales = black_box(Scales {
+        accel_mps2: 1.0,
+        gyro_rads: 1.0,
+        temperature_k: 1.0,
+        temperature_zero_c: 25.0,
+        period_s: 0.005,
+        values: FittedOn::Raw,
+    });
+    let mut hub: Hub<16, 128, 256> = Hub::new(scales);
+    black_box(hub.load(bytes).is_ok());
+    with_model(|model| {
+        black_box(hub.load_model(model).is_ok());
+    });
+    black_box(hub.give(black_box(Quantity::Supply), black_box(1.0)));
+    black_box(hub.give_application(black_box(1), black_box(1.0)));
+    hub.set_motion(black_box(Some(HubMotion::Still)));
+    let raw = black_box(RawSample { temperature: Some(1), faults: Faults::BUS, ..RawSample::default() });
+    let output = *hub.update(&raw);
+    hub.clock(black_box(1));
+    black_box((output.accel(), output.gyro(), output.is_valid(), hub.rate_hz()));
+    for axis in black_box([Axis::Gx, Axis::Other]) {
+        let _ = black_box((hub.drift(axis), hub.statistics(axis), hub.deviation_ratio(axis)));
+    }
+    hub.restart_watch();
+    let logged = hub.logged();
+    let names = hub.columns::<64>(&black_box(Info::default()));
+
+    let start = StartFrame {
+        version: VERSION,
+        period_s: black_box(0.005),
+        axes: HUB_AXES,
+        quantities: names.as_deref().unwrap_or(""),
+    };
+    let mut alarmed: AlarmRecorder<_, 320, 4, 8> = AlarmRecorder::new(Recorder::new(Stream), black_box(8));
+    black_box(alarmed.sample(&start, &output, &logged).is_ok());
+    alarmed.trigger();
+    black_box((alarmed.is_sending(), alarmed.recorder().failed()));
+    let mut buffer = black_box([0; 320]);
+    let room = buffer.get_mut(..black_box(320)).unwrap_or_default();
+    black_box(encode_frame(&Frame::Sample(SampleFrame::new(&output, &logged)), room).map(<[u8]>::len));
+
+    let mut given = black_box([0.0; 16]);
+    if let (Ok(header), Ok(record)) =
+        (hub_log::Header::decode(bytes), hub_log::Record::decode(bytes, &mut given))
+    {
+        black_box((header.encode(), header.record_length()));
+        for byte in record.encode() {
+            black_box(byte);
+        }
+        let mut digest = hub_log::Digest::default();
+        digest.update(hub_log::step(&mut hub, &record));
+        black_box(digest.value());
+    }
+    let vector = black_box(TestVector {
+        scales,
+        channels: &[],
+        given: &[],
+        samples: &[],
+        given_bits: &[],
+        expected: &[],
+    });
+    black_box(vector.run(&mut hub).is_ok());
 }

@@ -103,7 +103,9 @@ pub enum TelemetryError<E> {
     TooLong,
     /// It is damaged: a byte was lost or changed.
     Damaged,
-    /// The stream.
+    /// The stream takes nothing more.
+    Closed,
+    /// The stream failed.
     Stream(E),
 }
 
@@ -112,6 +114,7 @@ impl<E: fmt::Display> fmt::Display for TelemetryError<E> {
         match self {
             Self::TooLong => f.write_str("the frame does not fit the buffer"),
             Self::Damaged => f.write_str("the frame is damaged"),
+            Self::Closed => f.write_str("the stream takes nothing more"),
             Self::Stream(error) => write!(f, "the stream failed: {error}"),
         }
     }
@@ -162,7 +165,7 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
     pub fn send(&mut self, frame: &Borrowed<'_>) -> Result<(), TelemetryError<W::Error>> {
         let mut buffer = [0; BYTES];
         let sent = match encode(frame, &mut buffer) {
-            Some(bytes) => self.stream.write_all(bytes).map_err(TelemetryError::Stream),
+            Some(bytes) => write_all(&mut self.stream, bytes),
             None => Err(TelemetryError::TooLong),
         };
         if sent.is_err() {
@@ -180,6 +183,19 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
     pub fn release(self) -> W {
         self.stream
     }
+}
+
+/// embedded-io's own panics where a stream takes nothing, or says that it took more than there was.
+fn write_all<W: embedded_io::Write>(stream: &mut W, bytes: &[u8]) -> Result<(), TelemetryError<W::Error>> {
+    let mut left = bytes;
+    while !left.is_empty() {
+        left = match stream.write(left) {
+            Ok(0) => return Err(TelemetryError::Closed),
+            Ok(taken) => left.get(taken..).unwrap_or(&[]),
+            Err(error) => return Err(TelemetryError::Stream(error)),
+        };
+    }
+    Ok(())
 }
 
 /// Writes a frame with its checksum and its delimiter into `buffer`; `None` if it does not fit.
