@@ -173,12 +173,14 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         Ok(())
     }
 
+    #[inline(never)]
     pub(crate) fn add_input(&mut self, input: &Input<R>) -> Result<(), ModelError> {
         input.check(self.inputs.len(), self.building.n_quantities, self.building.n_axes)?;
         let too_many = ModelError::TooManyInputs { found: self.building.n_inputs, capacity: INPUTS };
         self.inputs.push(RunningInput::new(input, self.building.period_s)).map_err(|_| too_many)
     }
 
+    #[inline(never)]
     pub(crate) fn add_axis(
         &mut self,
         parameters: &AxisParameters<R>,

@@ -78,6 +78,7 @@ impl<'a> Image<'a> {
     }
 
     /// Reads every record once, so that the iterators handed out later cannot meet a bad one.
+    #[inline(never)]
     fn check_form(&self) -> Result<(), ImageError> {
         let mut records = self.records;
         for _ in 0..self.head.n_quantities {
@@ -180,6 +181,8 @@ impl<'a> Image<'a> {
         loaded
     }
 
+    // apart from the parsing before it, so that the stack of one is not below the other's
+    #[inline(never)]
     fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
         predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,

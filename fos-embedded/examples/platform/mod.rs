@@ -150,16 +150,22 @@ mod board {
     /// Bytes of stack that `work` takes: what it overwrites of a painted stack.
     #[inline(never)]
     pub(crate) fn stack_of(work: impl FnOnce()) -> usize {
-        // what this function itself still needs, calls included
-        let top = cortex_m::register::msp::read() as usize - 64;
+        // nothing below the stack pointer is in use, and neither loop calls anything
+        let top = cortex_m::register::msp::read() as usize;
         let painted = core::ptr::with_exposed_provenance_mut::<u8>(top - STACK);
-        // SAFETY: nothing lies there: there are 4 MiB of RAM, and little of it is used
-        (0..STACK).for_each(|at| unsafe { painted.add(at).write_volatile(PAINT) });
+        let mut at = 0;
+        while at < STACK {
+            // SAFETY: nothing lies there: there are 4 MiB of RAM, and little of it is used
+            unsafe { painted.add(at).write_volatile(PAINT) };
+            at += 1;
+        }
         work();
+        let mut untouched = 0;
         // SAFETY: as above
-        let untouched =
-            (0..STACK).take_while(|at| unsafe { painted.add(*at).read_volatile() } == PAINT).count();
-        STACK - untouched + 64
+        while untouched < STACK && unsafe { painted.add(untouched).read_volatile() } == PAINT {
+            untouched += 1;
+        }
+        STACK - untouched
     }
 
     /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer of the

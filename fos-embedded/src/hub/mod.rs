@@ -203,6 +203,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
     }
 
+    // apart from decoding, so that the stack of one is not below the other's
+    #[inline(never)]
     /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
     fn connect(
         &mut self,
