@@ -155,7 +155,7 @@ mod board {
         let painted = core::ptr::with_exposed_provenance_mut::<u8>(top - STACK);
         let mut at = 0;
         while at < STACK {
-            // SAFETY: nothing lies there: there are 4 MiB of RAM, and little of it is used
+            // SAFETY: nothing lies there: there are 512 KiB of RAM, and the stack is all that is so far up
             unsafe { painted.add(at).write_volatile(PAINT) };
             at += 1;
         }
