@@ -31,6 +31,7 @@ const KEY: u8 = 0;
 
 /// Why an image cannot be stored or loaded. After every error the image that was valid before still is.
 #[derive(Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
     /// The range is not whole pages, or fewer than four.
     Range,
@@ -183,6 +184,14 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let (mut map, buffer) = self.map(held.slot)?;
         let record: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
         Ok(record.and_then(|record| record.get(NUMBER..NUMBER + held.length)))
+    }
+}
+
+/// Where it lies, not what it holds: that is in the flash.
+#[cfg(feature = "defmt")]
+impl<F: NorFlash, const BYTES: usize> defmt::Format for ModelStore<F, BYTES> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "ModelStore {{ slots: {}, longest: {=usize} }}", self.slots, BYTES);
     }
 }
 

@@ -36,6 +36,7 @@ pub const MAX_LOGGED: usize = 17;
 
 /// Whether the unit is still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Motion {
     /// It moves: the predictor coasts.
     Moving,
@@ -446,6 +447,31 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             }
         }
     }
+}
+
+/// Which axes are modelled, and what the latest sample came to; not the model.
+#[cfg(feature = "defmt")]
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Format
+    for Hub<INPUTS, TERMS, HISTORY>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let axes: Vec<Axis, AXES> = self.axes.iter().map(|axis| axis_of(axis.channel)).collect();
+        defmt::write!(
+            f,
+            "Hub {{ axes: {}, still: {=bool}, faults: {}, drift: {=bool} }}",
+            axes,
+            self.output.still,
+            self.output.faults,
+            self.output.drift
+        );
+    }
+}
+
+/// Which axis one of the six is.
+#[cfg(feature = "defmt")]
+fn axis_of(channel: u8) -> Axis {
+    const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+    SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
 }
 
 /// Which of the six an axis is.

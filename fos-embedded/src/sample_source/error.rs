@@ -4,6 +4,7 @@ use core::fmt;
 
 /// Why a sensor gives no samples. Every one may pass: go on polling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SourceError<E> {
     /// The bus, with the same transfer repeated.

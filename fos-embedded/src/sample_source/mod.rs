@@ -131,6 +131,7 @@ pub struct SampleSource<P: Part> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum State {
     Running,
     /// To be set up anew after so many polls.
@@ -325,5 +326,19 @@ impl<P: Part> SampleSource<P> {
         self.stuck_rest = self.back_off;
         self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
         self.state = State::Down { rest: 0 };
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<P: Part> defmt::Format for SampleSource<P> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "SampleSource {{ part: {=str}, state: {}, pending: {}, counts: {} }}",
+            P::NAME,
+            self.state,
+            self.pending,
+            self.counts
+        );
     }
 }
