@@ -125,7 +125,8 @@ impl defmt::Format for Validity {
         }
         let mut separator = "";
         for name in self.names() {
-            defmt::write!(f, "{=str}{=str}", separator, name);
+            // as text: derived formats around this one ask for quotes
+            defmt::write!(f, "{=str:a}{=str:a}", separator, name);
             separator = ", ";
         }
     }

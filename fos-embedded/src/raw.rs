@@ -38,13 +38,14 @@ impl defmt::Format for Faults {
         defmt::write!(f, "Faults(");
         let (mut separator, mut names) = ("", self.iter_names());
         for (name, _) in &mut names {
-            defmt::write!(f, "{=str}{=str}", separator, name);
+            // as text: derived formats around this one ask for quotes
+            defmt::write!(f, "{=str:a}{=str:a}", separator, name);
             separator = " | ";
         }
         // bits without a name, or none at all
         let unnamed = names.remaining().bits();
         if unnamed != 0 || self.is_empty() {
-            defmt::write!(f, "{=str}{=u16:#x}", separator, unnamed);
+            defmt::write!(f, "{=str:a}{=u16:#x}", separator, unnamed);
         }
         defmt::write!(f, ")");
     }

@@ -115,8 +115,10 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
             map.store_item(buffer, &KEY, &record).await?;
             let kept: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
             if kept == Some(record) {
+                info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
                 return Ok(());
             }
+            warn!("slot {=usize}: an image did not read back", slot);
         }
         Err(StoreError::NotKept)
     }
@@ -171,11 +173,17 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let record: Option<&[u8]> = match map.fetch_item(buffer, &KEY).await {
             Ok(record) => record,
             Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
-            Err(_) => None,
+            Err(_) => {
+                warn!("slot {=usize}: passed over, beyond repair", slot);
+                None
+            }
         };
         Ok(record.and_then(|record| {
             let (number, image) = record.split_first_chunk::<NUMBER>()?;
-            Image::parse(image).ok()?;
+            if let Err(error) = Image::parse(image) {
+                warn!("slot {=usize}: passed over, {}", slot, error);
+                return None;
+            }
             Some(Held { slot, number: u32::from_le_bytes(*number), length: image.len() })
         }))
     }

@@ -26,6 +26,19 @@ pub enum SourceError<E> {
     Resting(u8),
 }
 
+impl<E> SourceError<E> {
+    /// For a log, which may not know the bus.
+    pub(super) fn without_bus(&self) -> SourceError<()> {
+        match *self {
+            Self::Bus(_) => SourceError::Bus(()),
+            Self::WrongPart(id) => SourceError::WrongPart(id),
+            Self::NotKept { register, written, read } => SourceError::NotKept { register, written, read },
+            Self::Fatal => SourceError::Fatal,
+            Self::Resting(polls) => SourceError::Resting(polls),
+        }
+    }
+}
+
 impl<E: fmt::Debug> fmt::Display for SourceError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
