@@ -18,6 +18,7 @@ const FADED: f64 = 1e-6;
 /// What a [`Predictor`](crate::Predictor) says of one axis and one sample.
 #[must_use = "carries whether the corrected value can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Correction<R> {
     /// Predicted error, offset included, in the axis' unit: what was subtracted.
     pub predicted: R,

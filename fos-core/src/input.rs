@@ -13,6 +13,7 @@ const MARGIN: f64 = 0.05;
 
 /// What an input is computed from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
     /// Time since power-on alone.
     Clock,
@@ -25,6 +26,7 @@ pub enum Source {
 /// An input u_i, shared by all axes and updated once per sample:
 /// x = (logged − centre)/scale, u = transform(x).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input<R> {
     /// What it is computed from.
     pub source: Source,

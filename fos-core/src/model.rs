@@ -8,6 +8,7 @@ use crate::{Channel, Input, Range, Real, Source, StillnessLimits, Term};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Axis {
     /// Accelerometer x, m/s².
     Ax,
@@ -27,6 +28,7 @@ pub enum Axis {
 
 /// A logged quantity that an input is computed from, in SI units except as stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Quantity {
     /// Sensor temperature, °C.
     Temperature,
@@ -50,6 +52,7 @@ pub enum Quantity {
 
 /// What the measured values were when the model was fitted, so that a correction is never applied twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FittedOn {
     /// As the sensor gives them.
     Raw,
@@ -59,6 +62,7 @@ pub enum FittedOn {
 
 /// The innovation on the data that the model was fitted to, in scaled units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnovationStatistics<R> {
     /// Mean.
     pub mean: R,
@@ -73,6 +77,7 @@ pub struct InnovationStatistics<R> {
 /// y = (measured − reference − offset)/scale is the scaled error; measured, reference and offset are in the axis'
 /// unit. The terms of the physical part give p, those of the stochastic part r̂ − constant, r = y − p.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisParameters<R> {
     /// Which axis.
     pub axis: Axis,
@@ -101,6 +106,7 @@ pub struct AxisParameters<R> {
 
 /// The model of one axis: ŷ(n) = p(n) + r̂(n).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisModel<'a, R> {
     /// Its numbers.
     pub parameters: AxisParameters<R>,
@@ -112,6 +118,7 @@ pub struct AxisModel<'a, R> {
 
 /// The model of one sensor unit: up to six axes over shared inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Model<'a, R> {
     /// Sample period T, s.
     pub period_s: f64,
@@ -129,6 +136,7 @@ pub struct Model<'a, R> {
 
 /// Why a model cannot be used. Indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModelError {
     /// The sample period is not a positive finite number.

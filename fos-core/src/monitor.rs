@@ -28,6 +28,7 @@ const TAU_S: f64 = 30.0;
 /// In what respect the innovation has left the statistics of the fit. It stays set until [`Monitor::restart`].
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Drift {
     /// The mean has shifted.
     pub mean: bool,
@@ -162,5 +163,20 @@ impl<R: Real> Monitor<R> {
     pub fn restart(&mut self) {
         (self.above, self.below, self.power) = (R::ZERO, R::ZERO, R::ZERO);
         self.drift = Drift::default();
+    }
+}
+
+/// What it has found, not what it was made with.
+#[cfg(feature = "defmt")]
+impl<R: Real + defmt::Format> defmt::Format for Monitor<R> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (samples, statistics) = (self.samples, self.statistics());
+        defmt::write!(
+            f,
+            "Monitor {{ samples: {=u32}, statistics: {}, drift: {} }}",
+            samples,
+            statistics,
+            self.drift
+        );
     }
 }

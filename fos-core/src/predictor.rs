@@ -11,6 +11,7 @@ use crate::{Channel, Input, Model, ModelError, Real, Source, Term, Validity};
 
 /// Everything logged at one instant.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample<'a, R> {
     /// Measured value of every axis of the model, in its order and unit. An absent one counts as missing.
     pub measured: &'a [R],
@@ -73,6 +74,17 @@ pub struct Predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usi
     history: History<R, HISTORY>,
     corrections: Vec<Correction<R>, AXES>,
     building: Building,
+}
+
+/// What the latest sample came to, not the model.
+#[cfg(feature = "defmt")]
+impl<R: defmt::Format, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+    defmt::Format for Predictor<R, AXES, INPUTS, TERMS, HISTORY>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (inputs, corrections) = (self.inputs.len(), self.corrections.as_slice());
+        defmt::write!(f, "Predictor {{ inputs: {=usize}, corrections: {} }}", inputs, corrections);
+    }
 }
 
 /// What is known of a model before its inputs and axes are added.

@@ -6,6 +6,7 @@ use crate::Real;
 
 /// The smallest and the largest value of a quantity in the data that a model was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range<R> {
     /// Smallest value seen.
     pub low: R,

@@ -17,6 +17,7 @@ const JUMP: f64 = 7.0;
 
 /// When a unit counts as still. All limits are sums over three axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StillnessLimits<R> {
     /// Samples in a window; at least 2.
     pub window: u16,
@@ -177,4 +178,17 @@ impl<R: Real> StillnessDetector<R> {
 fn distance_squared<R: Real>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> R {
     let (x, y, z) = (ax - bx, ay - by, az - bz);
     x * x + y * y + z * z
+}
+
+#[cfg(feature = "defmt")]
+impl<R> defmt::Format for StillnessDetector<R> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (still, quiet_windows) = (self.still, self.quiet_windows);
+        defmt::write!(
+            f,
+            "StillnessDetector {{ still: {=bool}, quiet_windows: {=u8} }}",
+            still,
+            quiet_windows
+        );
+    }
 }

@@ -7,6 +7,7 @@ pub const MAX_DEGREE: usize = 3;
 
 /// Which of a sample's values a [`Factor`] delays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Channel {
     /// The axis' own remainder r = y − p, the model's output fed back (paper eq. 14: y).
     Output,
@@ -18,6 +19,7 @@ pub enum Channel {
 ///
 /// An output needs `lag ≥ 1`: the present is what is predicted. An input may have lag 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Factor {
     /// What is delayed.
     pub channel: Channel,
@@ -102,4 +104,12 @@ impl<R: Copy> Term<R> {
 
 const fn is_present_output(factor: Factor) -> bool {
     matches!(factor.channel, Channel::Output) && factor.lag == 0
+}
+
+/// Without the places for factors that it does not have.
+#[cfg(feature = "defmt")]
+impl<R: Copy + defmt::Format> defmt::Format for Term<R> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Term {{ coefficient: {}, factors: {} }}", self.coefficient, self.factors());
+    }
 }

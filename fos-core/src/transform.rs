@@ -9,6 +9,7 @@ use crate::function::{exp_m1, sin_cos_of_cycles};
 ///
 /// Time constants are in seconds and frequencies in hertz; they become coefficients when the model is built.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Transform<R> {
     /// u = x.
     Identity,

@@ -43,3 +43,10 @@ impl<R: Real> Transformer<R> {
         self.running.skip(self.held.unwrap_or(R::ZERO), ticks);
     }
 }
+
+#[cfg(feature = "defmt")]
+impl<R: defmt::Format> defmt::Format for Transformer<R> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Transformer {{ held: {} }}", self.held);
+    }
+}

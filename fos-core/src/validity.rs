@@ -115,3 +115,19 @@ impl fmt::Debug for Validity {
         Ok(())
     }
 }
+
+/// As [`Debug`](fmt::Debug) has it.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Validity {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        if self.is_valid() {
+            return defmt::write!(f, "valid");
+        }
+        let mut separator = "";
+        for name in self.names() {
+            // as text: derived formats around this one ask for quotes
+            defmt::write!(f, "{=str:a}{=str:a}", separator, name);
+            separator = ", ";
+        }
+    }
+}

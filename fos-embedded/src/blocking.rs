@@ -24,6 +24,7 @@ use embedded_storage::nor_flash;
 
 /// A blocking bus, delay or flash as an asynchronous one whose operations are done when they return.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Blocking<T>(pub T);
 
 /// What a future gives that is done when it is first asked, as those over [`Blocking`] are; `None` from any other.

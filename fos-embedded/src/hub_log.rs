@@ -69,6 +69,7 @@ const RECORD_LENGTH: usize = 32;
 
 /// What the codes of a log mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// Of the codes.
     pub scales: Scales,
@@ -78,6 +79,7 @@ pub struct Header {
 
 /// One sample of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record<'a> {
     /// What the sensor gave.
     pub raw: RawSample,
@@ -91,6 +93,7 @@ pub struct Record<'a> {
 
 /// Why a log cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum HubLogError {
     /// The log ends within its header or within a record.
@@ -286,6 +289,13 @@ pub struct Digest(crc::Digest<'static, u64, Table<1>>);
 impl Default for Digest {
     fn default() -> Self {
         Self(CRC.digest())
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Digest {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Digest({=u64:016x})", self.value());
     }
 }
 

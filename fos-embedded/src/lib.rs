@@ -17,6 +17,9 @@
 #[cfg(any(test, all(feature = "c-api", not(target_os = "none"))))]
 extern crate std;
 
+#[macro_use]
+mod log;
+
 pub mod blocking;
 #[cfg(feature = "c-api")]
 pub mod c_api;

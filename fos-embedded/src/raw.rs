@@ -31,8 +31,29 @@ bitflags! {
     }
 }
 
+/// As `Debug` has it.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Faults {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Faults(");
+        let (mut separator, mut names) = ("", self.iter_names());
+        for (name, _) in &mut names {
+            // as text: derived formats around this one ask for quotes
+            defmt::write!(f, "{=str:a}{=str:a}", separator, name);
+            separator = " | ";
+        }
+        // bits without a name, or none at all
+        let unnamed = names.remaining().bits();
+        if unnamed != 0 || self.is_empty() {
+            defmt::write!(f, "{=str:a}{=u16:#x}", separator, unnamed);
+        }
+        defmt::write!(f, ")");
+    }
+}
+
 /// What a sensor gave at one instant, axes x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawSample {
     /// Ticks without a sample before this one.
     pub skipped: u32,
@@ -48,6 +69,7 @@ pub struct RawSample {
 
 /// What the codes of a sensor mean, as it is set up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scales {
     /// Of an accelerometer's code, m/s².
     pub accel_mps2: f32,

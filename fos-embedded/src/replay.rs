@@ -52,6 +52,7 @@ pub const MAX_RECORD_LENGTH: usize = 8 + 4 * MAX_VALUES;
 
 /// What the records of a log hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// Measured values of a record.
     pub n_axes: u8,
@@ -61,6 +62,7 @@ pub struct Header {
 
 /// One sample of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record<'a> {
     /// Ticks without a sample before this one.
     pub skipped: u32,
@@ -74,6 +76,7 @@ pub struct Record<'a> {
 
 /// Why a log cannot be read or does not fit a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ReplayError {
     /// The log ends within its header or within a record.
@@ -187,6 +190,13 @@ pub struct Decoder {
     values: [f32; MAX_VALUES],
 }
 
+#[cfg(feature = "defmt")]
+impl defmt::Format for Decoder {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Decoder {{ header: {} }}", self.header);
+    }
+}
+
 impl Decoder {
     /// A decoder of a log with this header.
     ///
@@ -263,6 +273,19 @@ pub struct Digest {
 impl Default for Digest {
     fn default() -> Self {
         Self { corrections: CRC.digest(), innovations: CRC.digest() }
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Digest {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (corrections, innovations) = (self.corrections(), self.innovations());
+        defmt::write!(
+            f,
+            "Digest {{ corrections: {=u64:016x}, innovations: {=u64:016x} }}",
+            corrections,
+            innovations
+        );
     }
 }
 

@@ -31,6 +31,7 @@ const KEY: u8 = 0;
 
 /// Why an image cannot be stored or loaded. After every error the image that was valid before still is.
 #[derive(Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
     /// The range is not whole pages, or fewer than four.
     Range,
@@ -114,8 +115,10 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
             map.store_item(buffer, &KEY, &record).await?;
             let kept: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
             if kept == Some(record) {
+                info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
                 return Ok(());
             }
+            warn!("slot {=usize}: an image did not read back", slot);
         }
         Err(StoreError::NotKept)
     }
@@ -170,11 +173,17 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let record: Option<&[u8]> = match map.fetch_item(buffer, &KEY).await {
             Ok(record) => record,
             Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
-            Err(_) => None,
+            Err(_) => {
+                warn!("slot {=usize}: passed over, beyond repair", slot);
+                None
+            }
         };
         Ok(record.and_then(|record| {
             let (number, image) = record.split_first_chunk::<NUMBER>()?;
-            Image::parse(image).ok()?;
+            if let Err(error) = Image::parse(image) {
+                warn!("slot {=usize}: passed over, {}", slot, error);
+                return None;
+            }
             Some(Held { slot, number: u32::from_le_bytes(*number), length: image.len() })
         }))
     }
@@ -183,6 +192,14 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let (mut map, buffer) = self.map(held.slot)?;
         let record: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
         Ok(record.and_then(|record| record.get(NUMBER..NUMBER + held.length)))
+    }
+}
+
+/// Where it lies, not what it holds: that is in the flash.
+#[cfg(feature = "defmt")]
+impl<F: NorFlash, const BYTES: usize> defmt::Format for ModelStore<F, BYTES> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "ModelStore {{ slots: {}, longest: {=usize} }}", self.slots, BYTES);
     }
 }
 

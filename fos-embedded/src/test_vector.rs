@@ -10,6 +10,7 @@ use crate::raw::{Faults, RawSample, Scales};
 
 /// Samples, and what a hub makes of them from its first tick on.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TestVector<'a> {
     /// What the codes mean: the hub is made with them. They need not be those of the real sensor.
     pub scales: Scales,
@@ -27,6 +28,7 @@ pub struct TestVector<'a> {
 
 /// A sample of a [`TestVector`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TestSample {
     /// As the application says; stillness is not detected.
     pub motion: Motion,
@@ -40,6 +42,7 @@ pub struct TestSample {
 
 /// What an axis must come to, as bits of f32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Expected {
     /// Corrected value.
     pub corrected: u32,
@@ -51,6 +54,7 @@ pub struct Expected {
 
 /// What is wrong with a model, or with the machine it runs on.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CheckError {
     /// The hub does not take the model.
     Load(HubError),

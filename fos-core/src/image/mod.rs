@@ -29,6 +29,7 @@ const CHECKSUM_AT: usize = 16;
 
 /// What people want to know of a model and the device need not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Info<'a> {
     /// The sensor, as its user named it.
     pub sensor: &'a str,
@@ -61,6 +62,7 @@ struct AxisHead {
 
 /// Why an image cannot be read or written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ImageError {
     /// Fewer bytes than the header says, or than a header has.

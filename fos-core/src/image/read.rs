@@ -19,6 +19,7 @@ pub struct Image<'a> {
 
 /// One axis of an image.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisImage<'a> {
     /// Its numbers.
     pub parameters: AxisParameters<f32>,
@@ -220,6 +221,31 @@ impl Iterator for Terms<'_> {
     fn next(&mut self) -> Option<Term<f32>> {
         self.left = self.left.checked_sub(1)?;
         self.records.term().ok().flatten()
+    }
+}
+
+/// How much of what there is, not the model.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Image<'_> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let Head { period_s, fitted_on, n_quantities, n_inputs, n_axes, .. } = self.head;
+        defmt::write!(
+            f,
+            "Image {{ period_s: {=f64}, fitted_on: {}, quantities: {=u8}, inputs: {=u8}, axes: {=u8} }}",
+            period_s,
+            fitted_on,
+            n_quantities,
+            n_inputs,
+            n_axes
+        );
+    }
+}
+
+/// How many are left.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Terms<'_> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{=u8} terms", self.left);
     }
 }
 

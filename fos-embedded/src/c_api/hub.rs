@@ -21,6 +21,13 @@ pub struct fos_hub {
     pub(super) hub: Hub<FOS_MAX_INPUTS, FOS_MAX_TERMS, FOS_MAX_HISTORY>,
 }
 
+#[cfg(feature = "defmt")]
+impl defmt::Format for fos_hub {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        self.hub.format(f);
+    }
+}
+
 const _: () = assert!(size_of::<fos_hub>() <= FOS_HUB_BYTES && align_of::<fos_hub>() <= FOS_HUB_ALIGN);
 
 /// Version of the library's interface: FOS_API_VERSION of the header that belongs to it.

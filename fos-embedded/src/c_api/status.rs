@@ -11,6 +11,7 @@ use crate::hub::HubError;
 #[repr(i32)]
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum fos_status {
     /// Done.
     Ok = 0,

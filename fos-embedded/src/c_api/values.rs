@@ -115,6 +115,7 @@ pub const FOS_DRIFT_VARIANCE: u8 = 2;
 /// What the codes of a sensor mean, as it is set up.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_scales {
     /// Of an accelerometer's code, m/s^2; positive.
     pub accel_mps2: f32,
@@ -133,6 +134,7 @@ pub struct fos_scales {
 /// What a sensor gave at one instant.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_raw_sample {
     /// Sample periods without a sample before this one.
     pub skipped: u32,
@@ -152,6 +154,7 @@ pub struct fos_raw_sample {
 /// Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_output {
     /// Sample periods since the hub took its scales; wraps.
     pub tick: u32,

@@ -6,6 +6,7 @@ use fos_core::{FittedOn, ImageError};
 
 /// Why a hub does not take a model. Indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum HubError {
     /// The image, or the model in it.

@@ -36,6 +36,7 @@ pub const MAX_LOGGED: usize = 17;
 
 /// Whether the unit is still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Motion {
     /// It moves: the predictor coasts.
     Moving,
@@ -149,8 +150,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
         self.unload();
         let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
-        if loaded.is_err() {
+        if let Err(error) = &loaded {
+            warn!("model refused: {}", *error);
             self.unload();
+        } else {
+            info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
         loaded
     }
@@ -163,8 +167,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.unload();
         let loaded = self.take_model(model);
-        if loaded.is_err() {
+        if let Err(error) = &loaded {
+            warn!("model refused: {}", *error);
             self.unload();
+        } else {
+            info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
         loaded
     }
@@ -316,10 +323,18 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// sample rate is found; call it after every batch.
     pub fn clock(&mut self, now_us: u64) {
         self.rate.clock(now_us);
+        let was_off = self.rate_off;
         self.rate_off = self.rate.rate_hz().is_some_and(|rate_hz| {
             let off = rate_hz - self.model_rate_hz;
             self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
         });
+        if self.rate_off && !was_off {
+            warn!(
+                "sample rate off: {} Hz, the model's is {=f32} Hz",
+                self.rate.rate_hz(),
+                self.model_rate_hz
+            );
+        }
     }
 
     /// The sensor's true sample rate by the application's clock, Hz; none before the first 10 s without a fault.
@@ -377,7 +392,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         if self.rate_off {
             output.faults |= Faults::RATE;
         }
-        self.watch.update(corrections);
+        if let Some(index) = self.watch.update(corrections) {
+            let axis = self.axes.get(index).map(|axis| axis_of(axis.channel));
+            warn!("model stopped fitting: {}, {}", axis, self.watch.drift(index));
+        }
         output.drift = self.watch.any();
         output
     }
@@ -448,6 +466,30 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             }
         }
     }
+}
+
+/// Which axes are modelled, and what the latest sample came to; not the model.
+#[cfg(feature = "defmt")]
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Format
+    for Hub<INPUTS, TERMS, HISTORY>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let axes: Vec<Axis, AXES> = self.axes.iter().map(|axis| axis_of(axis.channel)).collect();
+        defmt::write!(
+            f,
+            "Hub {{ axes: {}, still: {=bool}, faults: {}, drift: {=bool} }}",
+            axes,
+            self.output.still,
+            self.output.faults,
+            self.output.drift
+        );
+    }
+}
+
+/// Which axis one of the six is.
+fn axis_of(channel: u8) -> Axis {
+    const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+    SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
 }
 
 /// Which of the six an axis is.

@@ -12,6 +12,7 @@ pub const AXES: usize = 6;
 /// innovation, a temperature.
 #[must_use = "carries whether the corrected values can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
     /// Ticks since the hub was made; wraps.
     pub tick: u32,

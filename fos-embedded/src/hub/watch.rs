@@ -32,13 +32,19 @@ impl Watch {
         let _ = self.monitors.push(Monitor::new(parameters, period_s));
     }
 
+    /// The axis whose model has just stopped fitting, by its index in the model.
     #[inline]
-    pub(super) fn update(&mut self, corrections: &[Correction<f32>]) {
+    pub(super) fn update(&mut self, corrections: &[Correction<f32>]) -> Option<usize> {
+        let mut stopped = None;
         let index = usize::from(self.watched);
         if let (Some(monitor), Some(correction)) = (self.monitors.get_mut(index), corrections.get(index)) {
             let drift = monitor.update(correction);
             if drift.mean || drift.variance {
-                self.drifted |= 1_u8.checked_shl(u32::from(self.watched)).unwrap_or(0);
+                let bit = 1_u8.checked_shl(u32::from(self.watched)).unwrap_or(0);
+                if self.drifted & bit == 0 {
+                    stopped = Some(index);
+                }
+                self.drifted |= bit;
             }
         }
         self.left -= 1;
@@ -46,6 +52,7 @@ impl Watch {
             self.left = TURN;
             self.watched = if index + 1 < self.monitors.len() { self.watched + 1 } else { 0 };
         }
+        stopped
     }
 
     #[inline]

@@ -107,6 +107,13 @@ impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
     }
 }
 
+#[cfg(feature = "defmt")]
+impl<S, D> defmt::Format for Bmi323<S, D> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Bmi323 {{ started: {=bool} }}", self.started);
+    }
+}
+
 impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
     type BusError = S::Error;
 

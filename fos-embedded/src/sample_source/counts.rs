@@ -5,6 +5,7 @@ use crate::raw::Faults;
 
 /// What went wrong since a source was made, and how often. Each count stays at its highest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Counts {
     /// Samples given.

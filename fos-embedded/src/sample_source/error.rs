@@ -4,6 +4,7 @@ use core::fmt;
 
 /// Why a sensor gives no samples. Every one may pass: go on polling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SourceError<E> {
     /// The bus, with the same transfer repeated.
@@ -23,6 +24,19 @@ pub enum SourceError<E> {
     Fatal,
     /// It has failed too often; it is left alone for so many polls, this one included.
     Resting(u8),
+}
+
+impl<E> SourceError<E> {
+    /// For a log, which may not know the bus.
+    pub(super) fn without_bus(&self) -> SourceError<()> {
+        match *self {
+            Self::Bus(_) => SourceError::Bus(()),
+            Self::WrongPart(id) => SourceError::WrongPart(id),
+            Self::NotKept { register, written, read } => SourceError::NotKept { register, written, read },
+            Self::Fatal => SourceError::Fatal,
+            Self::Resting(polls) => SourceError::Resting(polls),
+        }
+    }
 }
 
 impl<E: fmt::Debug> fmt::Display for SourceError<E> {

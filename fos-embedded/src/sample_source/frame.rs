@@ -7,6 +7,7 @@ pub const MAX_SAMPLES: usize = 32;
 
 /// What a FIFO holds of one instant; axes x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     /// Codes of the accelerometers.
     pub accel: [i16; 3],
@@ -22,6 +23,7 @@ pub struct Frame {
 
 /// What a poll reads of a FIFO.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Batch {
     /// Complete frames, oldest first.
     pub frames: Vec<Frame, MAX_SAMPLES>,

@@ -79,6 +79,7 @@ const UNSETTLED: i16 = 0x7ffd;
 
 /// What SDO/SA0 is connected to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Address {
     /// Ground: 0x6a.
     Low,
@@ -107,6 +108,13 @@ impl<B: I2c, D: DelayNs> Lsm6dsv16x<B, D> {
     /// Bus and delay.
     pub fn release(self) -> (B, D) {
         (self.driver.bus.i2c, self.driver.tim)
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<B: I2c, D: DelayNs> defmt::Format for Lsm6dsv16x<B, D> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Lsm6dsv16x");
     }
 }
 

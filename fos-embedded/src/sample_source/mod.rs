@@ -128,9 +128,13 @@ pub struct SampleSource<P: Part> {
     pending: Faults,
     counts: Counts,
     samples: Vec<RawSample, MAX_SAMPLES>,
+    /// Faults of the samples of the poll before, which the log has.
+    #[cfg(feature = "defmt")]
+    told: Faults,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum State {
     Running,
     /// To be set up anew after so many polls.
@@ -155,6 +159,8 @@ impl<P: Part> SampleSource<P> {
             pending: Faults::empty(),
             counts: Counts::ZERO,
             samples: Vec::new(),
+            #[cfg(feature = "defmt")]
+            told: Faults::empty(),
         }
     }
 
@@ -214,6 +220,7 @@ impl<P: Part> SampleSource<P> {
                 if self.state == (State::Down { rest: 0 }) { self.set_up(now_us).await } else { Ok(()) }
             }
             Err(error) => {
+                warn!("{=str}: not read: {}", P::NAME, error.without_bus());
                 self.counts.note(&error, &mut self.pending);
                 self.give_up();
                 Err(error)
@@ -233,10 +240,12 @@ impl<P: Part> SampleSource<P> {
 
     async fn set_up(&mut self, now_us: u64) -> Result<(), SourceError<P::BusError>> {
         if let Err(error) = self.part.set_up().await {
+            warn!("{=str}: not set up: {}", P::NAME, error.without_bus());
             self.counts.note(&error, &mut self.pending);
             self.give_up();
             return Err(error);
         }
+        info!("{=str}: set up, not for the first time: {=bool}", P::NAME, self.started);
         if self.started {
             self.pending |= Faults::RESET;
             self.counts.resets = self.counts.resets.saturating_add(1);
@@ -249,6 +258,7 @@ impl<P: Part> SampleSource<P> {
 
     /// To be set up anew, later after every failure without a sample in between.
     fn give_up(&mut self) {
+        warn!("{=str}: to be set up after {=u8} polls", P::NAME, self.back_off);
         self.state = State::Down { rest: self.back_off.saturating_sub(1) };
         self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
     }
@@ -275,10 +285,24 @@ impl<P: Part> SampleSource<P> {
             stuck = self.deliver_frame(frame, ticks.saturating_sub(1));
         }
         self.torn(self.batch.torn);
+        #[cfg(feature = "defmt")]
+        self.tell();
         if stuck {
             self.unstick();
         } else if now_us.saturating_sub(self.heard_us) > SILENT_US {
             self.give_up();
+        }
+    }
+
+    /// Logs the faults of these samples that those of the poll before did not have.
+    #[cfg(feature = "defmt")]
+    fn tell(&mut self) {
+        let faults = self.samples.iter().fold(Faults::empty(), |faults, raw| faults | raw.faults);
+        if !self.told.contains(faults) {
+            warn!("{=str}: {}", P::NAME, faults.difference(self.told));
+        }
+        if !self.samples.is_empty() {
+            self.told = faults;
         }
     }
 
@@ -322,8 +346,23 @@ impl<P: Part> SampleSource<P> {
             self.stuck_rest = self.stuck_rest.saturating_sub(1);
             return;
         }
+        warn!("{=str}: stuck, to be set up", P::NAME);
         self.stuck_rest = self.back_off;
         self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
         self.state = State::Down { rest: 0 };
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<P: Part> defmt::Format for SampleSource<P> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "SampleSource {{ part: {=str}, state: {}, pending: {}, counts: {} }}",
+            P::NAME,
+            self.state,
+            self.pending,
+            self.counts
+        );
     }
 }

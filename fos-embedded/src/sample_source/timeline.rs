@@ -9,6 +9,7 @@ const LONGEST_US: u64 = 86_400_000_000;
 
 /// A sensor's own clock, as it stamps its frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SensorClock {
     /// Bits of a stamp; at most 32.
     pub bits: u32,

@@ -117,3 +117,19 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
         self.recorder.sample(start, frame)
     }
 }
+
+#[cfg(feature = "defmt")]
+impl<W, const BYTES: usize, const LOGGED: usize, const BEFORE: usize> defmt::Format
+    for AlarmRecorder<W, BYTES, LOGGED, BEFORE>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "AlarmRecorder {{ kept: {=usize}, to_send: {=usize}, to_come: {=u32}, recorder: {} }}",
+            self.kept.len(),
+            self.to_send,
+            self.to_come,
+            self.recorder
+        );
+    }
+}

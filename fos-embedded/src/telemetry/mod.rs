@@ -42,6 +42,7 @@ static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, the same bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Frame<T, V, B> {
     /// What the samples that follow hold.
     Start(StartFrame<T>),
@@ -51,6 +52,7 @@ pub enum Frame<T, V, B> {
 
 /// What the samples that follow hold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StartFrame<T> {
     /// [`VERSION`].
     pub version: u16,
@@ -64,6 +66,7 @@ pub struct StartFrame<T> {
 
 /// One sample.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleFrame<V, B> {
     /// Ticks of the sample period since start; wraps.
     pub tick: u32,
@@ -98,6 +101,7 @@ pub type Borrowed<'a> = Frame<&'a str, &'a [f32], &'a [Validity]>;
 
 /// Why a frame was not sent or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TelemetryError<E> {
     /// It does not fit the buffer.
     TooLong,
@@ -196,6 +200,13 @@ fn write_all<W: embedded_io::Write>(stream: &mut W, bytes: &[u8]) -> Result<(), 
         };
     }
     Ok(())
+}
+
+#[cfg(feature = "defmt")]
+impl<W, const BYTES: usize> defmt::Format for Recorder<W, BYTES> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Recorder {{ failed: {=u32} }}", self.failed);
+    }
 }
 
 /// Writes a frame with its checksum and its delimiter into `buffer`; `None` if it does not fit.

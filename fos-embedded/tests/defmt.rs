@@ -1,0 +1,191 @@
+//! Every public type of both crates can be logged.
+//!
+//! What a log says is seen on the target alone: `.ci/device defmt`.
+
+use std::any::type_name;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use embedded_hal_mock::eh1::delay::NoopDelay;
+use embedded_hal_mock::eh1::i2c::Mock;
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use fos_core::{
+    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Factor, FittedOn, Image, ImageError, Info,
+    InnovationStatistics, Input, Model, ModelError, Monitor, Predictor, Quantity, Range, Sample, Source,
+    StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
+};
+use fos_embedded::blocking::Blocking;
+use fos_embedded::hub::{Hub, HubError, Motion, Output};
+use fos_embedded::raw::{Faults, RawSample, Scales};
+use fos_embedded::sample_source::{
+    self, Address, Batch, Bmi323, Counts, Lsm6dsv16x, SampleSource, SensorClock, SourceError,
+};
+use fos_embedded::store::{ModelStore, StoreError};
+use fos_embedded::telemetry::{self, AlarmRecorder, Recorder, SampleFrame, StartFrame, TelemetryError};
+use fos_embedded::test_vector::{CheckError, Expected, TestSample, TestVector};
+use fos_embedded::{c_api, hub_log, replay};
+
+/// A flash that is never used.
+enum NoFlash {}
+
+impl ErrorType for NoFlash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for NoFlash {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), Self::Error> {
+        match *self {}
+    }
+
+    fn capacity(&self) -> usize {
+        match *self {}
+    }
+}
+
+impl NorFlash for NoFlash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 4096;
+
+    async fn erase(&mut self, _: u32, _: u32) -> Result<(), Self::Error> {
+        match *self {}
+    }
+
+    async fn write(&mut self, _: u32, _: &[u8]) -> Result<(), Self::Error> {
+        match *self {}
+    }
+}
+
+type Part = Lsm6dsv16x<Blocking<Mock>, Blocking<NoopDelay>>;
+
+/// The file and name of a type. It compiles only if the type can be logged.
+fn named<T: defmt::Format>(file: &str) -> String {
+    let whole = type_name::<T>();
+    let path = whole.split('<').next().unwrap_or(whole);
+    format!("{file} {}", path.rsplit("::").next().unwrap_or(path))
+}
+
+/// All of them.
+fn loggable() -> BTreeSet<String> {
+    let types = [
+        named::<Correction<f32>>("fos-core/axis.rs"),
+        named::<image::AxisImage<'_>>("fos-core/image/read.rs"),
+        named::<Image<'_>>("fos-core/image/read.rs"),
+        named::<image::Terms<'_>>("fos-core/image/read.rs"),
+        named::<ImageError>("fos-core/image/mod.rs"),
+        named::<Info<'_>>("fos-core/image/mod.rs"),
+        named::<Input<f32>>("fos-core/input.rs"),
+        named::<Source>("fos-core/input.rs"),
+        named::<Axis>("fos-core/model.rs"),
+        named::<AxisModel<'_, f32>>("fos-core/model.rs"),
+        named::<AxisParameters<f32>>("fos-core/model.rs"),
+        named::<FittedOn>("fos-core/model.rs"),
+        named::<InnovationStatistics<f32>>("fos-core/model.rs"),
+        named::<Model<'_, f32>>("fos-core/model.rs"),
+        named::<ModelError>("fos-core/model.rs"),
+        named::<Quantity>("fos-core/model.rs"),
+        named::<Drift>("fos-core/monitor.rs"),
+        named::<Monitor<f32>>("fos-core/monitor.rs"),
+        named::<Predictor<f32, 6, 8, 64, 128>>("fos-core/predictor.rs"),
+        named::<Sample<'_, f32>>("fos-core/predictor.rs"),
+        named::<Range<f32>>("fos-core/range.rs"),
+        named::<StillnessDetector<f32>>("fos-core/stillness.rs"),
+        named::<StillnessLimits<f32>>("fos-core/stillness.rs"),
+        named::<Channel>("fos-core/term.rs"),
+        named::<Factor>("fos-core/term.rs"),
+        named::<Term<f32>>("fos-core/term.rs"),
+        named::<Transform<f32>>("fos-core/transform.rs"),
+        named::<Transformer<f32>>("fos-core/transformer.rs"),
+        named::<Validity>("fos-core/validity.rs"),
+        named::<Blocking<u8>>("fos-embedded/blocking.rs"),
+        named::<c_api::fos_hub>("fos-embedded/c_api/hub.rs"),
+        named::<c_api::fos_status>("fos-embedded/c_api/status.rs"),
+        named::<c_api::fos_output>("fos-embedded/c_api/values.rs"),
+        named::<c_api::fos_raw_sample>("fos-embedded/c_api/values.rs"),
+        named::<c_api::fos_scales>("fos-embedded/c_api/values.rs"),
+        named::<HubError>("fos-embedded/hub/error.rs"),
+        named::<Hub<8, 64, 128>>("fos-embedded/hub/mod.rs"),
+        named::<Motion>("fos-embedded/hub/mod.rs"),
+        named::<Output>("fos-embedded/hub/output.rs"),
+        named::<hub_log::Digest>("fos-embedded/hub_log.rs"),
+        named::<hub_log::Header>("fos-embedded/hub_log.rs"),
+        named::<hub_log::HubLogError>("fos-embedded/hub_log.rs"),
+        named::<hub_log::Record<'_>>("fos-embedded/hub_log.rs"),
+        named::<Faults>("fos-embedded/raw.rs"),
+        named::<RawSample>("fos-embedded/raw.rs"),
+        named::<Scales>("fos-embedded/raw.rs"),
+        named::<replay::Decoder>("fos-embedded/replay.rs"),
+        named::<replay::Digest>("fos-embedded/replay.rs"),
+        named::<replay::Header>("fos-embedded/replay.rs"),
+        named::<replay::Record<'_>>("fos-embedded/replay.rs"),
+        named::<replay::ReplayError>("fos-embedded/replay.rs"),
+        named::<Bmi323<(), ()>>("fos-embedded/sample_source/bmi323.rs"),
+        named::<Counts>("fos-embedded/sample_source/counts.rs"),
+        named::<SourceError<u8>>("fos-embedded/sample_source/error.rs"),
+        named::<Batch>("fos-embedded/sample_source/frame.rs"),
+        named::<sample_source::Frame>("fos-embedded/sample_source/frame.rs"),
+        named::<Address>("fos-embedded/sample_source/lsm6dsv16x.rs"),
+        named::<Part>("fos-embedded/sample_source/lsm6dsv16x.rs"),
+        named::<SampleSource<Part>>("fos-embedded/sample_source/mod.rs"),
+        named::<SensorClock>("fos-embedded/sample_source/timeline.rs"),
+        named::<ModelStore<NoFlash, 2048>>("fos-embedded/store.rs"),
+        named::<StoreError<u8>>("fos-embedded/store.rs"),
+        named::<AlarmRecorder<Vec<u8>, 320, 1, 8>>("fos-embedded/telemetry/alarm.rs"),
+        named::<Recorder<Vec<u8>, 320>>("fos-embedded/telemetry/mod.rs"),
+        named::<telemetry::Borrowed<'_>>("fos-embedded/telemetry/mod.rs"),
+        named::<SampleFrame<&[f32], &[Validity]>>("fos-embedded/telemetry/mod.rs"),
+        named::<StartFrame<&str>>("fos-embedded/telemetry/mod.rs"),
+        named::<TelemetryError<u8>>("fos-embedded/telemetry/mod.rs"),
+        named::<CheckError>("fos-embedded/test_vector.rs"),
+        named::<Expected>("fos-embedded/test_vector.rs"),
+        named::<TestSample>("fos-embedded/test_vector.rs"),
+        named::<TestVector<'_>>("fos-embedded/test_vector.rs"),
+    ];
+    types.into()
+}
+
+/// The file and name of every type that the lines of `source` make public.
+fn public_types<'s>(file: &'s str, source: &'s str) -> impl Iterator<Item = String> + 's {
+    source.lines().filter_map(move |line| {
+        let line = line.trim_start();
+        let rest =
+            ["pub struct ", "pub enum ", "pub union "].iter().find_map(|start| line.strip_prefix(start));
+        let name = rest?.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next()?;
+        Some(format!("{file} {name}"))
+    })
+}
+
+fn search(folder: &Path, name: &str, found: &mut BTreeSet<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = format!("{name}/{}", path.file_name().expect("a name").to_string_lossy());
+        if path.is_dir() {
+            search(&path, &name, found);
+        } else {
+            found.extend(public_types(&name, &std::fs::read_to_string(&path).expect("text")));
+        }
+    }
+}
+
+#[test]
+fn every_public_type_can_be_logged() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
+    let mut public = BTreeSet::new();
+    for name in ["fos-core", "fos-embedded"] {
+        search(&root.join(name).join("src"), name, &mut public);
+    }
+    let loggable = loggable();
+    let forgotten: Vec<_> = public.difference(&loggable).collect();
+    let gone: Vec<_> = loggable.difference(&public).collect();
+    assert!(forgotten.is_empty() && gone.is_empty(), "forgotten here: {forgotten:?}; gone: {gone:?}");
+}
+
+#[test]
+fn a_type_that_is_forgotten_is_found() {
+    let source =
+        "/// Text.\npub struct New<T> {\n    pub enum Inner;\npub(crate) struct Own;\nstruct Private;\n";
+    let found: Vec<_> = public_types("a.rs", source).collect();
+    assert_eq!(found, ["a.rs New", "a.rs Inner"]);
+    assert!(found.iter().all(|name| !loggable().contains(name)));
+}
