@@ -31,6 +31,9 @@ const RATE_TOLERANCE: f32 = 0.01;
 /// sensors are up to 5 % off, on either side of the fit.
 const PERIOD_TOLERANCE: f64 = 0.1;
 
+/// The axes of a hub, in their order everywhere.
+pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+
 /// So many quantities are logged at most, temperature among them.
 pub const MAX_LOGGED: usize = 17;
 
@@ -488,21 +491,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Forma
 
 /// Which axis one of the six is.
 fn axis_of(channel: u8) -> Axis {
-    const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
     SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
 }
 
 /// Which of the six an axis is.
 fn channel_of(axis: Axis) -> Option<u8> {
-    match axis {
-        Axis::Ax => Some(0),
-        Axis::Ay => Some(1),
-        Axis::Az => Some(2),
-        Axis::Gx => Some(3),
-        Axis::Gy => Some(4),
-        Axis::Gz => Some(5),
-        Axis::Other => None,
-    }
+    (0..).zip(SIX).find(|(_, other)| *other == axis).map(|(channel, _)| channel)
 }
 
 /// The value of one of the six; there is always one.

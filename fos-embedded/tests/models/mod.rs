@@ -7,6 +7,7 @@ use fos_core::{
     Source, StillnessLimits, Term, Transform, u, y,
 };
 use fos_embedded::hub::Hub;
+pub(crate) use fos_embedded::hub::SIX;
 use fos_embedded::raw::{RawSample, Scales};
 
 pub(crate) type TestHub = Hub<8, 64, 128>;
@@ -19,8 +20,6 @@ pub(crate) const SCALES: Scales = Scales {
     period_s: 0.005,
     values: FittedOn::Raw,
 };
-
-pub(crate) const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
 /// True value at rest, level, and the spread of the measured values: m/s², rad/s.
 pub(crate) const AT_REST: [f32; 6] = [0.0, 0.0, 9.81, 0.0, 0.0, 0.0];

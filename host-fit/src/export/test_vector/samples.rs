@@ -1,7 +1,7 @@
 //! The samples of a test vector: raw codes drawn from the ranges that a model was fitted on, and from beyond them.
 
 use fos_core::{Axis, Quantity, Source};
-use fos_embedded::hub::{AXES, HubError, Motion};
+use fos_embedded::hub::{AXES, HubError, Motion, SIX};
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::TestSample;
 
@@ -298,15 +298,7 @@ fn rounded(code: f64) -> i16 {
 
 /// Place of an axis among the hub's six.
 fn channel(axis: Axis) -> Option<usize> {
-    match axis {
-        Axis::Ax => Some(0),
-        Axis::Ay => Some(1),
-        Axis::Az => Some(2),
-        Axis::Gx => Some(3),
-        Axis::Gy => Some(4),
-        Axis::Gz => Some(5),
-        Axis::Other => None,
-    }
+    SIX.iter().position(|six| *six == axis)
 }
 
 /// x ← 1664525·x + 1013904223 modulo 2³² (Press et al., Numerical Recipes, `ranqd1`): nothing more is needed, and everyone can
