@@ -197,13 +197,15 @@ impl Log {
 
 #[cfg(test)]
 mod tests {
+    use fos_core::Validity;
+    use fos_embedded::telemetry::{Borrowed, encode};
+
     use super::*;
-    use fos_embedded::telemetry::encode;
 
     const START: StartFrame<&str> =
         StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "temp_c" };
 
-    fn stream(frames: &[Frame<&str, &[f32], &[u16]>]) -> Vec<u8> {
+    fn stream(frames: &[Borrowed<'_>]) -> Vec<u8> {
         let mut buffer = [0; 256];
         frames.iter().flat_map(|frame| encode(frame, &mut buffer).expect("fits").to_vec()).collect()
     }
@@ -215,7 +217,7 @@ mod tests {
             measured: &[tick as f32][..],
             quantities: &[21.5][..],
             innovations: &[f32::NAN][..],
-            validity: &[tick as u16][..],
+            validity: &[if tick == 1 { Validity::STUCK } else { Validity::VALID }][..],
         };
         stream(&[Frame::Sample(frame)])
     }
@@ -242,7 +244,7 @@ mod tests {
         // the period travels as f32
         assert!(times.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{times:?}");
         assert_eq!(column(&recorded, "gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
-        assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
+        assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 256.0, 0.0, 0.0, 0.0]);
         assert!(column(&recorded, "innovation_gx_rads").iter().all(|value| value.is_nan()));
     }
 

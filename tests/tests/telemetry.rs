@@ -75,13 +75,14 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
         let quantities = [*celsius as f32];
         let sample = Sample { measured: &[*rate as f32], quantities: &quantities };
         let correction = predictor.track(&sample)[0];
+        let validity = [correction.validity];
         let frame = SampleFrame {
             tick: tick as u32,
             still: true,
             measured: sample.measured,
             quantities: sample.quantities,
             innovations: &[correction.innovation.unwrap_or(f32::NAN)],
-            validity: [correction.validity].as_slice(),
+            validity: validity.as_slice(),
         };
         recorder.sample(&start, frame).expect("sent");
     }
