@@ -13,8 +13,7 @@ use fos_embedded::hub_log;
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
 use fos_embedded::telemetry::{
-    AlarmRecorder, Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, decode,
-    encode as encode_frame,
+    AlarmRecorder, Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode as encode_frame,
 };
 use fos_embedded::test_vector::TestVector;
 
