@@ -1,18 +1,15 @@
 //! From a recording to the raw samples that a hub reads: `fos_embedded::hub_log`.
 
-use fos_core::{Image, Quantity};
-use fos_embedded::hub::Motion;
+use fos_core::Image;
+use fos_embedded::hub::{Motion, is_given};
 use fos_embedded::hub_log::{Header, Record};
 use fos_embedded::raw::{RawSample, Scales};
 
 use crate::feed::Feed;
 use crate::model::UnitModel;
 use crate::recording::{Recording, RecordingError};
-use crate::rest::Rest;
+use crate::rest::{ACCEL, GYRO, Rest};
 use crate::signal::quantisation::quantisation;
-
-const ACCELEROMETERS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
-const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 
 /// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little larger.
 const CODES: f64 = 32_000.0;
@@ -39,11 +36,8 @@ pub fn hub_log(
 ) -> Result<(Header, Vec<u8>), RecordingError> {
     let feed = Feed::new(recording, model, &rest.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
-    let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
-    let given = model
-        .quantities
-        .iter()
-        .filter(|logged| !matches!(logged.quantity, Quantity::Temperature | Quantity::Measured(_)));
+    let (accel, gyro) = (ACCEL.map(column), GYRO.map(column));
+    let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
     let held = |name: &str| -> Result<Vec<f64>, RecordingError> {
         Ok(recording.channel(name)?.held(0..recording.n_rows()).collect())
     };

@@ -12,8 +12,8 @@ const WINDOW_S: f64 = 0.5;
 const VARIANCE_RATIO: f64 = 9.0;
 
 /// The columns of the two triads.
-const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
-const GYRO: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
+pub(crate) const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+pub(crate) const GYRO: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 
 /// Where a recording is still, and how that is known.
 #[derive(Debug, Clone, PartialEq)]

@@ -39,13 +39,7 @@ pub unsafe extern "C" fn fos_telemetry_start(
     capacity: usize,
     used: *mut usize,
 ) -> fos_status {
-    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
-    let writing = unsafe { Writing::new(buffer, capacity, used) };
-    let Writing { mut room, used } = match writing {
-        Ok(writing) => writing,
-        Err(status) => return status,
-    };
-    let written = (|| {
+    let frame = |room: &mut Room| {
         // SAFETY: a hub that is in no other call, as the header asks
         let hub = unsafe { shared(hub) }?;
         let info = if image.is_null() && length == 0 {
@@ -57,10 +51,10 @@ pub unsafe extern "C" fn fos_telemetry_start(
         let names = hub.hub.columns::<NAMES>(&info).ok_or(fos_status::NoRoom)?;
         let period_s = hub.hub.scales().period_s as f32;
         let start = StartFrame { version: VERSION, period_s, axes: HUB_AXES, quantities: names.as_str() };
-        write(&Frame::Start(start), &mut room)
-    })();
-    used.put(written.unwrap_or(0));
-    fos_status::of(written.map(|_| ()))
+        write(&Frame::Start(start), room)
+    };
+    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
+    unsafe { write_into(buffer, capacity, used, frame) }
 }
 
 /// Writes the frame of the latest sample: `*used` bytes of `buffer`, to be sent as they are.
@@ -79,45 +73,38 @@ pub unsafe extern "C" fn fos_telemetry_sample(
     capacity: usize,
     used: *mut usize,
 ) -> fos_status {
-    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
-    let writing = unsafe { Writing::new(buffer, capacity, used) };
-    let Writing { mut room, used } = match writing {
-        Ok(writing) => writing,
-        Err(status) => return status,
-    };
-    let written = (|| {
+    let frame = |room: &mut Room| {
         // SAFETY: a hub that is in no other call, as the header asks
         let hub = &unsafe { shared(hub) }?.hub;
         let logged = hub.logged();
         let frame = Frame::Sample(SampleFrame::new(hub.output(), &logged));
-        write(&frame, &mut room)
-    })();
+        write(&frame, room)
+    };
+    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
+    unsafe { write_into(buffer, capacity, used, frame) }
+}
+
+/// Has `frame` written into a buffer of the caller's, and says how much of it was used: nothing after any error.
+///
+/// # Safety
+///
+/// As of [`Room::new`] and [`Place::new`].
+unsafe fn write_into(
+    buffer: *mut u8,
+    capacity: usize,
+    used: *mut usize,
+    frame: impl FnOnce(&mut Room) -> Result<usize, fos_status>,
+) -> fos_status {
+    // SAFETY: the caller's promise
+    let used = match unsafe { Place::new(used) } {
+        Ok(used) => used,
+        Err(status) => return status,
+    };
+    // SAFETY: the caller's promise
+    let room = unsafe { Room::new(buffer, capacity) };
+    let written = room.and_then(|mut room| frame(&mut room));
     used.put(written.unwrap_or(0));
     fos_status::of(written.map(|_| ()))
-}
-
-/// A buffer to write into, and where to say how much was written.
-struct Writing {
-    room: Room,
-    used: Place<usize>,
-}
-
-impl Writing {
-    /// # Safety
-    ///
-    /// As of [`Room::new`] and [`Place::new`].
-    unsafe fn new(buffer: *mut u8, capacity: usize, used: *mut usize) -> Result<Self, fos_status> {
-        // SAFETY: the caller's promise
-        let used = unsafe { Place::new(used) }?;
-        // SAFETY: the caller's promise
-        match unsafe { Room::new(buffer, capacity) } {
-            Ok(room) => Ok(Self { room, used }),
-            Err(status) => {
-                used.put(0);
-                Err(status)
-            }
-        }
-    }
 }
 
 fn write(frame: &Borrowed<'_>, room: &mut Room) -> Result<usize, fos_status> {

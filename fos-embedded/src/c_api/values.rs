@@ -5,7 +5,7 @@ use core::ffi::{CStr, c_char};
 use fos_core::{Axis, FittedOn, Quantity, Validity};
 
 use super::fos_status;
-use crate::hub::{AXES, Motion, Output};
+use crate::hub::{AXES, Motion, Output, SIX};
 use crate::raw::{Faults, RawSample, Scales};
 
 /// Version of this interface: raised when a program that was compiled with the header before would no longer run
@@ -277,15 +277,7 @@ pub(super) fn motion_of(motion: fos_motion) -> Result<Option<Motion>, fos_status
 }
 
 pub(super) fn axis_of(axis: usize) -> Result<Axis, fos_status> {
-    match axis {
-        FOS_AX => Ok(Axis::Ax),
-        FOS_AY => Ok(Axis::Ay),
-        FOS_AZ => Ok(Axis::Az),
-        FOS_GX => Ok(Axis::Gx),
-        FOS_GY => Ok(Axis::Gy),
-        FOS_GZ => Ok(Axis::Gz),
-        _ => Err(fos_status::Argument),
-    }
+    SIX.get(axis).copied().ok_or(fos_status::Argument)
 }
 
 pub(super) fn quantity_of(quantity: fos_quantity) -> Result<Quantity, fos_status> {

@@ -117,6 +117,12 @@ enum QuantitySource {
     Application(Quantity),
 }
 
+impl QuantitySource {
+    fn is_application(&self) -> bool {
+        matches!(self, Self::Application(_))
+    }
+}
+
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
     /// A hub without a model, for a sensor with these scales; may be in a `static`.
     pub const fn new(scales: Scales) -> Self {
@@ -153,13 +159,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
         self.unload();
         let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
-        if let Err(error) = &loaded {
-            warn!("model refused: {}", *error);
-            self.unload();
-        } else {
-            info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
-        }
-        loaded
+        self.settle(loaded)
     }
 
     /// As [`load`](Self::load), for a model that was compiled in: what `host-fit export --rust` writes.
@@ -170,6 +170,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.unload();
         let loaded = self.take_model(model);
+        self.settle(loaded)
+    }
+
+    /// Leaves nothing of a model that was refused.
+    fn settle(&mut self, loaded: Result<(), HubError>) -> Result<(), HubError> {
         if let Err(error) = &loaded {
             warn!("model refused: {}", *error);
             self.unload();
@@ -213,9 +218,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
     }
 
+    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
     // apart from decoding, so that the stack of one is not below the other's
     #[inline(never)]
-    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
     fn connect(
         &mut self,
         model: f64,
@@ -279,8 +284,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// has only a name.
     pub fn give_application(&mut self, index: usize, value: f32) -> bool {
         let given = self.sources.iter().zip(&mut self.quantities);
-        let mut given = given.filter(|(source, _)| matches!(source, QuantitySource::Application(_)));
-        match given.nth(index) {
+        match given.filter(|(source, _)| source.is_application()).nth(index) {
             Some((_, slot)) => {
                 *slot = value;
                 true
@@ -291,8 +295,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
 
     /// What was logged beside the axes: temperature, then what the application gave, in the model's order.
     pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
-        let given = self.sources.iter().zip(&self.quantities);
-        let given = given.filter(|(source, _)| matches!(source, QuantitySource::Application(_)));
+        let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
         let mut logged = Vec::new();
         for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {
             let _ = logged.push(value);
@@ -308,7 +311,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let mut names = info.quantities.lines();
         for source in &self.sources {
             let name = names.next().and_then(|line| line.split_whitespace().next());
-            if matches!(source, QuantitySource::Application(_)) {
+            if source.is_application() {
                 columns.push('\n').ok()?;
                 columns.push_str(name.unwrap_or("unnamed")).ok()?;
             }
@@ -358,8 +361,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let measured = self.scales.measured(raw);
         let stuck = raw.faults.contains(Faults::STUCK);
         let still = !stuck && self.is_still(&measured);
+        let temperature_c = self.scales.temperature_c(raw);
         if !self.sources.is_empty() {
-            self.update_quantities(raw, &measured);
+            self.update_quantities(temperature_c, &measured);
         }
 
         let mut values = measured;
@@ -375,7 +379,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
 
         let output = &mut self.output;
         (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults);
-        (output.measured, output.temperature_c) = (measured, self.scales.temperature_c(raw));
+        (output.measured, output.temperature_c) = (measured, temperature_c);
         let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
             if (correction.corrected - axis.reference).abs() <= axis.pose_limit {
@@ -460,10 +464,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
     }
 
-    fn update_quantities(&mut self, raw: &RawSample, measured: &[f32; AXES]) {
+    fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
         for (source, value) in self.sources.iter().zip(&mut self.quantities) {
             match source {
-                QuantitySource::Thermometer => *value = self.scales.temperature_c(raw),
+                QuantitySource::Thermometer => *value = temperature_c,
                 QuantitySource::Measured(channel) => *value = at(measured, *channel),
                 QuantitySource::Application(_) => {}
             }
@@ -487,6 +491,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Forma
             self.output.drift
         );
     }
+}
+
+/// Whether a logged quantity is the application's to give; the others the sensor itself measures.
+pub const fn is_given(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Temperature | Quantity::Measured(_))
 }
 
 /// Which axis one of the six is.

@@ -3,6 +3,7 @@
 mod samples;
 
 use fos_embedded::hub::{Hub, HubError};
+use fos_embedded::hub_log::{Record, step};
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample, TestVector};
 
@@ -49,11 +50,8 @@ pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
         OwnedTestVector { scales, channels, given, samples: vec![], given_bits: vec![], expected: vec![] };
     for kind in generator.schedule() {
         let (sample, given) = generator.sample(kind);
-        for (nth, value) in given.iter().enumerate() {
-            hub.give_application(nth, *value);
-        }
-        hub.set_motion(Some(sample.motion));
-        let output = hub.update(&sample.raw());
+        let record = Record { raw: sample.raw(), motion: Some(sample.motion), clock_us: 0, given: &given };
+        let output = step(&mut hub, &record);
         vector.expected.extend(vector.channels.iter().filter_map(|channel| Expected::of(output, *channel)));
         vector.given_bits.extend(given.iter().map(|value| value.to_bits()));
         vector.samples.push(sample);

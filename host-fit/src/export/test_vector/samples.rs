@@ -1,7 +1,7 @@
 //! The samples of a test vector: raw codes drawn from the ranges that a model was fitted on, and from beyond them.
 
 use fos_core::{Axis, Quantity, Source};
-use fos_embedded::hub::{AXES, HubError, Motion, SIX};
+use fos_embedded::hub::{AXES, HubError, Motion, SIX, is_given};
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::TestSample;
 
@@ -94,7 +94,7 @@ impl<'a> Generator<'a> {
     }
 
     fn is_given(&self, index: usize) -> bool {
-        !matches!(self.model.quantities[index].quantity, Quantity::Temperature | Quantity::Measured(_))
+        is_given(self.model.quantities[index].quantity)
     }
 
     pub(super) fn schedule(&self) -> Vec<Kind> {
