@@ -18,16 +18,10 @@ use crate::fit::{FitOptions, fit_axis};
 use crate::grow::{Ground, Growth, GrowthLogs};
 use crate::model::UnitModel;
 use crate::plots;
-use crate::recording::{LoadOptions, Recording, load, write_columns};
+use crate::recording::{Recording, write_columns};
 use crate::replay::replay;
 use crate::rest;
-use crate::simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
-
-/// The axis with the hidden effects.
-const AXIS: &str = "gx_rads";
-
-/// Sizes of the hidden effects as matched filters in the noise: plain, and easily overlooked.
-const SIZES: [f64; 2] = [120.0, 40.0];
+use crate::simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
@@ -48,7 +42,7 @@ impl Demo {
             .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
         let path = |name: &str| self.folder.join(name);
 
-        let [quiet, field, later] = self.logs()?;
+        let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
         println!(
             "1. Three logs of one simulated phone-class unit on a desk: a quiet one of {:.0} min, one of {:.0} min and a later one\n   \
              of {:.0} min, in which the processor works and the phone warms up. Something happens to gyro x that no model has.",
@@ -160,28 +154,6 @@ impl Demo {
             began.elapsed().as_secs_f64()
         );
         Ok(())
-    }
-
-    /// Simulates, writes and reads the three logs.
-    fn logs(&self) -> Result<[Recording; 3], Failure> {
-        let target = Axis::named("gx").ok_or("no axis gx")?;
-        let mut plan = CasePlan::new(self.seed, "bmi270", Setup::Desk, target);
-        for (effect, size) in [Effect::ThermalLag, Effect::SupplySensitivity].into_iter().zip(SIZES) {
-            plan.planted.push(Plant { effect, parameter: None, size });
-        }
-        let case = simulate_case(&plan)?;
-        let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, Failure> {
-            let path = self.folder.join(name);
-            let columns: Vec<(&str, &[f64])> =
-                columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-            write_columns(&path, &columns)?;
-            Ok(load(&path, &LoadOptions::default())?)
-        };
-        Ok([
-            read("quiet.parquet", &case.baseline)?,
-            read("field.parquet", &case.field)?,
-            read("later.parquet", &case.eval)?,
-        ])
     }
 }
 

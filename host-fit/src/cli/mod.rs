@@ -18,6 +18,8 @@ mod inspect;
 mod output;
 mod record;
 mod replay;
+mod report;
+mod serve;
 mod simulate;
 mod simulate_case;
 mod table;
@@ -56,6 +58,8 @@ enum Command {
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
     Record(record::Record),
+    Report(report::Report),
+    Serve(serve::Serve),
     Bench(bench::Bench),
 }
 
@@ -78,6 +82,8 @@ pub fn run() -> ExitCode {
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Record(command) => command.run(),
+        Command::Report(command) => command.run(),
+        Command::Serve(command) => command.run(),
         Command::Bench(command) => command.run(),
     };
     match done {

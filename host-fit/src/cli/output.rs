@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::io::IsTerminal;
+use std::time::Duration;
 
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -42,5 +43,15 @@ pub(super) fn progress(length: u64, what: &str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template("{msg:32} {bar:30} {percent:>3} %  {eta}") {
         bar.set_style(style);
     }
+    bar
+}
+
+/// A sign of life on standard error for work of unknown length, if it is a terminal, else nothing.
+pub(super) fn spinner(what: &str) -> ProgressBar {
+    let bar = progress(0, what);
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(120));
     bar
 }

@@ -137,6 +137,30 @@ impl AxisTrace {
 }
 
 impl Trace {
+    /// The part of it in `rows` of the recording.
+    pub fn within(&self, rows: Range<usize>) -> Self {
+        let start = rows.start.clamp(self.rows.start, self.rows.end);
+        let rows = start..rows.end.clamp(start, self.rows.end);
+        let part = |values: &[f64]| values[rows.start - self.rows.start..rows.end - self.rows.start].to_vec();
+        let clipped = self.stretches.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
+        Self {
+            period_s: self.period_s,
+            stretches: clipped.filter(|stretch| !stretch.is_empty()).collect(),
+            axes: self
+                .axes
+                .iter()
+                .map(|axis| AxisTrace {
+                    measured: part(&axis.measured),
+                    one_step: part(&axis.one_step),
+                    coast: part(&axis.coast),
+                    coast_whole: part(&axis.coast_whole),
+                    ..AxisTrace::default()
+                })
+                .collect(),
+            rows,
+        }
+    }
+
     /// The finite values of `series` in stretches without a break: what statistics may be computed over.
     pub fn stretches_of<'s>(&self, series: &'s [f64]) -> Vec<&'s [f64]> {
         let mut parts = Vec::new();

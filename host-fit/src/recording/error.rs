@@ -170,6 +170,14 @@ pub enum RecordingError {
         /// The channels of the recording.
         available: Vec<String>,
     },
+    /// Not one of the inertial channels.
+    #[error(
+        "{path}: the log has none of the columns ax_mps2 … gz_rads\nhelp: name the axis with --axis COLUMN, or map the columns with --map"
+    )]
+    NoAxes {
+        /// The file.
+        path: String,
+    },
     /// Columns that do not have one length.
     #[error(
         "column \"{name}\" has {found} values where the first has {expected}; give all columns one length"

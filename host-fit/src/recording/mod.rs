@@ -25,9 +25,11 @@ mod csv_file;
 mod error;
 mod error_series;
 mod gaps;
+mod guess;
 mod join;
 mod load;
 mod parquet_file;
+mod preview;
 mod quality;
 mod rate;
 mod source;
@@ -51,11 +53,15 @@ pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use gaps::{Boundary, Segment};
 pub use load::{LoadOptions, MAX_UNUSABLE, load};
+pub use preview::{ColumnPreview, Preview, preview};
 pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{Rate, Stamps};
 pub use source::Source;
 pub use unit::Unit;
 pub use write::write_columns;
+
+/// The inertial channels, in their order everywhere.
+pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
 #[derive(Clone, Debug)]
@@ -96,6 +102,16 @@ impl Recording {
             let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);
             RecordingError::NoChannel { name: name.to_owned(), closest, available }
         })
+    }
+
+    /// The inertial channels that it has.
+    ///
+    /// # Errors
+    /// It has none.
+    pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
+        let axes = AXES.into_iter().filter(|name| self.channel(name).is_ok());
+        let axes: Vec<String> = axes.map(str::to_owned).collect();
+        if axes.is_empty() { Err(RecordingError::NoAxes { path: self.paths() }) } else { Ok(axes) }
     }
 
     /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment
