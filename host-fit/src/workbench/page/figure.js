@@ -8,7 +8,7 @@ import { describe, extent } from "./figuredata.js";
 import { drawShape } from "./figureshapes.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks, logTicks } from "./ticks.js";
-import { axisStyle } from "./timechart.js";
+import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
 
 /** @typedef {import("./types.js").Figure} Figure */
 /** @typedef {import("./types.js").Panel} Panel */
@@ -20,6 +20,9 @@ import { axisStyle } from "./timechart.js";
 
 /** Least room for a name on the x axis before names lean, pixels a letter. */
 const LETTER = 7.2;
+/** Pixels between labels. */
+const X_LABELS = 84;
+const Y_LABELS = 36;
 const STEP_COLOURS = 6;
 const METHOD_COLOURS = 7;
 
@@ -134,17 +137,17 @@ class Drawing {
         axes: [
           {
             ...axisStyle(),
-            ...ticksOf(this.#panel.x, x, (u) => u.over.clientWidth / 84),
+            ...ticksOf(this.#panel.x, x, (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
             size: below,
             rotate: leans ? -30 : 0,
             label: this.#panel.x.label || undefined,
             labelSize: this.#panel.x.label ? 22 : 0,
             labelFont: "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif",
           },
-          { ...axisStyle(), ...ticksOf(this.#panel.y, y, (u) => u.over.clientHeight / 40), size: 70 },
+          { ...axisStyle(), ...ticksOf(this.#panel.y, y, () => (this.#height - 64) / Y_LABELS), size: Y_AXIS },
         ],
         series: [{}, { paths: () => null, points: { show: false } }],
-        padding: [this.#panel.shading.ranges.some((range) => range.mark) ? 18 : 8, 14, 0, 0],
+        padding: [this.#panel.shading.ranges.some((range) => range.mark) ? 18 : 8, RIGHT, 0, 0],
         hooks: { drawClear: [(u) => shade(u, this.#panel)], draw: [(u) => this.#shapes(u)] },
       },
       [

@@ -17,8 +17,12 @@ export function isNumber(value) {
 function typeset(text) {
   const [mantissa, exponent] = text.replace(/-/g, MINUS).split("e");
   if (exponent === undefined) return grouped(/** @type {string} */ (mantissa));
-  const raised = [...exponent.replace("+", "")].map((c) => (c === MINUS ? "⁻" : SUPERSCRIPT[Number(c)]));
-  return `${mantissa}×10${raised.join("")}`;
+  return `${mantissa}×10${raised(Number(exponent.replace(MINUS, "-")))}`;
+}
+
+/** As an exponent. @param {number} exponent */
+export function raised(exponent) {
+  return [...String(exponent)].map((c) => (c === "-" ? "⁻" : SUPERSCRIPT[Number(c)])).join("");
 }
 
 /** Groups of three from five digits on. @param {string} text */
@@ -105,9 +109,12 @@ export function seconds(value, span = 100) {
 /** How long a log is. @param {number} value */
 export function duration(value) {
   if (value < 120) return seconds(value);
-  if (value < 7200) return `${number(value / 60, 3)}${NARROW}min`;
-  return `${number(value / 3600, 3)}${NARROW}h`;
+  if (value < 7200) return `${brief(value / 60)}${NARROW}min`;
+  return `${brief(value / 3600)}${NARROW}h`;
 }
+
+/** Three digits, without zeros at the end. @param {number} value */
+const brief = (value) => String(Number(value.toPrecision(3)));
 
 /** @param {number} value */
 export function bytes(value) {

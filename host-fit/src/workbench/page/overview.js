@@ -4,15 +4,13 @@
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
 import { colour, faint, onTheme } from "./theme.js";
-import { padded } from "./timechart.js";
+import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 
 /** @typedef {import("./types.js").Series} Series */
 
 const HEIGHT = 48;
 /** Pixels beside an edge that still take hold of it. */
 const EDGE = 7;
-const LEFT = 64; // as the axis of the charts above, so that they line up
-const RIGHT = 12;
 
 export class Overview {
   #host = el("div", { class: "plot" });
@@ -49,7 +47,7 @@ export class Overview {
         cursor: { show: false },
         scales: { x: { time: false, range: () => this.#time.whole }, y: { range: (_, low, high) => padded(low, high) } },
         axes: [{ show: false }, { show: false }],
-        padding: [4, RIGHT, 4, LEFT],
+        padding: [4, RIGHT, 4, Y_AXIS],
         series: [{}, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }],
         bands: [{ series: [2, 1], fill: () => faint(ink, 0.3) }],
         hooks: { drawClear: [(u) => fill(u)] },

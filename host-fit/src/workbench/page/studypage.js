@@ -4,7 +4,7 @@
 import { messageOf, post } from "./api.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
 import { follow } from "./follow.js";
-import { count, duration, fileName, number, percent } from "./format.js";
+import { count, duration, fileName, percent } from "./format.js";
 import { alertElement } from "./notices.js";
 import { failsPart } from "./parts/fails.js";
 import { fallsPart } from "./parts/falls.js";
@@ -208,7 +208,7 @@ function studyHead({ name, logs }) {
   if (!logs) return el("h1", {}, name);
   const { field, quiet, judged } = logs;
   const facts = [
-    `${duration(field.seconds)} at ${number(field.rate_hz, 4)} Hz`,
+    `${duration(field.seconds)} at ${Number(field.rate_hz.toFixed(2))} Hz`,
     `${count(field.rows)} rows`,
     field.segments > 1 ? `${field.segments} pieces, ${count(field.missing)} samples missing` : field.missing > 0 ? `${count(field.missing)} samples missing` : "no gaps",
     field.still_share === null ? null : `still for ${percent(field.still_share, 0)}`,

@@ -1,7 +1,7 @@
 // @ts-check
 // Where an axis is marked, and with which texts.
 
-import { number } from "./format.js";
+import { raised } from "./format.js";
 
 /** @typedef {{value: number, label: string}} Tick */
 
@@ -17,21 +17,23 @@ export function linearTicks(low, high, count) {
   const step = decade * ([1, 2, 5, 10].find((multiple) => multiple * decade >= wanted * 0.999) ?? 10);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
-  /** @type {Tick[]} */
-  const ticks = [];
-  for (let at = first; at <= last; at += 1) ticks.push({ value: at * step, label: evenLabel(at * step, step) });
-  return ticks;
+  const write = evenLabels(step, Math.max(Math.abs(first * step), Math.abs(last * step)));
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, n) => ({ value: (first + n) * step, label: write((first + n) * step) }));
 }
 
-/** As many decimals as the step needs. @param {number} value @param {number} step */
-function evenLabel(value, step) {
-  if (Math.abs(value) < step / 2) return "0";
-  const digits = Math.max(1, Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9) + 1);
-  return Math.abs(value) >= 1e6 || step < 1e-4 ? trimmed(number(value, digits)) : number(value, digits);
+/** As many decimals as the step needs, and one power of ten for all. @param {number} step @param {number} largest */
+function evenLabels(step, largest) {
+  const power = largest > 0 ? Math.floor(Math.log10(largest) + 1e-9) : 0;
+  const isPlain = power >= -3 && power <= 5;
+  const shift = isPlain ? 0 : power;
+  const decimals = Math.max(0, shift - Math.floor(Math.log10(step) + 1e-9));
+  /** @param {number} value */
+  return (value) => {
+    if (Math.abs(value) < step / 2) return "0";
+    const mantissa = (value / 10 ** shift).toFixed(decimals).replace("-", "−");
+    return isPlain ? mantissa : `${mantissa}×${powerOfTen(power)}`;
+  };
 }
-
-/** Without zeros at the end of a mantissa. @param {string} label */
-const trimmed = (label) => label.replace(/\.?0+×/, "×");
 
 /**
  * Marks on a logarithmic axis: decades, with 2 and 5 where there is room, and even numbers where it is less than one.
@@ -52,7 +54,7 @@ export function logTicks(low, high, count) {
       const value = Number(`${digit}e${exponent}`);
       if (value < low * 0.999999 || value > high * 1.000001) continue;
       const named = labelled.includes(digit) && exponent % every === 0;
-      if (named || decades < 6) ticks.push({ value, label: named ? powerLabel(digit, exponent) : "" });
+      if (named || decades < 3) ticks.push({ value, label: named ? powerLabel(digit, exponent) : "" });
     }
   }
   return ticks;
@@ -61,6 +63,8 @@ export function logTicks(low, high, count) {
 /** @param {number} digit @param {number} exponent */
 function powerLabel(digit, exponent) {
   if (exponent >= -2 && exponent <= 4) return String(Number(`${digit}e${exponent}`));
-  const power = number(10 ** exponent, 1).replace(/^1×/, "");
-  return digit === 1 ? power : `${digit}×${power}`;
+  return digit === 1 ? powerOfTen(exponent) : `${digit}×${powerOfTen(exponent)}`;
 }
+
+/** @param {number} exponent */
+const powerOfTen = (exponent) => `10${raised(exponent)}`;

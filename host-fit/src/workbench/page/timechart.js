@@ -3,7 +3,7 @@
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
-import { capitalised, number, prefixed, quantity, seconds } from "./format.js";
+import { capitalised, prefixed, quantity, seconds } from "./format.js";
 import { listenToHands, listenToKeys } from "./gestures.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks } from "./ticks.js";
@@ -15,6 +15,9 @@ import { linearTicks } from "./ticks.js";
 
 /** Dots show from this many pixels a sample on. */
 const DOT_SPACE = 5;
+/** Room for the labels of the y axis, and on the right, pixels; the overview lines up with it. */
+export const Y_AXIS = 64;
+export const RIGHT = 12;
 const Y_LABELS = 45; // pixels between labels
 const X_LABELS = 110;
 /** Rows for the marks of stretches that lie close together. */
@@ -138,12 +141,12 @@ export class TimeChart {
           y: { range: (_, low, high) => padded(low, high) },
         },
         axes: [
-          { ...axisStyle(), size: 34, splits: (u, _, low, high) => split(linearTicks(low, high, u.over.clientWidth / X_LABELS)), values: (u, at) => labels(at, u.scales.x, u.over.clientWidth / X_LABELS) },
-          { ...axisStyle(), size: 64, splits: (u, _, low, high) => this.#ySplits(low, high, u.over.clientHeight), values: (_, at) => at.map((value) => number(value / this.#scale(), 3)) },
+          { ...axisStyle(), size: 34, label: "Time (s)", labelSize: 20, labelFont: FONT, splits: (u, _, low, high) => split(linearTicks(low, high, plotWidth(u) / X_LABELS)), values: (u, at) => labels(at, u.scales.x, plotWidth(u) / X_LABELS) },
+          { ...axisStyle(), size: Y_AXIS, splits: (u, _, low, high) => this.#ySplits(low, high, u.height - 72), values: (u, at) => this.#yLabels(at, u.height - 72) },
         ],
         series: [{}, ...drawn.flatMap(pair)],
         bands: drawn.map(band),
-        padding: [18, 12, 0, 0],
+        padding: [18, RIGHT, 0, 0],
         hooks: {
           drawClear: [(u) => this.#shade(u)],
           draw: [(u) => this.#marks(u)],
@@ -158,14 +161,14 @@ export class TimeChart {
       const distance = (/** @type {Shade} */ shade) => Math.abs(0.5 * (shade.from + shade.to) - at);
       click?.(hit.sort((a, b) => distance(a) - distance(b))[0] ?? null);
     });
-    this.resized(this.#plot.over.clientWidth);
+    this.resized(plotWidth(this.#plot));
   }
 
   #resize() {
     const width = this.#host.clientWidth;
     if (!this.#plot || width === 0 || width === this.#plot.width) return;
     this.#plot.setSize({ width, height: this.#options.height });
-    this.resized(this.#plot.over.clientWidth);
+    this.resized(plotWidth(this.#plot));
   }
 
   #move() {
@@ -177,21 +180,28 @@ export class TimeChart {
     const { time } = this.#options;
     const plot = this.#plot;
     if (!plot || !this.#series?.exact) return false;
-    return plot.over.clientWidth / (time.span / this.#series.period_s) >= DOT_SPACE;
+    return plotWidth(plot) / (time.span / this.#series.period_s) >= DOT_SPACE;
   }
 
-  /** What the numbers of the axis are divided by. */
-  #scale() {
-    const { min, max } = this.#plot?.scales.y ?? {};
-    return prefixed(Math.max(Math.abs(min ?? 0), Math.abs(max ?? 0)), this.#series?.unit ?? "").scale;
+  /** Marks of the y axis, in the unit with its prefix. @param {number} low @param {number} high @param {number} height */
+  #yTicks(low, high, height) {
+    const suited = prefixed(Math.max(Math.abs(low), Math.abs(high)), this.#series?.unit ?? "");
+    return { ...suited, ticks: linearTicks(low / suited.scale, high / suited.scale, height / Y_LABELS) };
   }
 
   /** @param {number} low @param {number} high @param {number} height */
   #ySplits(low, high, height) {
-    const suited = prefixed(Math.max(Math.abs(low), Math.abs(high)), this.#series?.unit ?? "");
-    const text = `${capitalised(this.#label)} (${suited.unit})`;
+    const { unit, scale, ticks } = this.#yTicks(low, high, height);
+    const text = `${capitalised(this.#label)} (${unit})`;
     if (this.#yLabel.textContent !== text) this.#yLabel.textContent = text;
-    return linearTicks(low / suited.scale, high / suited.scale, height / Y_LABELS).map((tick) => tick.value * suited.scale);
+    return ticks.map((tick) => tick.value * scale);
+  }
+
+  /** @param {number[]} at @param {number} height */
+  #yLabels(at, height) {
+    const { min, max } = this.#plot?.scales.y ?? {};
+    const { scale, ticks } = this.#yTicks(min ?? 0, max ?? 1, height);
+    return at.map((value) => ticks.find((tick) => tick.value * scale === value)?.label ?? "");
   }
 
   /** @param {uPlot} u */
@@ -303,6 +313,9 @@ export function axisStyle() {
     gap: 6,
   };
 }
+
+/** Between the axes, pixels; known before the chart is laid out. @param {uPlot} u */
+const plotWidth = (u) => u.width - Y_AXIS - RIGHT;
 
 /** @param {import("./ticks.js").Tick[]} ticks */
 const split = (ticks) => ticks.map((tick) => tick.value);

@@ -2,7 +2,7 @@
 // Part 3: the answer, the effects that are missing in order, and what the answer rests on.
 
 import { el, icon, replace } from "../dom.js";
-import { number, quantity } from "../format.js";
+import { count, number, quantity } from "../format.js";
 import { effectName, effectOf, readLibrary } from "../library.js";
 import { VERDICTS } from "../verdict.js";
 import { findingCard } from "./findingcard.js";
@@ -107,7 +107,7 @@ function restOf(diagnosis) {
         ? el("p", { class: "note" }, "The log has every column that the library asks for.")
         : [el("p", { class: "note" }, "These need columns that the log does not have, or that never change."), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.map((column) => el("code", {}, column))))))],
       el("h3", {}, "Noise"),
-      el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${number(noise.blocks, 4)} blocks of ${number(noise.block_s)} s.`),
+      el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
     ),
   );
