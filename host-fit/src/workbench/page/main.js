@@ -57,9 +57,9 @@ function drawTabs() {
       { class: "tab", "data-current": id === current },
       el(
         "a",
-        { href: `#/study/${id}`, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
+        { href: `#/study/${id}`, title: name, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
         working ? el("i", { class: "working" }) : verdict ? icon(verdict) : null,
-        name,
+        el("span", { class: "tab-name" }, name),
         el("span", { class: "unseen" }, working ? ", working" : verdict ? `, ${VERDICTS[verdict].word}` : ""),
       ),
       el("button", { type: "button", class: "quiet", "aria-label": `Close ${name}`, "data-key": `close:${id}`, onclick: () => void close(id) }, icon("close")),

@@ -146,7 +146,12 @@ export class StudyPage {
     if (!state) return;
     const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
     this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
-    this.#once("error", [state.error], () => replace(this.#error, state.error ? alertElement(state.error) : null));
+    // what was cancelled or failed is asked for again by looking at the axis again
+    const canGoOn = state.error !== null && state.job === null && axis !== null && !axis.diagnosis;
+    this.#once("error", [state.error, canGoOn, axis?.column], () => {
+      const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Go on with ${axis?.label}`);
+      replace(this.#error, state.error ? alertElement(state.error) : null, canGoOn ? goOn : null);
+    });
     this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.diagnosis?.verdict]), this.#axis], () => this.#drawBar(state));
     const isRead = state.logs !== null;
     this.#once("reading", [isRead, state.job?.what, state.error], () => {

@@ -84,11 +84,10 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
     return el(
       "tr",
       { "data-step": added?.effect.id ?? "before" },
-      el("th", { scope: "row" }, el("span", { class: "step-number" }, at), added ? capitalised(added.finding.name) : "Before"),
+      el("th", { scope: "row" }, el("span", { class: "step-number" }, at), added ? capitalised(added.finding.name) : "Before", added ? undo(at) : null),
       el("td", {}, added ? [el("b", {}, percent(added.finding.expected_drop)), el("br"), el("span", { class: "note" }, interval(added.finding.expected_drop_ci, (value) => percent(value)))] : null),
       el("td", {}, added ? cameTrue(added.realised_fall, added.finding.expected_drop_ci) : null),
       [root(left.slow), root(left.wide), root(errors.one_step_mse), ...HORIZONS.map((horizon) => coast(stair, horizon)), count(cost.terms), count(cost.ram_bytes), count(cost.instructions)].map((text) => el("td", { class: "right" }, text)),
-      el("td", {}, at > 0 ? undo(at) : null),
     );
   };
 
@@ -103,7 +102,7 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
       el(
         "thead",
         {},
-        el("tr", {}, head("Step", { rowspan: 2 }), head("Fall", { colspan: 2, scope: "colgroup" }), head(`Left, root of the variance${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`Root mean square${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" }), el("td", { rowspan: 2 })),
+        el("tr", {}, head("Step", { rowspan: 2 }), head("Fall", { colspan: 2, scope: "colgroup" }), head(`Error left${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`Rms${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" })),
         el("tr", {}, head("foretold (90 %)"), head("came true"), ["slow", "wide", "one step", ...HORIZONS.map((horizon) => `coast ${horizon} s`), "terms", "RAM, bytes", "instructions"].map((text) => head(text, { class: "right" }))),
       ),
       el("tbody", {}, stairs.map(row)),
