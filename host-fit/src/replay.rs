@@ -4,6 +4,7 @@ use fos_core::{Axis, Image, ImageError, Quantity, Sample, Validity};
 use fos_embedded::replay::{Digest, Header, Motion, Record};
 use serde::Serialize;
 
+use crate::evaluate::{ModelErrors, trace};
 use crate::feed::Feed;
 use crate::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
 use crate::recording::{Recording, RecordingError};
@@ -57,9 +58,11 @@ pub struct Summary {
     pub still_known_by: KnownBy,
     /// The axes.
     pub axes: Vec<AxisSummary>,
-    /// CRC-64 of all innovations, tick by tick and axis by axis.
+    /// CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits.
+    #[serde(serialize_with = "hexadecimal")]
     pub innovations_digest: u64,
     /// CRC-64 of all innovations, corrected values and validities.
+    #[serde(serialize_with = "hexadecimal")]
     pub corrections_digest: u64,
 }
 
@@ -78,6 +81,8 @@ pub struct AxisSummary {
     pub largest_difference: f64,
     /// Share of the tracked rows whose correction is valid.
     pub valid_share: f64,
+    /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
+    pub errors: Option<ModelErrors>,
 }
 
 impl Replay {
@@ -88,6 +93,10 @@ impl Replay {
         columns.extend(axes.zip(self.corrected.iter().map(Vec::as_slice)));
         columns
     }
+}
+
+fn hexadecimal<S: serde::Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&format_args!("{digest:016x}"))
 }
 
 /// The column of an axis.
@@ -189,7 +198,12 @@ pub fn replay(
             }
         }
     }
-    let summaries = model.axes.iter().zip(&tallies).map(|(axis, tally)| tally.summary(&axis.column, tracked));
+    let errors = (tracked > 0).then(|| trace::<f32>(&model, &feed, 0..n_rows, |_| {})).transpose();
+    let left = errors.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
+    let summaries = model.axes.iter().zip(&tallies).enumerate().map(|(index, (axis, tally))| {
+        let errors = left.as_ref().map(|left| ModelErrors::of(left, index, "image", &axis.column, None));
+        AxisSummary { errors, ..tally.summary(&axis.column, tracked) }
+    });
     let summary = Summary {
         rows: n_rows,
         tracked,
@@ -228,6 +242,7 @@ impl Tally {
             innovation_rms_f64: rms(self.double_squares),
             largest_difference: self.largest_difference,
             valid_share: self.valid as f64 / tracked.max(1) as f64,
+            errors: None,
         }
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
-use super::output::{Failure, number, print_json, table};
+use super::output::{Failure, number, print_json, table, verdict};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
 use crate::study::Study;
@@ -102,7 +102,8 @@ impl Diagnose {
 
 /// A diagnosis for people.
 pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
-    println!("{}: {}", diagnosis.target, diagnosis.sentence);
+    let is_good = diagnosis.verdict == Verdict::NothingMissing;
+    anstream::println!("{}: {}", diagnosis.target, verdict(&diagnosis.sentence, is_good));
     for caution in &diagnosis.cautions {
         println!("  caution: {caution}");
     }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::error_table::error_table;
-use super::output::{Failure, number, table};
+use super::output::{Failure, number, sparkline, table};
 use crate::evaluate::ModelErrors;
 use crate::grow::{Growth, Logs, Stair};
 use crate::recording::{Recording, Source};
@@ -129,6 +129,10 @@ pub(super) fn print_growth(growth: &Growth) {
         rows.add_row(row(index, stair));
     }
     println!("{rows}");
+    let slow: Vec<f64> = growth.stairs.iter().map(|stair| stair.left.slow.sqrt()).collect();
+    if let [first, .., last] = slow[..] {
+        println!("  slow error, step by step: {}  {} to {} {unit}", sparkline(&slow), number(first), number(last));
+    }
     println!(
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves"
     );

@@ -6,6 +6,7 @@ mod batch;
 mod bench;
 mod calibrate;
 mod compare;
+mod completions;
 mod demo;
 mod diagnose;
 mod effects;
@@ -15,6 +16,7 @@ mod fit;
 mod growing;
 mod history;
 mod inspect;
+mod man;
 mod output;
 mod record;
 mod replay;
@@ -61,6 +63,8 @@ enum Command {
     Report(report::Report),
     Serve(serve::Serve),
     Bench(bench::Bench),
+    Completions(completions::Completions),
+    Man(man::Man),
 }
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
@@ -85,11 +89,13 @@ pub fn run() -> ExitCode {
         Command::Report(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Bench(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("error: {failure}");
+            output::print_error(&failure);
             ExitCode::FAILURE
         }
     }

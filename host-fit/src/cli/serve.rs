@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::Reading;
-use super::output::Failure;
+use super::output::{Failure, print_warning};
 use crate::effects::Library;
 use crate::workbench::{Folders, Server};
 
@@ -74,10 +74,10 @@ impl Serve {
             }
             println!("workbench at http://{}/", server.address());
             if !self.listen.is_loopback() {
-                eprintln!(
-                    "warning: listening at {}: whoever reaches it can read the logs here",
+                print_warning(&format!(
+                    "listening at {}: whoever reaches it can read the logs here",
                     self.listen
-                );
+                ));
             }
             eprintln!("Ctrl-C ends it; what is not taken along by then is gone");
             let end = async {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use fos_core::{ModelError, Real};
 
 use crate::feed::Feed;
+use crate::interrupt;
 use crate::model::{HostPredictor, UnitModel};
 
 /// Horizons of the coast error, s.
@@ -72,6 +73,9 @@ pub fn trace<R: Real>(
     let mut block: Option<(HostPredictor<R>, Range<usize>)> = None;
     for row in rows.clone() {
         let at = row - rows.start;
+        if row % 1024 == 0 {
+            interrupt::check();
+        }
         if row % 65_536 == 0 {
             progress(row);
         }

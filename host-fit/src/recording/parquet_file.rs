@@ -78,6 +78,7 @@ pub(super) fn read(
     let reader = builder.build().map_err(failed)?;
     let mut empty = vec![0; table.columns.len()];
     for batch in reader {
+        crate::interrupt::check();
         let batch = batch.map_err(|error| failed(error.into()))?;
         for (i, array) in batch.columns().iter().enumerate() {
             append(array, &mut kinds[i], &mut table.columns[i].values)
