@@ -66,6 +66,7 @@ function drawTabs() {
     );
   const isOpening = current === null;
   replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
+  tabs.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 
 /** @param {string} id */
