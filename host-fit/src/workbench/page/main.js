@@ -54,7 +54,7 @@ function drawTabs() {
   const tab = (/** @type {StudyEntry} */ { id, name, verdict, working }) =>
     el(
       "span",
-      { class: "tab", "data-current": id === current },
+      { class: "tab", "data-current": String(id === current) },
       el(
         "a",
         { href: `#/study/${id}`, title: name, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
@@ -66,7 +66,7 @@ function drawTabs() {
     );
   const isOpening = current === null;
   replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
-  tabs.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+  tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 
 /** @param {string} id */

@@ -12,6 +12,8 @@ import { get, isAbort } from "./api.js";
 
 /** Quiet time before finer data are asked for, ms. */
 const DEBOUNCE = 70;
+/** Rest after a request that failed, ms. */
+const RETRY = 2000;
 /** Buckets of the whole log. */
 const WHOLE_WIDTH = 1600;
 /** Buckets a pixel at least, before finer ones are asked for. */
@@ -72,7 +74,11 @@ export class SeriesSource {
     this.#request = new AbortController();
     const [from, to] = this.#time.whole;
     const whole = await this.#read(subject, from, to, WHOLE_WIDTH);
-    if (!whole) return;
+    if (!whole) {
+      // the next change of the study tries again
+      setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
+      return;
+    }
     this.#whole = whole;
     this.#tell();
     this.#ask();
