@@ -38,7 +38,10 @@ function skip(event) {
 }
 
 /** The study that the address names. */
-const addressed = () => /^#\/study\/(.+)$/.exec(location.hash)?.[1] ?? null;
+function addressed() {
+  const id = /^#\/study\/(\d+)$/.exec(location.hash)?.[1];
+  return id === undefined ? null : Number(id);
+}
 
 async function listStudies() {
   try {
@@ -69,7 +72,7 @@ function drawTabs() {
   tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 
-/** @param {string} id */
+/** @param {number} id */
 async function close(id) {
   try {
     await remove(`/api/studies/${id}`);
@@ -123,7 +126,7 @@ function route() {
   drawTabs();
 }
 
-/** @param {string} id */
+/** @param {number} id */
 function opened(id) {
   opening = null;
   notices.clear();

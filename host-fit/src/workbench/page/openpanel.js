@@ -37,7 +37,7 @@ export class OpenPanel {
   #isBusy = false;
   element;
 
-  /** @param {(id: string) => void} opened */
+  /** @param {(id: number) => void} opened */
   constructor(opened) {
     this.#opened = opened;
     const drop = el(

@@ -24,7 +24,7 @@ import { VERDICTS } from "./verdict.js";
 /**
  * What the parts share.
  * @typedef {object} Context
- * @property {string} study
+ * @property {number} study
  * @property {TimeWindow} time
  * @property {SeriesSource} source
  * @property {(chosen: Chosen | null) => void} choose
@@ -38,7 +38,7 @@ import { VERDICTS } from "./verdict.js";
 const STEPS = ["Measured", "Fails", "Missing", "Falls", "Take"];
 
 export class StudyPage {
-  /** @type {string} */
+  /** @type {number} */
   id;
   element;
   #around;
@@ -65,7 +65,7 @@ export class StudyPage {
   /** @type {Map<string, string>} */
   #drawn = new Map();
 
-  /** @param {string} id @param {Surroundings} around */
+  /** @param {number} id @param {Surroundings} around */
   constructor(id, around) {
     this.id = id;
     this.#around = around;
