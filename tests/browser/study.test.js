@@ -49,7 +49,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   const [from, to] = numbersIn(await page.locator(".shown").innerText());
   const [begin, end] = numbersIn(worst);
   assert.ok(Number(from) <= Number(begin) && Number(to) >= Number(end) && Number(to) - Number(from) < 20 * (Number(end) - Number(begin)), "the time charts zoom around the stretch");
-  await page.getByRole("button", { name: "Whole log" }).click();
+  await page.locator('[data-key="whole"]').click();
   await page.getByText(/the whole log/).waitFor();
 
   assert.equal(await page.locator("[data-verdict]").getAttribute("data-verdict"), "missing");

@@ -6,6 +6,7 @@ import { el } from "./dom.js";
 import { panelTable } from "./figuretable.js";
 import { describe, extent } from "./figuredata.js";
 import { drawShape } from "./figureshapes.js";
+import { whileOnPage } from "./onpage.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks, logTicks } from "./ticks.js";
 import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
@@ -26,12 +27,6 @@ const Y_LABELS = 36;
 const STEP_COLOURS = 6;
 const METHOD_COLOURS = 7;
 
-/** Figures that are on the page; those that left it are forgotten. @type {Set<Drawing>} */
-const drawings = new Set();
-onTheme(() => {
-  for (const drawing of drawings) drawing.redraw();
-});
-
 /**
  * @param {Figure} figure
  * @param {Looks} [looks]
@@ -46,7 +41,6 @@ export function figureElement(figure, { height = 220, heading = "h3" } = {}) {
 function panelElement(panel, figureTitle, height) {
   const host = el("div", { class: "plot", role: "img", "aria-label": `${figureTitle}. ${describe(panel)}` });
   const drawing = new Drawing(panel, host, height);
-  drawings.add(drawing);
   return el(
     "div",
     { class: "panel" },
@@ -87,7 +81,6 @@ class Drawing {
   #plot = null;
   #x;
   #y;
-  #wasOnPage = false;
 
   /** @param {Panel} panel @param {HTMLElement} host @param {number} height */
   constructor(panel, host, height) {
@@ -97,26 +90,24 @@ class Drawing {
     this.#x = extent(panel, "x");
     this.#y = extent(panel, "y");
     host.style.setProperty("--plot-height", `${height}px`);
-    if (!this.isEmpty) new ResizeObserver(() => this.#resize()).observe(host);
+    if (this.isEmpty) return;
+    const forget = onTheme(() => this.#plot?.redraw(false));
+    const gone = () => {
+      forget();
+      this.#plot?.destroy();
+    };
+    whileOnPage(host, (width) => this.#resize(width), gone);
   }
 
   get isEmpty() {
     return !this.#x || !this.#y;
   }
 
-  redraw() {
-    if (this.#wasOnPage && !this.#host.isConnected) {
-      drawings.delete(this);
-      this.#plot?.destroy();
-    } else this.#plot?.redraw(false);
-  }
-
-  #resize() {
-    const width = this.#host.clientWidth;
-    if (width === 0 || !this.#x || !this.#y) return;
-    this.#wasOnPage = true;
+  /** @param {number} width */
+  #resize(width) {
+    if (!this.#x || !this.#y) return;
     if (!this.#plot) this.#plot = this.#make(width, this.#x, this.#y);
-    else if (width !== this.#plot.width) this.#plot.setSize({ width, height: this.#height });
+    else if (width !== this.#plot.width) this.#plot.setSize({ width, height: this.#plot.height });
   }
 
   /** @param {number} width @param {Extent} x @param {Extent} y */

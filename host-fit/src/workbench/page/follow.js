@@ -11,7 +11,7 @@ const FIRST_WAIT = 500;
 const LONGEST_WAIT = 5000;
 
 /**
- * @param {string} id
+ * @param {number} id
  * @param {Follower} follower
  * @returns {{close: () => void, refresh: () => Promise<void>}}
  */

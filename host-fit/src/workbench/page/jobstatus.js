@@ -12,7 +12,7 @@ export class JobStatus {
   #cancel = el("button", { type: "button", class: "small", onclick: () => void this.#end() }, "Cancel");
   #work = el("div", { class: "work", hidden: true }, this.#bar, this.#cancel);
   element = el("div", { class: "job" }, el("span", { class: "said", role: "status", "aria-live": "polite" }, this.#what), this.#work);
-  /** @type {string | null} */
+  /** @type {number | null} */
   #study = null;
   #isConnected = true;
   /** @type {Job | null} */
@@ -24,7 +24,7 @@ export class JobStatus {
     this.#failed = failed;
   }
 
-  /** @param {string | null} study @param {Job | null} job */
+  /** @param {number | null} study @param {Job | null} job */
   follow(study, job) {
     this.#study = study;
     this.#job = job;

@@ -38,7 +38,10 @@ function skip(event) {
 }
 
 /** The study that the address names. */
-const addressed = () => /^#\/study\/(.+)$/.exec(location.hash)?.[1] ?? null;
+function addressed() {
+  const id = /^#\/study\/(\d+)$/.exec(location.hash)?.[1];
+  return id === undefined ? null : Number(id);
+}
 
 async function listStudies() {
   try {
@@ -54,7 +57,7 @@ function drawTabs() {
   const tab = (/** @type {StudyEntry} */ { id, name, verdict, working }) =>
     el(
       "span",
-      { class: "tab", "data-current": id === current },
+      { class: "tab", "data-current": String(id === current) },
       el(
         "a",
         { href: `#/study/${id}`, title: name, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
@@ -66,9 +69,10 @@ function drawTabs() {
     );
   const isOpening = current === null;
   replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
+  tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
 
-/** @param {string} id */
+/** @param {number} id */
 async function close(id) {
   try {
     await remove(`/api/studies/${id}`);
@@ -122,7 +126,7 @@ function route() {
   drawTabs();
 }
 
-/** @param {string} id */
+/** @param {number} id */
 function opened(id) {
   opening = null;
   notices.clear();

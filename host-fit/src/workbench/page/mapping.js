@@ -5,9 +5,11 @@ import { el, icon, replace, uniqueId } from "./dom.js";
 
 /** @typedef {import("./types.js").Preview} Preview */
 /** @typedef {import("./types.js").PreviewColumn} PreviewColumn */
-/** What a column is taken for; unit null: as its target says. @typedef {{column: PreviewColumn, target: string | null, unit: string | null}} Choice */
+/** What a column is taken for; target null: kept under its own name; unit null: as its target says. @typedef {{column: PreviewColumn, target: string | null, unit: string | null}} Choice */
 
 const TIME = "t_s";
+/** In place of a target. */
+const LEFT_OUT = "!";
 
 export class MappingTable {
   element = el("div", { class: "mapping" });
@@ -46,8 +48,9 @@ export class MappingTable {
   /** The column map, as host-fit takes it. */
   specs() {
     return this.#choices.flatMap(({ column, target, unit }) => {
+      if (target === LEFT_OUT) return `!${column.name}`;
       if (target === column.target && unit === column.unit) return column.spec ?? [];
-      if (target === null) return `!${column.name}`;
+      if (target === null) return [];
       return unit === null ? `${target}=${column.name}` : `${target}=${column.name}:${unit}`;
     });
   }
@@ -67,9 +70,8 @@ export class MappingTable {
     const targets = [...new Set([...preview.targets, ...(column.target ? [column.target] : [])])];
     const units = el("select", { "aria-label": `Unit of ${column.name}`, onchange: () => (choice.unit = units.value || null) });
     const drawUnits = () => {
-      const known = choice.target ? preview.units[choice.target] ?? [] : [];
+      const known = (choice.target && preview.units[choice.target]) || [];
       const all = choice.unit && !known.includes(choice.unit) ? [choice.unit, ...known] : known;
-      if (choice.unit === null && all.length > 0) choice.unit = all[0] ?? null;
       units.hidden = all.length === 0;
       units.replaceChildren(...all.map((unit) => el("option", { value: unit, selected: unit === choice.unit }, unit)));
     };
@@ -84,7 +86,8 @@ export class MappingTable {
           this.#check();
         },
       },
-      el("option", { value: "", selected: choice.target === null }, "not used"),
+      el("option", { value: "", selected: choice.target === null }, "kept as it is"),
+      el("option", { value: LEFT_OUT, selected: choice.target === LEFT_OUT }, "left out"),
       targets.map((name) => el("option", { value: name, selected: name === choice.target }, name)),
     );
     drawUnits();
@@ -101,7 +104,7 @@ export class MappingTable {
 
   /** Two columns cannot be one channel. */
   #check() {
-    const targets = this.#choices.map(({ target }) => target).filter((target) => target !== null);
+    const targets = this.#choices.map(({ target }) => target).filter((target) => target !== null && target !== LEFT_OUT);
     const twice = [...new Set(targets.filter((target, at) => targets.indexOf(target) !== at))];
     this.#clash.textContent = twice.length > 0 ? `${twice.join(", ")} is chosen for two columns; the log can be read when it is one.` : "";
     this.#clash.hidden = twice.length === 0;

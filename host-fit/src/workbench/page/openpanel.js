@@ -37,7 +37,7 @@ export class OpenPanel {
   #isBusy = false;
   element;
 
-  /** @param {(id: string) => void} opened */
+  /** @param {(id: number) => void} opened */
   constructor(opened) {
     this.#opened = opened;
     const drop = el(
@@ -132,7 +132,7 @@ export class OpenPanel {
         {},
         el("label", { for: id }, fileName(one.path)),
         el("select", { id, "data-key": `role:${one.path}`, onchange: change }, ROLES.map(({ role, text }) => el("option", { value: role, selected: role === one.role }, text))),
-        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Leave ${fileName(one.path)} out`, onclick: () => this.#leaveOut(one) }, "Leave out"),
+        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Leave out ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Leave out"),
       );
     };
     replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);

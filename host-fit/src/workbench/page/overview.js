@@ -3,6 +3,7 @@
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
+import { whileOnPage } from "./onpage.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 
@@ -24,13 +25,18 @@ export class Overview {
   constructor(time) {
     this.#time = time;
     time.onChange(() => this.#place());
-    onTheme(() => this.#plot?.redraw(false));
-    new ResizeObserver(() => {
-      const width = this.#host.clientWidth;
-      if (!this.#plot || !width) return;
-      this.#plot.setSize({ width, height: HEIGHT });
-      this.#place();
-    }).observe(this.#host);
+    const forget = onTheme(() => this.#plot?.redraw(false));
+    const gone = () => {
+      forget();
+      this.setData(null);
+    };
+    whileOnPage(this.#host, (width) => this.#resize(width), gone);
+  }
+
+  /** @param {number} width */
+  #resize(width) {
+    this.#plot?.setSize({ width, height: HEIGHT });
+    this.#place();
   }
 
   /** @param {Series | null} whole */

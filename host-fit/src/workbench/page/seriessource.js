@@ -7,11 +7,13 @@ import { get, isAbort } from "./api.js";
 /** @typedef {import("./types.js").Series} Series */
 /** @typedef {import("./types.js").Trace} Trace */
 /** @typedef {import("./types.js").ViewName} ViewName */
-/** @typedef {{study: string, axis: string, view: ViewName, model: string}} Subject `model` tells one state of the model from the next */
+/** @typedef {{study: number, axis: string, view: ViewName, model: string}} Subject `model` tells one state of the model from the next */
 /** What is drawn: detail where it is known, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */
 
 /** Quiet time before finer data are asked for, ms. */
 const DEBOUNCE = 70;
+/** Rest after a request that failed, ms. */
+const RETRY = 2000;
 /** Buckets of the whole log. */
 const WHOLE_WIDTH = 1600;
 /** Buckets a pixel at least, before finer ones are asked for. */
@@ -72,7 +74,11 @@ export class SeriesSource {
     this.#request = new AbortController();
     const [from, to] = this.#time.whole;
     const whole = await this.#read(subject, from, to, WHOLE_WIDTH);
-    if (!whole) return;
+    if (!whole) {
+      // the next change of the study tries again
+      setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
+      return;
+    }
     this.#whole = whole;
     this.#tell();
     this.#ask();

@@ -4,7 +4,7 @@
 import { messageOf, post } from "./api.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
 import { follow } from "./follow.js";
-import { count, duration, fileName, percent } from "./format.js";
+import { capitalised, count, duration, fileName, percent } from "./format.js";
 import { alertElement } from "./notices.js";
 import { failsPart } from "./parts/fails.js";
 import { fallsPart } from "./parts/falls.js";
@@ -24,7 +24,7 @@ import { VERDICTS } from "./verdict.js";
 /**
  * What the parts share.
  * @typedef {object} Context
- * @property {string} study
+ * @property {number} study
  * @property {TimeWindow} time
  * @property {SeriesSource} source
  * @property {(chosen: Chosen | null) => void} choose
@@ -38,7 +38,7 @@ import { VERDICTS } from "./verdict.js";
 const STEPS = ["Measured", "Fails", "Missing", "Falls", "Take"];
 
 export class StudyPage {
-  /** @type {string} */
+  /** @type {number} */
   id;
   element;
   #around;
@@ -65,7 +65,7 @@ export class StudyPage {
   /** @type {Map<string, string>} */
   #drawn = new Map();
 
-  /** @param {string} id @param {Surroundings} around */
+  /** @param {number} id @param {Surroundings} around */
   constructor(id, around) {
     this.id = id;
     this.#around = around;
@@ -146,16 +146,16 @@ export class StudyPage {
     if (!state) return;
     const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
     this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
-    // what was cancelled or failed is asked for again by looking at the axis again
-    const canGoOn = state.error !== null && state.job === null && axis !== null && !axis.diagnosis;
+    // what was cancelled, failed or never begun is asked for by looking at the axis again
+    const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
     this.#once("error", [state.error, canGoOn, axis?.column], () => {
-      const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Go on with ${axis?.label}`);
+      const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
       replace(this.#error, state.error ? alertElement(state.error) : null, canGoOn ? goOn : null);
     });
     this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.diagnosis?.verdict]), this.#axis], () => this.#drawBar(state));
     const isRead = state.logs !== null;
     this.#once("reading", [isRead, state.job?.what, state.error], () => {
-      replace(this.#reading, isRead || state.error ? null : waiting(state.job?.what ?? "Reading the logs"));
+      replace(this.#reading, isRead || state.error ? null : waiting(capitalised(state.job?.what ?? "reading the logs")));
     });
     this.#bar.hidden = !isRead;
     this.#parts.hidden = !isRead;
@@ -193,7 +193,7 @@ export class StudyPage {
       },
     });
     const step = (/** @type {string} */ name, /** @type {number} */ at) =>
-      el("li", {}, el("button", { type: "button", class: "quiet", "data-key": `step:${at}`, onclick: () => this.#goTo(at + 1, true) }, el("b", {}, at + 1), name));
+      el("li", {}, el("button", { type: "button", class: "quiet", "data-key": `step:${at}`, onclick: () => this.#goTo(at + 1, true) }, el("b", {}, at + 1), el("span", {}, name)));
     replace(this.#bar, axes, el("nav", { "aria-label": "Parts" }, el("ol", { class: "steps" }, STEPS.map(step))));
   }
 }

@@ -11,7 +11,7 @@ const listeners = new Set();
 /** @type {Map<string, string>} */
 const known = new Map();
 
-/** What canvases do when the theme changes. @param {() => void} redraw @returns {() => void} ends it */
+/** What canvases do when the theme changes. @param {() => void} redraw @returns {() => void} forgets it */
 export function onTheme(redraw) {
   listeners.add(redraw);
   return () => listeners.delete(redraw);

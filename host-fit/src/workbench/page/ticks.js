@@ -5,6 +5,10 @@ import { raised } from "./format.js";
 
 /** @typedef {{value: number, label: string}} Tick */
 
+/** An axis with fewer labels says little; so many are never asked for to get them. */
+const FEWEST = 3;
+const MOST = 24;
+
 /**
  * Marks at even, round numbers, about `count` of them.
  * @param {number} low @param {number} high @param {number} count
@@ -17,6 +21,7 @@ export function linearTicks(low, high, count) {
   const step = decade * ([1, 2, 5, 10].find((multiple) => multiple * decade >= wanted * 0.999) ?? 10);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
+  if (last - first < FEWEST - 1 && count < MOST) return linearTicks(low, high, 2 * count);
   const write = evenLabels(step, Math.max(Math.abs(first * step), Math.abs(last * step)));
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, n) => ({ value: (first + n) * step, label: write((first + n) * step) }));
 }

@@ -5,6 +5,7 @@ import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
 import { capitalised, prefixed, quantity, seconds } from "./format.js";
 import { listenToHands, listenToKeys } from "./gestures.js";
+import { whileOnPage } from "./onpage.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks } from "./ticks.js";
 
@@ -64,8 +65,12 @@ export class TimeChart {
     this.element = el("div", {}, el("div", { class: "chart-head" }, this.#yLabel, this.#legend), this.#focus);
     listenToKeys(this.#focus, options.time);
     options.time.onChange(() => this.#move());
-    onTheme(() => this.#plot?.redraw(false));
-    new ResizeObserver(() => this.#resize()).observe(this.#host);
+    const forget = onTheme(() => this.#plot?.redraw(false));
+    const gone = () => {
+      forget();
+      this.#clear();
+    };
+    whileOnPage(this.#host, (width) => this.#resize(width), gone);
   }
 
   /** Draws these samples; null: none yet. @param {Series | null} series */
@@ -164,9 +169,9 @@ export class TimeChart {
     this.resized(plotWidth(this.#plot));
   }
 
-  #resize() {
-    const width = this.#host.clientWidth;
-    if (!this.#plot || width === 0 || width === this.#plot.width) return;
+  /** @param {number} width */
+  #resize(width) {
+    if (!this.#plot || width === this.#plot.width) return;
     this.#plot.setSize({ width, height: this.#options.height });
     this.resized(plotWidth(this.#plot));
   }
@@ -213,7 +218,7 @@ export class TimeChart {
     ctx.clip();
     for (const shade of this.#shades) {
       const { left, width } = this.#place(u, shade);
-      ctx.fillStyle = faint("--shade", shade.chosen ? 0.5 : 0.22);
+      ctx.fillStyle = faint("--shade", shade.chosen ? 0.32 : 0.2);
       ctx.fillRect(left, bbox.top, width, bbox.height);
     }
     ctx.restore();

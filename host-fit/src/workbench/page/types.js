@@ -2,7 +2,7 @@
 // The shapes that the server answers with. Nothing here runs; every other module names these types.
 
 /** @typedef {"missing" | "nothing_missing" | "unexplained"} Verdict */
-/** @typedef {{id: string, name: string, verdict: Verdict | null, working: boolean}} StudyEntry */
+/** @typedef {{id: number, name: string, verdict: Verdict | null, working: boolean}} StudyEntry */
 /** @typedef {{what: string, done: number | null, of: number | null}} Job */
 /** @typedef {{name: string, unit: string}} Column */
 /**
@@ -24,7 +24,7 @@
 /** @typedef {{field: Log, quiet: Log | null, judged: Log | null}} Logs */
 /**
  * @typedef {object} State
- * @property {string} id
+ * @property {number} id
  * @property {string} name
  * @property {number} revision
  * @property {Job | null} job

@@ -17,6 +17,8 @@ import { drawStretches, shadesOf, wordsFor } from "./stretches.js";
 /** Channels that are shown at once; the others unfold. */
 const CHANNELS = 4;
 const AGAINST = "against:";
+/** Rest after a request that failed, ms. */
+const RETRY = 2000;
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function failsPart({ study, time, source, choose, announce }) {
@@ -39,9 +41,13 @@ export function failsPart({ study, time, source, choose, announce }) {
   let request = new AbortController();
   let asked = "";
   let marked = "";
+  /** The axis that the figures are of. */
+  let pictured = "";
 
   /** @param {Scene} scene */
-  async function readFigures({ axis, chosen }) {
+  async function readFigures({ axis, chosen, state }) {
+    // while a grown model is compared anew, the pictures of before stay in their place
+    if (axis && !axis.comparison && state.job && axis.column === pictured) return panels.setAttribute("aria-busy", "true");
     const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to]) : "";
     if (key === asked) return;
     asked = key;
@@ -60,9 +66,10 @@ export function failsPart({ study, time, source, choose, announce }) {
       const figures = /** @type {NamedFigure[]} */ (await get(`/api/studies/${study}/figures?${query}`, signal));
       if (signal.aborted) return;
       drawFigures(panels, figures, axis.comparison);
+      pictured = axis.column;
     } catch (error) {
       if (signal.aborted || isAbort(error)) return;
-      asked = "";
+      setTimeout(() => (asked = ""), RETRY);
       replace(panels, alertElement(messageOf(error)));
     }
     panels.removeAttribute("aria-busy");

@@ -48,7 +48,7 @@ export function measuredPart({ time, source, choose, setView }) {
     { class: "controls" },
     button("−", "Zoom out", () => time.zoom(1 / KEY_ZOOM)),
     button("+", "Zoom in", () => time.zoom(KEY_ZOOM)),
-    button("All", "Show the whole log", () => time.showAll()),
+    button("All", "All: show the whole log", () => time.showAll()),
     shown,
     finer,
     el("span", { class: "hint" }, "Drag to zoom, shift-drag to pan"),

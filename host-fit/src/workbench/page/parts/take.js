@@ -80,7 +80,7 @@ export function takePart({ study, announce }) {
   };
 }
 
-/** @param {string} study @param {string} format @param {string} name @param {string} says @param {boolean} hasModel */
+/** @param {number} study @param {string} format @param {string} name @param {string} says @param {boolean} hasModel */
 function download(study, format, name, says, hasModel) {
   const text = [icon("drop"), el("span", {}, el("b", {}, name), el("span", { class: "note" }, hasModel ? says : "when there is a model"))];
   return el("li", {}, hasModel ? el("a", { href: `/api/studies/${study}/export/${format}`, download: "", "data-key": `export:${format}` }, text) : el("span", { class: "off" }, text));
