@@ -91,10 +91,18 @@ async function assertSameAsReplay(page, image, digest) {
   const gyro = JSON.parse(stdout).axes.find((/** @type {any} */ axis) => axis.column === "gx_rads");
   const cells = await page.locator('.replay [data-axis="gx_rads"] td').allInnerTexts();
   assert.equal(numbersIn(cells[0] ?? "")[0], gyro.innovations);
-  const shown = cells[1] ?? "";
-  const scale = shown.includes("mrad") ? 1e-3 : shown.includes("µrad") ? 1e-6 : 1;
-  const rms = Number(numbersIn(shown)[0]) * scale;
-  assert.ok(Math.abs(rms / gyro.innovation_rms_f32 - 1) < 0.005, `${shown} for ${gyro.innovation_rms_f32}`);
+  const { errors } = gyro;
+  const numbers = [gyro.innovation_rms_f32, Math.sqrt(errors.slow_error_coast), Math.sqrt(errors.coast.at(-1).mse)];
+  numbers.forEach((expected, at) => {
+    const shown = cells[at + 1] ?? "";
+    const scale = shown.includes("mrad") ? 1e-3 : shown.includes("µrad") ? 1e-6 : 1;
+    const value = Number(numbersIn(shown)[0]) * scale;
+    assert.ok(Math.abs(value / expected - 1) < 0.005, `${shown} for ${expected}`);
+  });
+  // and it is the last step of the staircase, which was computed in f64: f32 keeps seven digits of each sample
+  const stairs = state.axes.find((axis) => axis.column === "gx_rads")?.growth?.stairs ?? [];
+  const last = stairs.at(-1)?.errors.slow_error_coast ?? Number.NaN;
+  assert.ok(Math.abs(errors.slow_error_coast / last - 1) < 1e-3, `${errors.slow_error_coast} in f32, ${last} in f64`);
 }
 
 test("the same with keys alone", { timeout: 3 * SLOW }, async () => {

@@ -111,7 +111,11 @@ impl Recording {
     pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
         let axes = AXES.into_iter().filter(|name| self.channel(name).is_ok());
         let axes: Vec<String> = axes.map(str::to_owned).collect();
-        if axes.is_empty() { Err(RecordingError::NoAxes { path: self.paths() }) } else { Ok(axes) }
+        if axes.is_empty() {
+            let text_columns = self.quality.text_columns.clone();
+            return Err(RecordingError::NoAxes { path: self.paths(), text_columns });
+        }
+        Ok(axes)
     }
 
     /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment

@@ -89,7 +89,16 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
             }
         }
     });
-    let columns: Vec<ColumnPreview> = columns.collect();
+    let text = table.quality.text_columns.iter().map(|name| ColumnPreview {
+        name: name.clone(),
+        values: Vec::new(),
+        target: None,
+        unit: None,
+        spec: None,
+        why: "holds text: left out".to_owned(),
+        sure: true,
+    });
+    let columns: Vec<ColumnPreview> = columns.chain(text).collect();
     let references = AXES.iter().map(|axis| format!("ref_{axis}"));
     let targets = ["t_s"].iter().chain(&AXES).chain(&OTHERS).map(|name| (*name).to_owned());
     let targets: Vec<String> =

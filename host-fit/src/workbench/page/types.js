@@ -155,6 +155,6 @@
  * @property {{rows: number, tracked: number, axes: ReplayAxis[], corrections_digest: string}} summary
  * @property {string} command
  */
-/** @typedef {{column: string, innovations: number, innovation_rms_f32: Num, innovation_rms_f64?: Num, largest_difference?: Num, slow_before: Num, slow_after: Num}} ReplayAxis */
+/** @typedef {{column: string, innovations: number, innovation_rms_f32: Num, innovation_rms_f64?: Num, largest_difference?: Num, errors: null | Errors}} ReplayAxis */
 
 export {};

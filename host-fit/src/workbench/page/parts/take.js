@@ -103,6 +103,9 @@ function commandElement(command, key, announce) {
   return el("div", { class: "command" }, el("pre", { tabindex: 0 }, el("code", {}, command)), copy);
 }
 
+/** @param {import("../types.js").Num | undefined} square */
+const root = (square) => (typeof square === "number" ? Math.sqrt(square) : null);
+
 /** @param {HTMLElement} host @param {Replay} replay @param {import("../types.js").State} state @param {(text: string) => void} announce */
 function drawReplay(host, { log, summary, command }, state, announce) {
   const named = (/** @type {string} */ column) => state.axes.find((axis) => axis.column === column);
@@ -113,10 +116,10 @@ function drawReplay(host, { log, summary, command }, state, announce) {
       "tr",
       { "data-axis": axis.column },
       el("th", { scope: "row" }, named(axis.column)?.label ?? axis.column),
-      [count(axis.innovations), write(axis.innovation_rms_f32), quantity(axis.slow_before, unit), quantity(axis.slow_after, unit)].map((text) => el("td", { class: "right" }, text)),
+      [count(axis.innovations), write(axis.innovation_rms_f32), write(root(axis.errors?.slow_error_coast)), write(root(axis.errors?.coast.at(-1)?.mse))].map((text) => el("td", { class: "right" }, text)),
     );
   };
-  const head = ["Axis", "innovations", "innovation, rms in f32", "slow error before", "slow error after"];
+  const head = ["Axis", "innovations", "innovation, rms in f32", "slow error, coasting", "rms after the longest coast"];
   replace(
     host,
     el("p", {}, "Run over ", el("b", {}, fileName(log)), ` on fos-core in f32, bit for bit as on a device: ${count(summary.rows)} rows, ${count(summary.tracked)} of them tracked.`),
