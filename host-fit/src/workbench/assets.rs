@@ -8,7 +8,6 @@ use rust_embed::RustEmbed;
 /// Everything that the page consists of.
 #[derive(RustEmbed)]
 #[folder = "src/workbench/page"]
-#[exclude = "*.d.ts"]
 struct Page;
 
 /// A file of the page; anything else is not found, whatever dots are in its name.
