@@ -59,31 +59,30 @@ pub fn examine(
     Ok(Examination { judged_s, comparison, trace })
 }
 
-/// The command lines that do the same as a study in the workbench did, from the logs on.
-pub fn command_lines(study: &Study, looked_at: Option<&str>) -> Vec<String> {
+/// The command lines that do the same as was done to `study` with these logs, looking at `columns`.
+pub fn command_lines(study: &Study, logs: &Logs, columns: &[&str]) -> Vec<String> {
+    let path = |log: &Recording| quoted(&log.paths());
+    let maps: String = logs.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
+    let rate = logs.rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
+    let read = format!("{maps}{rate}");
     let fitted: Vec<String> = study.data.sources.iter().map(|source| quoted(&source.path)).collect();
-    let maps: String = study.data.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
-    let mut lines = vec![format!("host-fit fit {} --axis all{maps} -o unit.json", fitted.join(" "))];
-    for growth in &study.growth {
-        let logs = &growth.logs;
-        let rate = logs.rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
-        let maps: String = logs.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
-        let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", quoted(&log.path)));
-        let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", quoted(&log.path)));
-        let field = quoted(&logs.field.path);
-        let on = format!("--axis {} --from {field}{quiet}{judge}{maps}{rate}", growth.column);
-        if looked_at.is_none_or(|column| column == growth.column) {
-            lines.push(format!("host-fit diagnose unit.json {on}"));
-        }
-        for added in growth.added() {
+    let field = path(&logs.field);
+    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
+    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
+    let mut lines = vec![
+        format!("host-fit fit {} --axis all{read} -o unit.json", fitted.join(" ")),
+        format!("host-fit compare unit.json {field}{read} --figures figures"),
+    ];
+    for column in columns {
+        let on = format!("--axis {column} --from {field}{quiet}{judge}{read}");
+        lines.push(format!("host-fit diagnose unit.json {on}"));
+        for added in study.growth_of(column).into_iter().flat_map(Growth::added) {
             lines.push(format!("host-fit add unit.json {} {on}", added.effect.id));
         }
     }
+    let last = logs.judged.as_ref().map_or(field, path);
     lines.push("host-fit export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
-    let last = study.growth.last().map(|growth| growth.logs.judged.as_ref().unwrap_or(&growth.logs.field));
-    if let Some(log) = last {
-        lines.push(format!("host-fit replay unit.fosm {} -o corrected.parquet", quoted(&log.path)));
-    }
+    lines.push(format!("host-fit replay unit.fosm {last}{read}"));
     lines
 }
 

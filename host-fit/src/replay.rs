@@ -202,6 +202,8 @@ pub fn replay(
     let left = errors.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
     let summaries = model.axes.iter().zip(&tallies).enumerate().map(|(index, (axis, tally))| {
         let errors = left.as_ref().map(|left| ModelErrors::of(left, index, "image", &axis.column, None));
+        // an accelerometer that lies in another pose throughout has none
+        let errors = errors.filter(|errors| errors.one_step_mse.is_finite());
         AxisSummary { errors, ..tally.summary(&axis.column, tracked) }
     });
     let summary = Summary {

@@ -83,7 +83,7 @@ async function assertSameAsReplay(page, image, digest) {
   const state = await stateOf(page, server);
   const log = state.logs?.judged?.path ?? state.logs?.field.path;
   assert.ok(log);
-  const { stdout } = await promisify(execFile)(HOST_FIT, ["replay", image, log, "--json"], { maxBuffer: 1e8 });
+  const { stdout } = await promisify(execFile)(HOST_FIT, ["replay", image, log, "--json"], { cwd: server.folder, maxBuffer: 1e8 });
   // 64 bits are more than a number of JavaScript holds: take the digits
   const digits = /"corrections_digest":\s*(?:"([0-9a-f]+)"|(\d+))/.exec(stdout);
   assert.ok(digits);
@@ -184,11 +184,12 @@ for (const theme of /** @type {const} */ (["light", "dark"])) {
     await assertAccessible(page, "a study at work");
     await atRest(page);
     await page.waitForSelector(".panels .figure");
-    await page.locator(".stretch").first().click();
     await page.locator(".physics summary").first().click();
     await page.locator(".as-table summary").first().click();
     await page.locator('[data-key="dependence"] summary').click();
     await assertAccessible(page, "a diagnosed study");
+    await page.locator(".stretch").first().click();
+    await assertAccessible(page, "a stretch of it");
     await add(page, "thermal_lag");
     await page.waitForSelector(".replay .digest", { timeout: SLOW });
     await assertAccessible(page, "a grown study");

@@ -32,9 +32,9 @@ const FLAGS = ["--no-sandbox", "--headless", "--disable-gpu", "--disable-quic", 
 /** Starts the workbench on a free port, in a folder of its own. @returns {Promise<Server>} */
 export async function startServer() {
   const folder = await mkdtemp(join(tmpdir(), "fos-workbench-"));
+  // paths are shown as they are given: relative to where the program was started, as people do
   if (RUNNING) return { url: RUNNING.replace(/\/?$/, "/"), folder, stop: () => rm(folder, { recursive: true }) };
-  const logs = await mkdtemp(join(tmpdir(), "fos-logs-"));
-  const process_ = spawn(HOST_FIT, ["serve", "--port", "0", "--folder", folder, logs], { stdio: ["ignore", "pipe", "inherit"] });
+  const process_ = spawn(HOST_FIT, ["serve", "--port", "0"], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((found, failed) => {
     process_.once("error", failed);
     process_.once("exit", (code) => failed(new Error(`${HOST_FIT} serve ended with ${code} and no address`)));
@@ -48,7 +48,7 @@ export async function startServer() {
     const ended = new Promise((done) => process_.once("exit", done));
     process_.kill();
     await ended;
-    await Promise.all([folder, logs].map((one) => rm(one, { recursive: true, force: true })));
+    await rm(folder, { recursive: true, force: true });
   };
   return { url, folder, stop };
 }

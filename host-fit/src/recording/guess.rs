@@ -240,7 +240,9 @@ fn force_unit(triad: &[&[f64]]) -> Option<&'static str> {
 
 /// The unit by the noise from one sample to the next: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
 fn rate_unit(triad: &[&[f64]]) -> Option<&'static str> {
-    let noise = median(triad.iter().map(|values| median(steps(values))).collect());
+    // of slow or coarse data most samples repeat the one before
+    let changes = |values: &&[f64]| steps(values).into_iter().filter(|step| *step > 0.0).collect();
+    let noise = median(triad.iter().map(|values| median(changes(values))).collect());
     match noise {
         noise if (2e-4..0.009).contains(&noise) => Some("rad/s"),
         noise if (0.009..2.0).contains(&noise) => Some("dps"),

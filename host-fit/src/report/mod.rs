@@ -101,14 +101,15 @@ impl Report {
 
     /// A report of axes that were examined before.
     pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs) -> Self {
+        let columns: Vec<&str> = axes.iter().map(|axis| axis.section.column.as_str()).collect();
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),
             field: LogSummary::of(&logs.field),
             quiet: logs.quiet.as_ref().map(LogSummary::of),
             judged: logs.judged.as_ref().map(LogSummary::of),
+            commands: command_lines(study, logs, &columns),
             axes,
-            commands: command_lines(study, None),
             settings: serde_json::to_value(&study.settings).unwrap_or_default(),
         }
     }

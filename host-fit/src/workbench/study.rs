@@ -273,6 +273,12 @@ impl Study {
     pub(super) fn state(&self) -> State {
         let file = self.file();
         let inner = self.lock();
+        let seen = inner.axes.iter().filter(|axis| axis.examination.is_some());
+        let seen: Vec<&str> = seen.map(|axis| axis.section.column.as_str()).collect();
+        let commands = match (&file, &inner.read) {
+            (Ok(file), Some(read)) => command_lines(file, &read.logs, &seen),
+            _ => Vec::new(),
+        };
         State {
             id: self.id,
             name: inner.name.clone(),
@@ -282,7 +288,7 @@ impl Study {
             logs: inner.read.as_ref().map(|read| read.summaries.clone()),
             axis: inner.looked_at.clone(),
             axes: inner.axes.iter().map(|axis| axis.section.clone()).collect(),
-            commands: file.map_or_else(|_| Vec::new(), |file| command_lines(&file, None)),
+            commands,
         }
     }
 

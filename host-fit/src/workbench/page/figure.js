@@ -19,7 +19,10 @@ import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
 /** @typedef {import("./figuredata.js").Extent} Extent */
 /** @typedef {{height?: number, heading?: "h3" | "h4" | "none"}} Looks */
 
-/** Least room for a name on the x axis before names lean, pixels a letter. */
+/** Height of a further line of a name on the x axis, pixels. */
+const LINE = 15;
+
+/** Room for a name on the x axis, pixels a letter. */
 const LETTER = 7.2;
 /** Pixels between labels. */
 const X_LABELS = 84;
@@ -113,12 +116,12 @@ class Drawing {
   /** @param {number} width @param {Extent} x @param {Extent} y */
   #make(width, x, y) {
     const { names } = this.#panel.x;
-    const leans = names.length > 0 && Math.max(...names.map((name) => name.length)) * LETTER > (width - 80) / names.length;
-    const below = leans ? 92 : 34;
+    const labels = fitted(names, (width - Y_AXIS - RIGHT) / Math.max(1, names.length));
+    const more = LINE * Math.max(0, ...labels.map((label) => label.split("\n").length - 1));
     return new uPlot(
       {
         width,
-        height: this.#height + (leans ? below - 34 : 0),
+        height: this.#height + more,
         legend: { show: false },
         cursor: { show: false },
         scales: {
@@ -128,9 +131,9 @@ class Drawing {
         axes: [
           {
             ...axisStyle(),
-            ...ticksOf(this.#panel.x, x, (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
-            size: below,
-            rotate: leans ? -30 : 0,
+            ...ticksOf({ ...this.#panel.x, names: labels }, x, (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
+            size: 34 + more,
+            lineGap: 1.2,
             label: this.#panel.x.label || undefined,
             labelSize: this.#panel.x.label ? 22 : 0,
             labelFont: "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif",
@@ -162,6 +165,13 @@ class Drawing {
     }
     ctx.restore();
   }
+}
+
+/** Names as they fit into `room` pixels each: folded into lines, or else their numbers. @param {string[]} names @param {number} room */
+function fitted(names, room) {
+  const folded = names.map((name) => name.replaceAll(/(?<=\w)[_ ]/g, "\n"));
+  const widest = Math.max(0, ...folded.flatMap((name) => name.split("\n")).map((line) => line.length));
+  return widest * LETTER <= room ? folded : names.map((_, place) => String(place));
 }
 
 /**

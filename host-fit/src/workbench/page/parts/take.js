@@ -46,13 +46,15 @@ export function takePart({ study, announce }) {
       return replace(numbers, el("p", { class: "empty" }, state.job ? `This comes with the model: ${state.job.what} …` : "There is no model to export yet."));
     }
     const key = JSON.stringify(modelled.map((axis) => [axis.column, modelKey(axis)]));
-    if (state.job !== null || key === asked) return;
-    asked = key;
+    if (key === asked) return;
+    // numbers of another model would be taken for those of this one
+    replace(numbers, el("p", { class: "loading" }, "Running the image over the log, as a device does …"));
     request.abort();
+    if (state.job !== null) return;
+    asked = key;
     request = new AbortController();
     const { signal } = request;
     numbers.setAttribute("aria-busy", "true");
-    if (numbers.querySelector("table") === null) replace(numbers, el("p", { class: "loading" }, "Running the image over the log, as a device does …"));
     try {
       const replay = /** @type {Replay} */ (await get(`/api/studies/${study}/replay`, signal));
       if (!signal.aborted) drawReplay(numbers, replay, state, announce);
