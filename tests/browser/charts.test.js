@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { SLOW, closePage, framesPerSecond, numbersIn, openExample, openPage, startBrowser, startServer } from "./workbench.js";
+import { SLOW, closePage, framesWhilePanningAndZooming, openExample, openPage, plotOf, shownBy, startBrowser, startServer } from "./workbench.js";
 
 /** Least that counts as smooth. */
 const SMOOTH = 30;
@@ -26,55 +26,16 @@ after(async () => {
   await server?.stop();
 });
 
-/** Where the plot of part 1 lies. */
-async function plot() {
-  const over = page.locator(".time-chart .u-over").first();
-  await over.scrollIntoViewIfNeeded();
-  const box = await over.boundingBox();
-  assert.ok(box);
-  return { ...box, y: box.y + box.height / 2 };
-}
-
-async function shown() {
-  const [from, to] = numbersIn(await page.locator(".shown").innerText());
-  return /** @type {[number, number]} */ ([from, to]);
-}
-
+const plot = () => plotOf(page);
+const shown = () => shownBy(page);
 const rest = () => page.waitForTimeout(400);
 
 test("panning and zooming keep thirty frames a second", { timeout: SLOW }, async () => {
   await page.locator('input[name="view"][value="coast"]').check({ force: true });
   await page.getByRole("button", { name: "Show the whole log" }).click();
   await rest();
-  const { x, y, width } = await plot();
-  for (let n = 0; n < 4; n += 1) await page.getByRole("button", { name: "Zoom in" }).click();
-  await rest();
-  const before = await shown();
-  const panning = await framesPerSecond(page, async () => {
-    await page.keyboard.down("Shift");
-    for (let sweep = 0; sweep < 3; sweep += 1) {
-      await page.mouse.move(x + 0.8 * width, y);
-      await page.mouse.down();
-      for (let step = 0; step < 60; step += 1) {
-        await page.mouse.move(x + width * (0.8 - 0.01 * step), y);
-        await page.waitForTimeout(8);
-      }
-      await page.mouse.up();
-    }
-    await page.keyboard.up("Shift");
-  });
-  const moved = await shown();
-  assert.ok(moved[0] > before[0] + 1, `panned from ${before} to ${moved}`);
-  const zooming = await framesPerSecond(page, async () => {
-    await page.mouse.move(x + 0.5 * width, y);
-    for (const notch of [-60, 60]) {
-      for (let step = 0; step < 30; step += 1) {
-        await page.mouse.wheel(0, notch);
-        await page.waitForTimeout(16);
-      }
-    }
-  });
-  for (const [what, { mean, longest }] of Object.entries({ panning, zooming })) {
+  const frames = await framesWhilePanningAndZooming(page);
+  for (const [what, { mean, longest }] of Object.entries(frames)) {
     console.log(`${what}: ${mean.toFixed(0)} frames a second, longest frame ${longest.toFixed(0)} ms`);
     assert.ok(mean >= SMOOTH, `${what} at ${mean.toFixed(1)} frames a second`);
   }

@@ -2,8 +2,8 @@
 // From the built-in example to the image for the device, with mouse and with keys.
 
 import assert from "node:assert/strict";
-import { execFile } from "node:child_process";
-import { join } from "node:path";
+import { exec, execFile } from "node:child_process";
+import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import { promisify } from "node:util";
 import { HOST_FIT, IS_REAL, SLOW, add, assertAccessible, assertNoOverflow, atRest, closePage, numbersIn, openExample, openPage, startBrowser, startServer, stateOf } from "./workbench.js";
@@ -75,6 +75,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   await (await waiting).saveAs(image);
   if (IS_REAL) await assertSameAsReplay(page, image, digest);
   else console.log("skipped: the exported image against host-fit replay (the server answers canned numbers)");
+  if (IS_REAL) await assertCommandsDoTheSame(page);
   await closePage(page);
 });
 
@@ -103,6 +104,19 @@ async function assertSameAsReplay(page, image, digest) {
   const stairs = state.axes.find((axis) => axis.column === "gx_rads")?.growth?.stairs ?? [];
   const last = stairs.at(-1)?.errors.slow_error_coast ?? Number.NaN;
   assert.ok(Math.abs(errors.slow_error_coast / last - 1) < 1e-3, `${errors.slow_error_coast} in f32, ${last} in f64`);
+}
+
+/** The command lines that the page shows come to the same staircase, to the last digit. @param {import("playwright-core").Page} page */
+async function assertCommandsDoTheSame(page) {
+  const state = await stateOf(page, server);
+  assert.ok(state.commands.length >= 6, state.commands.join("\n"));
+  const env = { ...process.env, PATH: `${dirname(HOST_FIT)}:${process.env.PATH}` };
+  const run = (/** @type {string} */ command) => promisify(exec)(command, { cwd: server.folder, env, maxBuffer: 1e8 });
+  for (const command of state.commands) await run(command);
+  const { stdout } = await run("host-fit history unit.json --json");
+  const [told] = JSON.parse(stdout);
+  const shown = state.axes.find((axis) => axis.column === "gx_rads")?.growth;
+  assert.deepEqual(told.stairs, shown?.stairs);
 }
 
 test("the same with keys alone", { timeout: 3 * SLOW }, async () => {

@@ -27,13 +27,13 @@ export const SLOW = 180_000;
 const BROWSER = process.env.FOS_CHROMIUM ?? "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--headless", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 
-/** @typedef {{url: string, folder: string, stop: () => Promise<void>}} Server */
+/** @typedef {{url: string, folder: string, pid: number | undefined, stop: () => Promise<void>}} Server */
 
 /** Starts the workbench on a free port, in a folder of its own. @returns {Promise<Server>} */
 export async function startServer() {
   const folder = await mkdtemp(join(tmpdir(), "fos-workbench-"));
   // paths are shown as they are given: relative to where the program was started, as people do
-  if (RUNNING) return { url: RUNNING.replace(/\/?$/, "/"), folder, stop: () => rm(folder, { recursive: true }) };
+  if (RUNNING) return { url: RUNNING.replace(/\/?$/, "/"), folder, pid: undefined, stop: () => rm(folder, { recursive: true }) };
   const process_ = spawn(HOST_FIT, ["serve", "--port", "0"], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((found, failed) => {
     process_.once("error", failed);
@@ -50,7 +50,7 @@ export async function startServer() {
     await ended;
     await rm(folder, { recursive: true, force: true });
   };
-  return { url, folder, stop };
+  return { url, folder, pid: process_.pid, stop };
 }
 
 export const startBrowser = () => chromium.launch({ executablePath: BROWSER, args: FLAGS });
@@ -164,6 +164,54 @@ export async function framesPerSecond(page, act) {
   const spans = times.slice(1).map((time, at) => time - Number(times[at]));
   const mean = (1000 * spans.length) / (Number(times[times.length - 1]) - Number(times[0]));
   return { mean, longest: Math.max(...spans) };
+}
+
+/** Where the plot of part 1 lies. @param {Page} page */
+export async function plotOf(page) {
+  const over = page.locator(".time-chart .u-over").first();
+  await over.scrollIntoViewIfNeeded();
+  const box = await over.boundingBox();
+  assert.ok(box);
+  return { ...box, y: box.y + box.height / 2 };
+}
+
+/** First and last second that the charts over time show. @param {Page} page */
+export async function shownBy(page) {
+  const [from, to] = numbersIn(await page.locator(".shown").innerText());
+  return /** @type {[number, number]} */ ([from, to]);
+}
+
+/** Frames a second under a real hand, from the whole log four steps in. @param {Page} page */
+export async function framesWhilePanningAndZooming(page) {
+  const { x, y, width } = await plotOf(page);
+  for (let n = 0; n < 4; n += 1) await page.getByRole("button", { name: "Zoom in" }).click();
+  await page.waitForTimeout(400);
+  const before = await shownBy(page);
+  const panning = await framesPerSecond(page, async () => {
+    await page.keyboard.down("Shift");
+    for (let sweep = 0; sweep < 3; sweep += 1) {
+      await page.mouse.move(x + 0.8 * width, y);
+      await page.mouse.down();
+      for (let step = 0; step < 60; step += 1) {
+        await page.mouse.move(x + width * (0.8 - 0.01 * step), y);
+        await page.waitForTimeout(8);
+      }
+      await page.mouse.up();
+    }
+    await page.keyboard.up("Shift");
+  });
+  const moved = await shownBy(page);
+  assert.ok(moved[0] > before[0] + 1, `panned from ${before} to ${moved}`);
+  const zooming = await framesPerSecond(page, async () => {
+    await page.mouse.move(x + 0.5 * width, y);
+    for (const notch of [-60, 60]) {
+      for (let step = 0; step < 30; step += 1) {
+        await page.mouse.wheel(0, notch);
+        await page.waitForTimeout(16);
+      }
+    }
+  });
+  return { panning, zooming };
 }
 
 /** A log in the units of data sheets, as a person might have it. */

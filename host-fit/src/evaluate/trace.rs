@@ -141,7 +141,7 @@ impl AxisTrace {
 }
 
 impl Trace {
-    /// The part of it in `rows` of the recording.
+    /// The part of it in `rows` of the recording, but for what is only looked at as a whole.
     pub fn within(&self, rows: Range<usize>) -> Self {
         let start = rows.start.clamp(self.rows.start, self.rows.end);
         let rows = start..rows.end.clamp(start, self.rows.end);
@@ -157,7 +157,6 @@ impl Trace {
                     measured: part(&axis.measured),
                     one_step: part(&axis.one_step),
                     coast: part(&axis.coast),
-                    coast_whole: part(&axis.coast_whole),
                     ..AxisTrace::default()
                 })
                 .collect(),

@@ -264,7 +264,7 @@ impl<'a> Ground<'a> {
 
     /// The field log without what the model had before it grew, and without `found`.
     fn without_base(&self, growth: &Growth, found: &[Finding]) -> Result<Recording, GrowError> {
-        let mut values = self.field.channel(&growth.column)?.values.clone();
+        let mut values = self.field.channel(&growth.column)?.values.to_vec();
         if let Some(first) = growth.stairs.first() {
             let base = self.physical(&first.model, &self.field)?;
             values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);

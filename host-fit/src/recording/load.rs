@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
+use std::sync::Arc;
 
 use flate2::bufread::MultiGzDecoder;
 
@@ -180,7 +181,8 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     let mut channels = name_channels(columns, map);
     let mut take = |name: &str| {
         let index = channels.iter().position(|channel| channel.name == name)?;
-        Some(channels.remove(index).values)
+        // nobody else has it yet
+        Some(Arc::unwrap_or_clone(channels.remove(index).values))
     };
     let stamps = take("t_s");
     // a cell that does not say still does not count as still
@@ -284,13 +286,13 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
         let Some((last, others)) = mappings.split_last() else {
             // a mapped channel takes the place of a column of its name
             if map.column_of(&name) == name {
-                channels.push(Channel { unit: Unit::of_column(&name), name, values });
+                channels.push(Channel { unit: Unit::of_column(&name), name, values: values.into() });
             }
             continue;
         };
         let mut add = |mapping: &super::column_map::Mapping, mut values: Vec<f64>| {
             mapping.conversion.apply(&mut values);
-            channels.push(Channel { name: mapping.target.clone(), unit: mapping.unit, values });
+            channels.push(Channel { name: mapping.target.clone(), unit: mapping.unit, values: values.into() });
         };
         others.iter().for_each(|mapping| add(mapping, values.clone()));
         add(last, values);

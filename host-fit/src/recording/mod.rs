@@ -138,7 +138,7 @@ impl Recording {
         Self {
             sources: self.sources.clone(),
             time_s: first(&self.time_s),
-            channels: channels.map(|c| Channel { values: first(&c.values), ..c.clone() }).collect(),
+            channels: channels.map(|c| Channel { values: first(&c.values).into(), ..c.clone() }).collect(),
             segments: segments
                 .map(|s| Segment { rows: s.rows.start..s.rows.end.min(rows), ..s.clone() })
                 .collect(),
@@ -152,7 +152,7 @@ impl Recording {
     pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
         let mut other = self.clone();
         if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
-            channel.values = values;
+            channel.values = values.into();
         }
         other
     }

@@ -24,9 +24,7 @@ use super::tasks::Open;
 use crate::export::{c_source, image, rust_source};
 use crate::plots::View;
 use crate::recording::{Preview, preview as preview_of};
-use crate::replay::replay as replayed;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
-use crate::rest;
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -318,11 +316,11 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let read = study.read().map_err(not_now)?;
         let file = study.whole_file().map_err(not_now)?;
         let bytes = image(&file.model, "", &file.provenance()).map_err(wrong)?;
-        let parsed = fos_core::Image::parse(&bytes).map_err(wrong)?;
+        let length = bytes.len();
+        let summary = study.replay(bytes).map_err(wrong)?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
-        let summary = replayed(&parsed, log, &rest::find(log), &[]).map_err(wrong)?.summary;
         let command = format!("host-fit replay unit.fosm {}", crate::examine::quoted(&log.paths()));
-        Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": bytes.len() }))
+        Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": length }))
     });
     Ok(Json(answer.await?))
 }

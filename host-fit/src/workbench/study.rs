@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
+use fos_core::Image;
 use serde::Serialize;
 use tokio::sync::watch;
 
@@ -17,7 +18,9 @@ use crate::effects::Library;
 use crate::examine::{Examination, command_lines};
 use crate::grow::{Growth, Logs};
 use crate::interrupt::{Interrupted, Stop, interruptible};
+use crate::replay::{self, Summary};
 use crate::report::{AxisSection, LogSummary};
+use crate::rest;
 use crate::study::Study as StudyFile;
 
 /// A study that is open.
@@ -26,6 +29,8 @@ pub(super) struct Study {
     inner: Mutex<Inner>,
     wake: Condvar,
     beat: watch::Sender<Beat>,
+    /// The last image that was run over a log, and what came of it: windows on one study ask for the same.
+    replayed: Mutex<Option<(Vec<u8>, Summary)>>,
 }
 
 /// What a page is told without asking.
@@ -102,7 +107,7 @@ impl Study {
     pub(super) fn open(id: u64, open: Open, library: Arc<Library>) -> Arc<Self> {
         let (beat, _) = watch::channel(Beat { revision: 0, job: None });
         let inner = Inner { name: open.name(), tasks: VecDeque::from([Task::Read(open)]), ..Inner::default() };
-        let study = Arc::new(Self { id, inner: Mutex::new(inner), wake: Condvar::new(), beat });
+        let study = Arc::new(Self { id, inner: Mutex::new(inner), wake: Condvar::new(), beat, replayed: Mutex::default() });
         let worker = Arc::clone(&study);
         thread::spawn(move || worker.work(&library));
         study
@@ -300,6 +305,25 @@ impl Study {
     /// What is known of an axis.
     pub(super) fn axis(&self, column: &str) -> Result<KnownAxis, String> {
         self.lock().known(column).cloned()
+    }
+
+    /// What an image of this study does to the log that errors are of; computed once for each image.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be run.
+    pub(super) fn replay(&self, image: Vec<u8>) -> Result<Summary, String> {
+        // who comes while it is computed waits here for the same answer
+        let mut last = self.replayed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, summary)) = last.as_ref().filter(|(known, _)| *known == image) {
+            return Ok(summary.clone());
+        }
+        let read = self.read()?;
+        let parsed = Image::parse(&image).map_err(|error| error.to_string())?;
+        let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
+        let summary = replay::summary(&parsed, log, &rest::find(log)).map_err(|error| error.to_string())?;
+        *last = Some((image, summary.clone()));
+        Ok(summary)
     }
 
     /// The study as a file: all axes that are fitted, as they have grown.

@@ -88,10 +88,16 @@ async fn read(response: Response) -> (StatusCode, Value) {
 /// A short log of a simulated unit.
 fn write_log(path: &Path, minutes: f64) {
     let log = simulate(&Simulation { duration_s: 60.0 * minutes, ..Simulation::default() });
-    let columns: Vec<(&str, &[f64])> =
+    let mut columns: Vec<(&str, &[f64])> =
         log.columns.iter().map(|(name, values)| (name.as_ref(), values.as_slice())).collect();
+    // it changes, so that it is tested and drawn like every other channel
+    let hostile: Vec<f64> = (0..columns[0].1.len()).map(|row| (row as f64 / 5000.0).sin()).collect();
+    columns.push((HOSTILE, &hostile));
     write_columns(path, &columns).unwrap();
 }
+
+/// A column whose name would run in a page that takes it at its word.
+const HOSTILE: &str = "<img src=x onerror=alert(1)>";
 
 #[tokio::test]
 async fn a_foreign_page_can_neither_read_nor_change_anything() {
@@ -237,7 +243,19 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
             panic!("{format}: {:?}", read(response).await);
         }
         assert!(response.headers()["content-disposition"].to_str().unwrap().starts_with("attachment"));
-        assert!(!to_bytes(response.into_body(), usize::MAX).await.unwrap().is_empty());
+        let content = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+        let text = String::from_utf8_lossy(&content);
+        assert!(!content.is_empty());
+        if format.starts_with("report") {
+            assert!(text.contains("onerror=alert(1)"), "the channel is in the report");
+        }
+        if format == "report.html" {
+            assert!(!text.contains("<img"), "and stays text");
+            assert!(text.contains("default-src 'none'; style-src 'unsafe-inline'"));
+            for loads in ["src=\"", "@import", "url(", "<link", "<script"] {
+                assert!(!text.contains(loads), "{loads} would load something");
+            }
+        }
     }
     let (status, replay) = bench.get(&at("replay")).await;
     assert_eq!(status, StatusCode::OK);
