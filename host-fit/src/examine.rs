@@ -48,7 +48,9 @@ pub fn examine(
     let own_field = is_own(&logs.field);
     let trained = match &quiet {
         Some((recording, rest)) => Some(Trained { recording, rest, rows: trained_rows }),
-        None => own_field.then_some(Trained { recording: &logs.field, rest: &field_rest, rows: trained_rows }),
+        None => {
+            own_field.then_some(Trained { recording: &logs.field, rest: &field_rest, rows: trained_rows })
+        }
     };
     let rows = if own_field { study.data.trained_rows } else { 0 }..logs.field.n_rows();
     let (comparison, trace) =

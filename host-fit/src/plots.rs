@@ -253,17 +253,22 @@ impl View<'_> {
     /// What is left against each logged channel that changes, in block means, with the column; those of `marked` rows apart.
     pub fn against(&self, marked: Option<&Range<usize>>) -> Vec<(String, Figure)> {
         let left = &self.series().coast;
-        let rows_per_block = (self.trace.rows.len() / DOTS).max((MEAN_S / self.trace.period_s) as usize).max(1);
+        let rows_per_block =
+            (self.trace.rows.len() / DOTS).max((MEAN_S / self.trace.period_s) as usize).max(1);
         let blocks: Vec<Range<usize>> = self
             .trace
             .stretches
             .iter()
             .flat_map(|stretch| {
                 let end = stretch.end;
-                stretch.clone().step_by(rows_per_block).map(move |start| start..(start + rows_per_block).min(end))
+                stretch
+                    .clone()
+                    .step_by(rows_per_block)
+                    .map(move |start| start..(start + rows_per_block).min(end))
             })
             .collect();
-        let of_trace = |block: &Range<usize>| block.start - self.trace.rows.start..block.end - self.trace.rows.start;
+        let of_trace =
+            |block: &Range<usize>| block.start - self.trace.rows.start..block.end - self.trace.rows.start;
         let errors: Vec<f64> = blocks.iter().map(|block| mean_of(&left[of_trace(block)])).collect();
         let others = self.recording.channels().iter().filter(|channel| channel.name != self.axis.column);
         let block_s = rows_per_block as f64 * self.trace.period_s;

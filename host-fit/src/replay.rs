@@ -239,11 +239,7 @@ fn run(
 
 /// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as four
 /// channels of the log.
-fn errors(
-    alone: &UnitModel,
-    recording: &Recording,
-    rest: &Rest,
-) -> Result<Option<ModelErrors>, ReplayError> {
+fn errors(alone: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Option<ModelErrors>, ReplayError> {
     let feed = Feed::new(recording, alone, &rest.still)?;
     let left = trace::<f32>(alone, &feed, 0..recording.n_rows(), |_| {});
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;

@@ -3,7 +3,7 @@
 
 import { mkdir } from "node:fs/promises";
 import { join } from "node:path";
-import { ROOT, SLOW, add, closePage, csvFile, openExample, openPage, startBrowser, startServer } from "./workbench.js";
+import { ROOT, SLOW, add, closePage, csvFile, openExample, openPage, startBrowser, startServer, unusualCsv } from "./workbench.js";
 
 const FOLDER = join(ROOT, "docs/workbench");
 const PARTS = ["measured", "fails", "missing", "falls", "take"];
@@ -18,9 +18,9 @@ try {
     const file = (/** @type {string} */ name) => ({ path: join(FOLDER, `${name}_${theme}.png`) });
     const page = await openPage(browser, server, { theme });
     await page.screenshot(file("0_open"));
-    const columns = "time_ms,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z,something";
-    const rows = [0, 5, 10].map((time) => `${time},71.2,-34.0,18.8,0.012,-0.021,0.997,7`);
-    await page.setInputFiles('input[type="file"]', [csvFile("unit.csv", [columns, ...rows].join("\n"))]);
+    const [header, ...rows] = unusualCsv().split("\n");
+    const withMore = [`${header},something`, ...rows.slice(0, 2000).map((row) => `${row},7`)];
+    await page.setInputFiles('input[type="file"]', [csvFile("unit.csv", withMore.join("\n"))]);
     await page.locator(".mapping table").waitFor();
     await page.locator(".mapping").screenshot(file("0_mapping"));
     await page.reload();

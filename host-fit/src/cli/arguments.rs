@@ -42,7 +42,9 @@ impl Reading {
     pub(super) fn specs(&self) -> Result<Vec<String>, Failure> {
         match &self.map_file {
             None => Ok(self.map.clone()),
-            Some(_) => Err("--map-file cannot be kept in a study here\nhelp: give the entries with --map".into()),
+            Some(_) => {
+                Err("--map-file cannot be kept in a study here\nhelp: give the entries with --map".into())
+            }
         }
     }
 

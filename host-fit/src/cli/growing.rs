@@ -131,7 +131,12 @@ pub(super) fn print_growth(growth: &Growth) {
     println!("{rows}");
     let slow: Vec<f64> = growth.stairs.iter().map(|stair| stair.left.slow.sqrt()).collect();
     if let [first, .., last] = slow[..] {
-        println!("  slow error, step by step: {}  {} to {} {unit}", sparkline(&slow), number(first), number(last));
+        println!(
+            "  slow error, step by step: {}  {} to {} {unit}",
+            sparkline(&slow),
+            number(first),
+            number(last)
+        );
     }
     println!(
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves"

@@ -73,7 +73,16 @@ impl Replay {
             summary.rows - summary.tracked,
             summary.still_known_by.describe()
         );
-        let header = ["  axis", "innovations", "rms f32", "rms f64", "f32 costs", "valid rows", "slow, coast", "60 s, coast"];
+        let header = [
+            "  axis",
+            "innovations",
+            "rms f32",
+            "rms f64",
+            "f32 costs",
+            "valid rows",
+            "slow, coast",
+            "60 s, coast",
+        ];
         let mut rows = table(&header);
         for axis in &summary.axes {
             rows.add_row(vec![
@@ -88,7 +97,9 @@ impl Replay {
             ]);
         }
         println!("{rows}");
-        println!("  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32");
+        println!(
+            "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
+        );
         println!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
         println!("digest of the innovations  {:016x}", summary.innovations_digest);
         println!("digest of all corrections  {:016x}", summary.corrections_digest);

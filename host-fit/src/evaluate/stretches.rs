@@ -133,7 +133,10 @@ impl Backdrop {
                 let times = channel.deviations[index] / usual;
                 // a difference that is sure and too small to matter
                 if !USUAL.contains(&times) {
-                    found.push((score, format!("{} scatters {times:.1} times as much as usual", channel.name)));
+                    found.push((
+                        score,
+                        format!("{} scatters {times:.1} times as much as usual", channel.name),
+                    ));
                 }
             }
         }

@@ -73,7 +73,7 @@ pub fn trace<R: Real>(
     let mut block: Option<(HostPredictor<R>, Range<usize>)> = None;
     for row in rows.clone() {
         let at = row - rows.start;
-        if row % 1024 == 0 {
+        if row.is_multiple_of(1024) {
             interrupt::check();
         }
         if row % 65_536 == 0 {

@@ -7,7 +7,8 @@ use crate::signal::spectrum::Spectrum;
 
 /// The slow error without all other findings, beside what `effect` says of it; shaded where it is largest.
 pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
-    let pairs = |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
+    let pairs =
+        |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
     let error = |x: &[f64]| Series {
         label: "error".into(),
         ink: Ink::Residual,

@@ -1,6 +1,6 @@
 //! What speaks for an effect, for the eye: the error that it should explain, and what it explains of it.
 
-use super::{Cost, GrowError, Ground, Growth, terms};
+use super::{Cost, Ground, GrowError, Growth, terms};
 use crate::diagnose::{Finding, Reduced, correction};
 use crate::effects::Band;
 use crate::signal::centred;

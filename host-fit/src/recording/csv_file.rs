@@ -61,7 +61,7 @@ pub(super) fn read(
     }
     drop(first_lines);
     while lines.next(&mut line)? {
-        if lines.number % LINES_BETWEEN_CHECKS == 0 {
+        if lines.number.is_multiple_of(LINES_BETWEEN_CHECKS) {
             interrupt::check();
         }
         take(lines.number, &line)?;

@@ -56,7 +56,8 @@ impl Recording {
         let (values, reference) = match truth {
             None => (measured.values.to_vec(), Reference::Constant),
             Some(truth) => {
-                let difference = measured.values.iter().zip(truth.values.iter()).map(|(m, r)| m - r).collect();
+                let difference =
+                    measured.values.iter().zip(truth.values.iter()).map(|(m, r)| m - r).collect();
                 (difference, Reference::Channel(name))
             }
         };

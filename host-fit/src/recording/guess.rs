@@ -132,7 +132,8 @@ fn quantity(name: &str) -> Option<Quantity> {
     let is = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
     // the last letter that names an axis, alone or at the end of a word that names the sensor: gyroX, accx, gx, ax
     let letter_axis = |letter: Option<char>| ['x', 'y', 'z'].iter().position(|axis| Some(*axis) == letter);
-    let alone = words.iter().find_map(|word| if word.len() == 1 { letter_axis(word.chars().next()) } else { None });
+    let alone =
+        words.iter().find_map(|word| if word.len() == 1 { letter_axis(word.chars().next()) } else { None });
     let joined = |sensors: &[&str]| {
         words.iter().find_map(|word| {
             let axis = letter_axis(word.chars().last())?;
@@ -235,7 +236,10 @@ fn force_unit(triad: &[&[f64]]) -> Option<&'static str> {
     let gravity = median((0..rows).map(norm).filter(|norm| norm.is_finite()).collect());
     // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
     let about = |one: f64| triad.len() == 3 && (0.7..1.4).contains(&(gravity / one));
-    [("m/s2", 9.80665), ("g", 1.0), ("mg", 1000.0)].into_iter().find(|(_, one)| about(*one)).map(|(unit, _)| unit)
+    [("m/s2", 9.80665), ("g", 1.0), ("mg", 1000.0)]
+        .into_iter()
+        .find(|(_, one)| about(*one))
+        .map(|(unit, _)| unit)
 }
 
 /// The unit by the noise from one sample to the next: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
@@ -315,13 +319,17 @@ mod tests {
         for (gravity, unit) in [(9.8, "m/s2"), (1.0, "g"), (1000.0, "mg")] {
             let still = |share: f64| noise(1e-3 * gravity, share * gravity);
             let found = guessed(&[("ax", still(0.6)), ("ay", still(0.0)), ("az", still(-0.8))]);
-            assert!(found.iter().flatten().all(|(_, found, sure)| *found == Some(unit) && !sure), "{found:?}");
+            assert!(
+                found.iter().flatten().all(|(_, found, sure)| *found == Some(unit) && !sure),
+                "{found:?}"
+            );
         }
         for (size, unit) in [(0.002, "rad/s"), (0.1, "dps"), (100.0, "mdps")] {
             let found = guessed(&[("gyro_x", noise(size, 0.0))]);
             assert_eq!(found[0], Some(("gx_rads".to_owned(), Some(unit), false)));
         }
-        let raw = guessed(&[("ax", noise(30.0, 4000.0)), ("ay", noise(30.0, 0.0)), ("az", noise(30.0, 8000.0))]);
+        let raw =
+            guessed(&[("ax", noise(30.0, 4000.0)), ("ay", noise(30.0, 0.0)), ("az", noise(30.0, 8000.0))]);
         assert_eq!(raw[2], Some(("az_mps2".to_owned(), None, false)), "raw counts");
     }
 

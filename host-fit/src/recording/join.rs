@@ -39,7 +39,8 @@ impl Recording {
         }
         for channel in &mut self.channels {
             let other = next.channels.iter().find(|other| same(channel, other));
-            Arc::make_mut(&mut channel.values).extend(other.into_iter().flat_map(|other| other.values.iter()));
+            Arc::make_mut(&mut channel.values)
+                .extend(other.into_iter().flat_map(|other| other.values.iter()));
         }
         // rows count alike, wherever they were recorded
         let weight = next.n_rows() as f64 / (rows + next.n_rows()) as f64;

@@ -292,7 +292,11 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
         };
         let mut add = |mapping: &super::column_map::Mapping, mut values: Vec<f64>| {
             mapping.conversion.apply(&mut values);
-            channels.push(Channel { name: mapping.target.clone(), unit: mapping.unit, values: values.into() });
+            channels.push(Channel {
+                name: mapping.target.clone(),
+                unit: mapping.unit,
+                values: values.into(),
+            });
         };
         others.iter().for_each(|mapping| add(mapping, values.clone()));
         add(last, values);

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::AXES;
 use super::error::RecordingError;
 use super::guess::{Guess, guesses};
 use super::load;
 use super::unit::{Unit, spellings_of};
-use super::AXES;
 
 /// Values of each column that are shown.
 const SHOWN: usize = 4;

@@ -1,4 +1,4 @@
-//! A report: what a study says of its axes, as plain data; [`html`](render::html) and [`markdown`](render::markdown) only render it.
+//! A report: what a study says of its axes, as plain data; [`html`] and [`markdown`] only render it.
 
 mod axis_section;
 mod log_summary;
@@ -25,10 +25,23 @@ use crate::study::{Study, Tool};
 pub enum ReportError {
     /// The model cannot be compared with the log.
     #[error(transparent)]
-    Compare(#[from] CompareError),
+    Compare(Box<CompareError>),
     /// What is missing cannot be said.
     #[error(transparent)]
-    Grow(#[from] GrowError),
+    Grow(Box<GrowError>),
+}
+
+// boxed, as both carry names and paths: the way of a success is not to be as wide as that of an error
+impl From<CompareError> for ReportError {
+    fn from(error: CompareError) -> Self {
+        Self::Compare(Box::new(error))
+    }
+}
+
+impl From<GrowError> for ReportError {
+    fn from(error: GrowError) -> Self {
+        Self::Grow(Box::new(error))
+    }
 }
 
 /// What a study says.

@@ -7,7 +7,7 @@ use crate::effects::{Band, Effect, Library};
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
 use crate::figures::evidence::{evidence, line_evidence};
-use crate::grow::{Cost, GrowError, Ground, Growth, can_be_added};
+use crate::grow::{Cost, Ground, GrowError, Growth, can_be_added};
 use crate::model::unit_of;
 use crate::plots::in_words;
 use crate::recording::Recording;

@@ -35,8 +35,7 @@ pub enum StoryError {
 /// The folder cannot be written.
 pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], StoryError> {
     let mut plan = CasePlan::new(seed, "bmi270", Setup::Desk, Axis::Gx);
-    plan.planted =
-        HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
+    plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
     let case = simulate_case(&plan)?;
     let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, StoryError> {
         let path = folder.join(name);

@@ -56,7 +56,9 @@ fn wrong(what: impl ToString) -> Refused {
 async fn beside<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
 ) -> Result<T, Refused> {
-    let failed = |_| Refused(StatusCode::INTERNAL_SERVER_ERROR, "an error in this program\nhelp: please report it".into());
+    let failed = |_| {
+        Refused(StatusCode::INTERNAL_SERVER_ERROR, "an error in this program\nhelp: please report it".into())
+    };
     tokio::task::spawn_blocking(work).await.map_err(failed)?
 }
 
@@ -239,7 +241,8 @@ pub(super) async fn figures(
 fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
     let read = study.read().map_err(not_now)?;
     let axis = study.axis(&stretch.axis).map_err(wrong)?;
-    let found = axis.examination.ok_or_else(|| not_now("there is no model yet\nhelp: wait a moment".to_owned()))?;
+    let found =
+        axis.examination.ok_or_else(|| not_now("there is no model yet\nhelp: wait a moment".to_owned()))?;
     let log = &read.logs.field;
     let rows = stretch.from.zip(stretch.to).map(|(from, to)| {
         let inside = |time: &f64| (from..=to).contains(time);
@@ -251,10 +254,17 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
     let whole = View { axis: &found.comparison, trace: &found.trace, index: 0, recording: log };
     let view = View { trace: part.as_ref().unwrap_or(&found.trace), ..whole };
     if view.trace.stretches.iter().all(|stretch| stretch.len() < SHORTEST) {
-        return Err(wrong("the stretch is too short for anything but the samples themselves\nhelp: take a longer one"));
+        return Err(wrong(
+            "the stretch is too short for anything but the samples themselves\nhelp: take a longer one",
+        ));
     }
     let mut figures = vec![("residual".to_owned(), view.residual())];
-    figures.extend(whole.against(rows.as_ref()).into_iter().map(|(column, figure)| (format!("against:{column}"), figure)));
+    figures.extend(
+        whole
+            .against(rows.as_ref())
+            .into_iter()
+            .map(|(column, figure)| (format!("against:{column}"), figure)),
+    );
     figures.extend(view.spectrum().map(|figure| ("spectrum".to_owned(), figure)));
     figures.extend(view.autocorrelation().map(|figure| ("autocorrelation".to_owned(), figure)));
     figures.push(("allan".to_owned(), view.allan()));
@@ -304,7 +314,8 @@ fn report(study: &Study, file: &crate::study::Study) -> Result<Report, Refused> 
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
     let axes = known.filter_map(|axis| {
         let found = axis.examination?;
-        let view = View { axis: &found.comparison, trace: &found.trace, index: 0, recording: &read.logs.field };
+        let view =
+            View { axis: &found.comparison, trace: &found.trace, index: 0, recording: &read.logs.field };
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
     Ok(Report::put_together(file, axes.collect(), &read.logs))
@@ -335,10 +346,7 @@ pub(super) struct Previewed {
     path: String,
 }
 
-pub(super) async fn preview(
-    State(desk): State<Arc<Desk>>,
-    Json(wanted): Json<Previewed>,
-) -> Answer<Preview> {
+pub(super) async fn preview(State(desk): State<Arc<Desk>>, Json(wanted): Json<Previewed>) -> Answer<Preview> {
     let path = desk.folders.permitted(&wanted.path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
     Ok(Json(beside(move || preview_of(&path).map_err(wrong)).await?))
 }
@@ -360,7 +368,10 @@ pub(super) async fn upload(
 ) -> Answer<Value> {
     let path = desk.folders.for_upload(&named.name).map_err(wrong)?;
     let failed = |error: std::io::Error| {
-        Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("cannot keep the file: {error}\nhelp: is the disk full?"))
+        Refused(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            format!("cannot keep the file: {error}\nhelp: is the disk full?"),
+        )
     };
     let folder = path.parent().map_or_else(PathBuf::new, std::path::Path::to_path_buf);
     let partial = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;

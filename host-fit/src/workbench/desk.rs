@@ -46,7 +46,9 @@ impl Desk {
 
     pub(super) fn study(&self, id: u64) -> Result<Arc<Study>, String> {
         let found = self.lock().get(&id).cloned();
-        found.ok_or_else(|| format!("there is no study {id}\nhelp: it was closed, or the program was started anew"))
+        found.ok_or_else(|| {
+            format!("there is no study {id}\nhelp: it was closed, or the program was started anew")
+        })
     }
 
     pub(super) fn close(&self, id: u64) -> Result<(), String> {

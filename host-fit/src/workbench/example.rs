@@ -17,7 +17,8 @@ const SEED: u64 = 1;
 ///
 /// The folder cannot be written.
 pub(super) fn logs(folder: &Path) -> Result<Logs, String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
     let [quiet, field, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
     Ok(Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None })
 }

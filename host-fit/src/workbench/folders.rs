@@ -53,7 +53,8 @@ impl Folders {
     /// It lies elsewhere, or is not there.
     pub(super) fn permitted(&self, path: &str) -> Result<PathBuf, String> {
         let elsewhere = || {
-            let folders: Vec<String> = self.readable.iter().map(|folder| folder.display().to_string()).collect();
+            let folders: Vec<String> =
+                self.readable.iter().map(|folder| folder.display().to_string()).collect();
             format!(
                 "{path}: not a log in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `host-fit serve FOLDER`",
                 folders.join(", ")
@@ -97,7 +98,8 @@ impl Folders {
             return Err(format!("{name:?} is no file name\nhelp: rename the file"));
         }
         let folder = self.own.join("dropped");
-        fs::create_dir_all(&folder).map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
         Ok(folder.join(plain))
     }
 
@@ -117,7 +119,9 @@ fn list(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
         }
         if kind.is_dir() && depth < DEEPEST && name != "target" && name != "node_modules" {
             list(&path, depth + 1, found);
-        } else if kind.is_file() && [".csv", ".csv.gz", ".parquet"].iter().any(|ending| name.ends_with(ending)) {
+        } else if kind.is_file()
+            && [".csv", ".csv.gz", ".parquet"].iter().any(|ending| name.ends_with(ending))
+        {
             let bytes = entry.metadata().map_or(0, |metadata| metadata.len());
             let path = path.strip_prefix(".").unwrap_or(&path).display().to_string();
             found.push(Listed { path, bytes });

@@ -22,7 +22,8 @@ pub(super) struct Names(Vec<String>);
 impl Names {
     /// For a server at this address; where others may reach it, by the address they use.
     pub(super) fn of(ip: IpAddr, port: u16) -> Self {
-        let mut names = vec![format!("127.0.0.1:{port}"), format!("localhost:{port}"), format!("[::1]:{port}")];
+        let mut names =
+            vec![format!("127.0.0.1:{port}"), format!("localhost:{port}"), format!("[::1]:{port}")];
         if !ip.is_loopback() && !ip.is_unspecified() {
             names.push(match ip {
                 IpAddr::V4(ip) => format!("{ip}:{port}"),

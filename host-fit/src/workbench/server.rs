@@ -47,12 +47,7 @@ impl Server {
     /// # Errors
     ///
     /// The address is taken or not this machine's.
-    pub async fn bind(
-        ip: IpAddr,
-        port: u16,
-        folders: Folders,
-        library: Library,
-    ) -> Result<Self, ServeError> {
+    pub async fn bind(ip: IpAddr, port: u16, folders: Folders, library: Library) -> Result<Self, ServeError> {
         let address = SocketAddr::new(ip, port);
         let failed = |source| ServeError::Listen { address, source };
         let listener = TcpListener::bind(address).await.map_err(failed)?;

@@ -106,8 +106,15 @@ impl Study {
     /// Begins to read the logs of a new study.
     pub(super) fn open(id: u64, open: Open, library: Arc<Library>) -> Arc<Self> {
         let (beat, _) = watch::channel(Beat { revision: 0, job: None });
-        let inner = Inner { name: open.name(), tasks: VecDeque::from([Task::Read(open)]), ..Inner::default() };
-        let study = Arc::new(Self { id, inner: Mutex::new(inner), wake: Condvar::new(), beat, replayed: Mutex::default() });
+        let inner =
+            Inner { name: open.name(), tasks: VecDeque::from([Task::Read(open)]), ..Inner::default() };
+        let study = Arc::new(Self {
+            id,
+            inner: Mutex::new(inner),
+            wake: Condvar::new(),
+            beat,
+            replayed: Mutex::default(),
+        });
         let worker = Arc::clone(&study);
         thread::spawn(move || worker.work(&library));
         study
@@ -353,7 +360,12 @@ impl Study {
         {
             let inner = self.lock();
             let waiting = inner.tasks.iter().any(|task| matches!(task, Task::Fit(_)));
-            let missing: Vec<&str> = inner.axes.iter().filter(|axis| axis.fitted.is_none() && waiting).map(|axis| axis.section.label.as_str()).collect();
+            let missing: Vec<&str> = inner
+                .axes
+                .iter()
+                .filter(|axis| axis.fitted.is_none() && waiting)
+                .map(|axis| axis.section.label.as_str())
+                .collect();
             if !missing.is_empty() {
                 return Err(format!("not fitted yet: {}\nhelp: wait a moment", missing.join(", ")));
             }
@@ -396,7 +408,7 @@ pub(super) enum Change {
     /// The logs are there.
     Read {
         /// They.
-        read: Read,
+        read: Box<Read>,
         /// The axis to look at first.
         first: Option<String>,
     },
@@ -414,9 +426,10 @@ impl Change {
         match self {
             Self::Read { read, first } => {
                 inner.axes = read.axes.iter().map(|column| KnownAxis::unknown(column)).collect();
-                inner.read = Some(Arc::new(read));
+                inner.read = Some(Arc::from(read));
                 inner.looked_at = first;
-                let mut tasks = inner.looked_at.clone().map_or_else(Vec::new, |first| inner.missing_of(&first));
+                let mut tasks =
+                    inner.looked_at.clone().map_or_else(Vec::new, |first| inner.missing_of(&first));
                 // the others in the background, so that there is a whole unit to take away
                 tasks.extend(inner.axes.iter().map(|axis| Task::Fit(axis.section.column.clone())));
                 inner.ask(tasks);

@@ -147,7 +147,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
         quiet: logs.quiet.as_ref().map(LogSummary::of),
         judged: logs.judged.as_ref().map(LogSummary::of),
     };
-    Ok(Change::Read { read: Read { logs, summaries, axes }, first })
+    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes }), first })
 }
 
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
@@ -216,9 +216,6 @@ fn regrown(study: &crate::study::Study, growth: Growth) -> Change {
     })
 }
 
-fn change(
-    column: &str,
-    edit: impl FnOnce(&mut super::study::KnownAxis) + Send + 'static,
-) -> Change {
+fn change(column: &str, edit: impl FnOnce(&mut super::study::KnownAxis) + Send + 'static) -> Change {
     Change::Axis { column: column.to_owned(), edit: Box::new(edit) }
 }

@@ -113,7 +113,12 @@ async fn a_foreign_page_can_neither_read_nor_change_anything() {
         &[("host", &own), ("origin", "null"), (OWN_HEADER, "1")],
         &[("host", &own), ("sec-fetch-site", "cross-site"), (OWN_HEADER, "1")],
         // opened as a page of its own by a link from elsewhere
-        &[("host", &own), ("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), (OWN_HEADER, "1")],
+        &[
+            ("host", &own),
+            ("sec-fetch-site", "cross-site"),
+            ("sec-fetch-mode", "navigate"),
+            (OWN_HEADER, "1"),
+        ],
     ];
     for headers in foreign {
         for (method, path) in [("GET", "/api/studies"), ("GET", "/api/logs"), ("POST", "/api/studies")] {
@@ -134,10 +139,10 @@ async fn a_foreign_page_can_neither_read_nor_change_anything() {
 #[tokio::test]
 async fn what_changes_something_needs_the_header_that_a_form_cannot_send() {
     let bench = Bench::new();
-    for (method, path) in [("POST", "/api/studies"), ("DELETE", "/api/studies/1"), ("POST", "/api/uploads?name=a.csv")]
+    for (method, path) in
+        [("POST", "/api/studies"), ("DELETE", "/api/studies/1"), ("POST", "/api/uploads?name=a.csv")]
     {
-        let request =
-            Request::builder().method(method).uri(path).header("host", format!("localhost:{PORT}"));
+        let request = Request::builder().method(method).uri(path).header("host", format!("localhost:{PORT}"));
         let request = request.header("content-type", "application/json").body(Body::from("{}")).unwrap();
         assert_eq!(bench.ask(request).await.status(), StatusCode::FORBIDDEN, "{method} {path}");
     }
