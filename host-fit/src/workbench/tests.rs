@@ -96,7 +96,7 @@ fn write_log(path: &Path, minutes: f64) {
     write_columns(path, &columns).unwrap();
 }
 
-/// A column whose name would run in a page that takes it at its word.
+/// A name, of a log or a column, that would run in a page that takes it at its word.
 const HOSTILE: &str = "<img src=x onerror=alert(1)>";
 
 #[tokio::test]
@@ -215,7 +215,7 @@ async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
 #[tokio::test]
 async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     let bench = Bench::new();
-    let log = bench.logs().join("unit.csv");
+    let log = bench.logs().join(format!("{HOSTILE}.csv"));
     write_log(&log, 4.0);
     let (status, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
     assert_eq!(status, StatusCode::OK);
@@ -252,7 +252,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
         let text = String::from_utf8_lossy(&content);
         assert!(!content.is_empty());
         if format.starts_with("report") {
-            assert!(text.contains("onerror=alert(1)"), "the channel is in the report");
+            assert!(text.contains("alert(1)"), "the log's name is in {format}");
         }
         if format == "report.html" {
             assert!(!text.contains("<img"), "and stays text");
