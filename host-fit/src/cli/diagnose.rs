@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
-use super::output::{Failure, number, print_json, table, verdict};
+use super::output::{Failure, number, print_json, spinner, table, verdict};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
 use crate::study::Study;
@@ -42,10 +42,12 @@ pub(super) struct Diagnose {
 impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
+        let spinner = spinner("looking for what is missing");
         let answers = match self.of.extension().is_some_and(|extension| extension == "json") {
             true => vec![self.of_study(&library)?],
             false => self.of_log(&library)?,
         };
+        spinner.finish_and_clear();
         if self.json {
             return print_json(&answers);
         }

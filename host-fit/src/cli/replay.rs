@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::Image;
 
 use super::arguments::Reading;
-use super::output::{Failure, number, optional, print_json, table};
+use super::output::{Failure, number, optional, print_json, spinner, table};
 use crate::file;
 use crate::hub_log::hub_log;
 use crate::recording::write_columns;
@@ -46,7 +46,9 @@ impl Replay {
         let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
         let recording = self.reading.read(&self.log)?;
         let rest = rest::find(&recording);
+        let spinner = spinner("replaying");
         let replayed = replay(&image, &recording, &rest, &self.axes)?;
+        spinner.finish_and_clear();
         if let Some(path) = &self.device_log {
             file::write_atomically(path, &device_log(&model_of(&image, &self.axes)?, &recording, &rest)?)?;
         }

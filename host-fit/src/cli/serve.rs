@@ -47,6 +47,13 @@ pub(super) struct Serve {
 impl Serve {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
+        if self.listen.is_unspecified() {
+            return Err(format!(
+                "--listen {}: requests are answered under the address that was named, and this is none\nhelp: name the one that others use, as --listen 192.168.1.5",
+                self.listen
+            )
+            .into());
+        }
         let (folders, logs): (Vec<PathBuf>, Vec<PathBuf>) =
             self.of.iter().cloned().partition(|path| path.is_dir());
         let [field] = match &logs[..] {
@@ -83,8 +90,10 @@ impl Serve {
             }
             eprintln!("Ctrl-C ends it; what is not taken along by then is gone");
             let end = async {
-                // without a handler there is still the end of the process
-                let _ = tokio::signal::ctrl_c().await;
+                if tokio::signal::ctrl_c().await.is_err() {
+                    // it cannot be waited for: the process ends as any other does
+                    std::future::pending::<()>().await;
+                }
             };
             Ok::<(), Failure>(server.run(end).await?)
         })?;

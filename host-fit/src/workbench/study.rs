@@ -498,7 +498,7 @@ impl Inner {
     }
 
     fn stopped(&mut self) {
-        self.tasks.clear();
+        // what was to come after it was taken off when the stop was asked for; what was asked since then stays
         self.error = Some("stopped; what was computed before is still there".to_owned());
     }
 
