@@ -2,13 +2,14 @@
 //!
 //! [`figures`]: crate::figures
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::compare::{AxisComparison, Comparison};
 use crate::effects::Band;
-use crate::evaluate::Trace;
+use crate::evaluate::{AxisTrace, Trace};
 use crate::figures::compare::{
-    Subject, Worst, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
+    Subject, Worst, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Foretold, Step, staircase};
@@ -25,6 +26,12 @@ const BUCKETS: usize = 1000;
 
 /// Length of the moving mean, s.
 const MEAN_S: f64 = 1.0;
+
+/// Dots of a figure against a channel, about.
+const DOTS: usize = 1200;
+
+/// What is shaded.
+const WORST: &str = "worst stretches";
 
 /// Longest lag of the autocorrelation.
 const MAX_LAG: usize = 200;
@@ -74,6 +81,11 @@ pub fn write_all(
 ///
 /// The folder cannot be made, or a file in it cannot be written.
 pub fn write_staircase(folder: &Path, growth: &Growth) -> Result<(), PlotError> {
+    write(folder, &growth.column, &[("staircase", staircase_of(growth))])
+}
+
+/// The staircase of an axis that grew.
+pub fn staircase_of(growth: &Growth) -> Figure {
     let mut steps: Vec<Step> = Vec::new();
     for stair in &growth.stairs {
         let before = steps.last().map(|step| (step.slow, step.wide));
@@ -96,8 +108,7 @@ pub fn write_staircase(folder: &Path, growth: &Growth) -> Result<(), PlotError> 
             coast: stair.errors.coast.iter().map(|coast| (coast.horizon_s, coast.mse.sqrt())).collect(),
         });
     }
-    let figure = staircase(in_words(&growth.column), crate::model::unit_of(&growth.column), &steps);
-    write(folder, &growth.column, &[("staircase", figure)])
+    staircase(in_words(&growth.column), crate::model::unit_of(&growth.column), &steps)
 }
 
 /// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.
@@ -117,65 +128,183 @@ pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<
 }
 
 /// The figures of one axis, with their names; one that the data are too short for is left out.
-fn figures(
+pub fn figures(
     axis: &AxisComparison,
     trace: &Trace,
     index: usize,
     recording: &Recording,
 ) -> Vec<(&'static str, Figure)> {
-    let subject = Subject { channel: in_words(&axis.column), unit: &axis.unit };
-    let worst_s: Vec<(f64, f64)> =
-        axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect();
-    let worst = Worst { label: "worst stretches", ranges_s: &worst_s };
-    let series = &trace.axes[index];
-    let difference =
-        |from: &[f64], take: &[f64]| -> Vec<f64> { from.iter().zip(take).map(|(a, b)| a - b).collect() };
-    let centre = mean_of(&series.measured);
-    let measured: Vec<f64> = series.measured.iter().map(|value| value - centre).collect();
-    let coasted = difference(&measured, &series.coast);
-    let predicted = difference(&series.measured, &series.one_step);
-
-    let over_time = |series: &[f64]| envelopes(trace, series, recording);
-    let mean_label = format!("{MEAN_S} s mean");
-    let mut figures = vec![
-        (
-            "1_over_time",
-            measured_and_predicted(subject, &over_time(&measured), &over_time(&coasted), &mean_label, worst),
-        ),
-        ("2_residual", residual(subject, &over_time(&series.coast), &mean_label, worst)),
-    ];
-    let innovations = trace.stretches_of(&series.one_step);
-    if let Some(correlation) = autocorrelation(&innovations, MAX_LAG) {
-        figures.push(("3_autocorrelation", residual_autocorrelation(subject, &correlation, trace.period_s)));
-    }
-    let spectrum = |series: &[f64]| -> Option<Spectrum> {
-        let stretches = trace.stretches_of(series);
-        let length = segment_length_for(&stretches);
-        Some(welch(&stretches, 1.0 / trace.period_s, length)?.smoothed(BANDS_PER_DECADE))
-    };
-    if let (Some(measured), Some(predicted), Some(left)) =
-        (spectrum(&series.measured), spectrum(&predicted), spectrum(&series.one_step))
-    {
-        // white noise of the floor's variance over half the sample rate
-        let floor = axis.noise_floor.map(|(variance, _)| 2.0 * variance * trace.period_s);
-        figures.push(("4_spectrum", spectra(subject, &measured, &predicted, &left, floor)));
-    }
-    let deviations = |series: &[f64]| {
-        let stretches = trace.stretches_of(series);
-        let taus = averaging_times(&stretches, trace.period_s, TAUS_PER_DECADE);
-        allan_deviation(&stretches, trace.period_s, &taus)
-    };
-    figures.push(("5_allan", allan(subject, &deviations(&series.measured), &deviations(&series.coast))));
-    if let Some(found) = &axis.dependence {
-        figures.push(("6_dependence", dependence(subject, found)));
-    }
+    let view = View { axis, trace, index, recording };
+    let mut figures = vec![("1_over_time", view.over_time()), ("2_residual", view.residual())];
+    figures.extend(view.autocorrelation().map(|figure| ("3_autocorrelation", figure)));
+    figures.extend(view.spectrum().map(|figure| ("4_spectrum", figure)));
+    figures.push(("5_allan", view.allan()));
+    figures.extend(view.dependence().map(|figure| ("6_dependence", figure)));
     figures
+}
+
+/// One axis of a comparison, to be shown: all of it, or a part of its trace.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// What was computed.
+    pub axis: &'a AxisComparison,
+    /// What is left, of the rows to be shown.
+    pub trace: &'a Trace,
+    /// Which axis of the trace.
+    pub index: usize,
+    /// The log.
+    pub recording: &'a Recording,
+}
+
+impl View<'_> {
+    fn subject(&self) -> Subject<'_> {
+        Subject { channel: in_words(&self.axis.column), unit: &self.axis.unit }
+    }
+
+    fn series(&self) -> &AxisTrace {
+        &self.trace.axes[self.index]
+    }
+
+    /// The worst stretches, the worst first, s.
+    fn worst_s(&self) -> Vec<(f64, f64)> {
+        self.axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect()
+    }
+
+    fn envelopes(&self, series: &[f64]) -> Vec<Envelope> {
+        envelopes(self.trace, series, self.recording)
+    }
+
+    /// All figures in the order of thought; one that the data are too short for is left out.
+    pub fn all(&self) -> Vec<Figure> {
+        let mut figures = vec![self.over_time(), self.residual()];
+        figures.extend(self.dependence());
+        figures.extend(self.spectrum());
+        figures.extend(self.autocorrelation());
+        figures.push(self.allan());
+        figures
+    }
+
+    /// Measured and predicted over time.
+    pub fn over_time(&self) -> Figure {
+        let series = self.series();
+        let centre = mean_of(&series.measured);
+        let measured: Vec<f64> = series.measured.iter().map(|value| value - centre).collect();
+        let coasted = difference(&measured, &series.coast);
+        let worst_s = self.worst_s();
+        measured_and_predicted(
+            self.subject(),
+            &self.envelopes(&measured),
+            &self.envelopes(&coasted),
+            &mean_label(),
+            Worst { label: WORST, ranges_s: &worst_s },
+        )
+    }
+
+    /// What is left over time.
+    pub fn residual(&self) -> Figure {
+        let worst_s = self.worst_s();
+        let worst = Worst { label: WORST, ranges_s: &worst_s };
+        residual(self.subject(), &self.envelopes(&self.series().coast), &mean_label(), worst)
+    }
+
+    /// Whether the innovations remember; none where there are too few.
+    pub fn autocorrelation(&self) -> Option<Figure> {
+        let innovations = self.trace.stretches_of(&self.series().one_step);
+        let correlation = autocorrelation(&innovations, MAX_LAG)?;
+        Some(residual_autocorrelation(self.subject(), &correlation, self.trace.period_s))
+    }
+
+    /// Spectra of measured, predicted and left; none where there is too little.
+    pub fn spectrum(&self) -> Option<Figure> {
+        let series = self.series();
+        let predicted = difference(&series.measured, &series.one_step);
+        let (measured, predicted, left) =
+            (self.density(&series.measured)?, self.density(&predicted)?, self.density(&series.one_step)?);
+        // white noise of the floor's variance over half the sample rate
+        let floor = self.axis.noise_floor.map(|(variance, _)| 2.0 * variance * self.trace.period_s);
+        Some(spectra(self.subject(), &measured, &predicted, &left, floor))
+    }
+
+    fn density(&self, series: &[f64]) -> Option<Spectrum> {
+        let stretches = self.trace.stretches_of(series);
+        let length = segment_length_for(&stretches);
+        Some(welch(&stretches, 1.0 / self.trace.period_s, length)?.smoothed(BANDS_PER_DECADE))
+    }
+
+    /// Allan deviations of measured, predicted and left.
+    pub fn allan(&self) -> Figure {
+        let series = self.series();
+        let predicted = difference(&series.measured, &series.coast);
+        let deviations = |series: &[f64]| {
+            let stretches = self.trace.stretches_of(series);
+            let taus = averaging_times(&stretches, self.trace.period_s, TAUS_PER_DECADE);
+            allan_deviation(&stretches, self.trace.period_s, &taus)
+        };
+        let [measured, predicted, left] =
+            [&series.measured, &predicted, &series.coast].map(|series| deviations(series));
+        allan(self.subject(), &measured, &predicted, &left)
+    }
+
+    /// What is left against everything that is logged, with what chance explains; none where that is not known.
+    pub fn dependence(&self) -> Option<Figure> {
+        self.axis.dependence.as_ref().map(|found| dependence(self.subject(), found))
+    }
+
+    /// What is left against each logged channel that changes, in block means, with the column; those of `marked` rows apart.
+    pub fn against(&self, marked: Option<&Range<usize>>) -> Vec<(String, Figure)> {
+        let left = &self.series().coast;
+        let rows_per_block =
+            (self.trace.rows.len() / DOTS).max((MEAN_S / self.trace.period_s) as usize).max(1);
+        let blocks: Vec<Range<usize>> = self
+            .trace
+            .stretches
+            .iter()
+            .flat_map(|stretch| {
+                let end = stretch.end;
+                stretch
+                    .clone()
+                    .step_by(rows_per_block)
+                    .map(move |start| start..(start + rows_per_block).min(end))
+            })
+            .collect();
+        let of_trace =
+            |block: &Range<usize>| block.start - self.trace.rows.start..block.end - self.trace.rows.start;
+        let errors: Vec<f64> = blocks.iter().map(|block| mean_of(&left[of_trace(block)])).collect();
+        let others = self.recording.channels().iter().filter(|channel| channel.name != self.axis.column);
+        let block_s = rows_per_block as f64 * self.trace.period_s;
+        others
+            .filter_map(|channel| {
+                let held: Vec<f64> = channel.held(self.trace.rows.clone()).collect();
+                let values = blocks.iter().map(|block| mean_of(&held[of_trace(block)]));
+                let dots = values.zip(&errors).zip(&blocks);
+                let (mut usual, mut apart) = (Vec::new(), Vec::new());
+                for ((value, error), block) in dots {
+                    let is_apart = marked.is_some_and(|marked| marked.contains(&block.start));
+                    if is_apart { &mut apart } else { &mut usual }.push((value, *error));
+                }
+                let first = usual.first().or(apart.first())?.0;
+                let changes = usual.iter().chain(&apart).any(|(value, _)| *value != first);
+                changes.then(|| {
+                    let figure = against(self.subject(), &channel.name, block_s, usual, apart);
+                    (channel.name.clone(), figure)
+                })
+            })
+            .collect()
+    }
+}
+
+fn mean_label() -> String {
+    format!("{MEAN_S} s mean")
+}
+
+fn difference(from: &[f64], take: &[f64]) -> Vec<f64> {
+    from.iter().zip(take).map(|(a, b)| a - b).collect()
 }
 
 /// One envelope per stretch.
 fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelope> {
     let total: usize = trace.stretches.iter().map(ExactSizeIterator::len).sum();
-    let known = |stretch: &std::ops::Range<usize>| {
+    let known = |stretch: &Range<usize>| {
         let values = &series[stretch.start - trace.rows.start..stretch.end - trace.rows.start];
         // the first samples of a stretch have no prediction yet
         let first = values.iter().position(|value| value.is_finite())?;

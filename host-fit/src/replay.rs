@@ -1,9 +1,10 @@
 //! An image over a recording, on fos-core in f32, as the device would run it.
 
-use fos_core::{Axis, Image, ImageError, Quantity, Sample, Validity};
+use fos_core::{Axis, Correction, Image, ImageError, Quantity, Sample, Validity};
 use fos_embedded::replay::{Digest, Header, Motion, Record};
 use serde::Serialize;
 
+use crate::evaluate::{ModelErrors, trace};
 use crate::feed::Feed;
 use crate::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
 use crate::recording::{Recording, RecordingError};
@@ -57,9 +58,11 @@ pub struct Summary {
     pub still_known_by: KnownBy,
     /// The axes.
     pub axes: Vec<AxisSummary>,
-    /// CRC-64 of all innovations, tick by tick and axis by axis.
+    /// CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits.
+    #[serde(serialize_with = "hexadecimal")]
     pub innovations_digest: u64,
     /// CRC-64 of all innovations, corrected values and validities.
+    #[serde(serialize_with = "hexadecimal")]
     pub corrections_digest: u64,
 }
 
@@ -78,6 +81,8 @@ pub struct AxisSummary {
     pub largest_difference: f64,
     /// Share of the tracked rows whose correction is valid.
     pub valid_share: f64,
+    /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
+    pub errors: Option<ModelErrors>,
 }
 
 impl Replay {
@@ -88,6 +93,10 @@ impl Replay {
         columns.extend(axes.zip(self.corrected.iter().map(Vec::as_slice)));
         columns
     }
+}
+
+fn hexadecimal<S: serde::Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&format_args!("{digest:016x}"))
 }
 
 /// The column of an axis.
@@ -164,14 +173,39 @@ pub fn replay(
     rest: &Rest,
     axes: &[String],
 ) -> Result<Replay, ReplayError> {
+    let n_axes = image.axes().count();
+    let mut corrected = vec![Vec::with_capacity(recording.n_rows()); n_axes];
+    let mut validity = vec![Vec::with_capacity(recording.n_rows()); n_axes];
+    let summary = run(image, recording, rest, axes, |axis, correction| {
+        corrected[axis].push(f64::from(correction.corrected));
+        validity[axis].push(f64::from(correction.validity.bits()));
+    })?;
+    Ok(Replay { summary, corrected, validity })
+}
+
+/// The counts and digests of [`replay`] alone, in little memory.
+///
+/// # Errors
+///
+/// As for [`replay`].
+pub fn summary(image: &Image<'_>, recording: &Recording, rest: &Rest) -> Result<Summary, ReplayError> {
+    run(image, recording, rest, &[], |_, _| {})
+}
+
+/// `take` gets the correction of every axis, row by row.
+fn run(
+    image: &Image<'_>,
+    recording: &Recording,
+    rest: &Rest,
+    axes: &[String],
+    mut take: impl FnMut(usize, &Correction<f32>),
+) -> Result<Summary, ReplayError> {
     let model = model_of(image, axes)?;
     let feed = Feed::new(recording, &model, &rest.still)?;
     let mut single: HostPredictor<f32> = image.predictor()?;
     let mut double: HostPredictor<f64> = image.predictor()?;
     let n_rows = recording.n_rows();
     let mut tallies = vec![Tally::default(); model.axes.len()];
-    let mut corrected = vec![Vec::with_capacity(n_rows); model.axes.len()];
-    let mut validity = vec![Vec::with_capacity(n_rows); model.axes.len()];
     let mut digest = Digest::default();
     let mut tracked = 0;
     for row in 0..n_rows {
@@ -180,8 +214,7 @@ pub fn replay(
         let doubles = feed.step(&mut double, row);
         tracked += usize::from(feed.is_still(row));
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
-            corrected[axis].push(f64::from(single.corrected));
-            validity[axis].push(f64::from(single.validity.bits()));
+            take(axis, single);
             tallies[axis].add(single.innovation, double.innovation);
             let caution = Validity::OWN_HISTORY | Validity::WARMING_UP;
             if feed.is_still(row) && single.validity | caution == caution {
@@ -189,16 +222,30 @@ pub fn replay(
             }
         }
     }
-    let summaries = model.axes.iter().zip(&tallies).map(|(axis, tally)| tally.summary(&axis.column, tracked));
-    let summary = Summary {
+    let mut summaries = Vec::new();
+    for (index, (axis, tally)) in model.axes.iter().zip(&tallies).enumerate() {
+        let errors = errors(&model.only(index), recording, rest)?;
+        summaries.push(AxisSummary { errors, ..tally.summary(&axis.column, tracked) });
+    }
+    Ok(Summary {
         rows: n_rows,
         tracked,
         still_known_by: rest.known_by,
-        axes: summaries.collect(),
+        axes: summaries,
         innovations_digest: digest.innovations(),
         corrections_digest: digest.corrections(),
-    };
-    Ok(Replay { summary, corrected, validity })
+    })
+}
+
+/// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as four
+/// channels of the log.
+fn errors(alone: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Option<ModelErrors>, ReplayError> {
+    let feed = Feed::new(recording, alone, &rest.still)?;
+    let left = trace::<f32>(alone, &feed, 0..recording.n_rows(), |_| {});
+    let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
+    let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
+    // an accelerometer that lies in another pose throughout has none
+    Ok(Some(errors).filter(|errors| errors.one_step_mse.is_finite()))
 }
 
 #[derive(Debug, Clone, Default)]
@@ -228,6 +275,7 @@ impl Tally {
             innovation_rms_f64: rms(self.double_squares),
             largest_difference: self.largest_difference,
             valid_share: self.valid as f64 / tracked.max(1) as f64,
+            errors: None,
         }
     }
 }

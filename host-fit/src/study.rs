@@ -145,9 +145,26 @@ impl Study {
     ///
     /// The file cannot be written; the old one is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), StudyError> {
+        Ok(file::write_atomically(path, &self.to_bytes())?)
+    }
+
+    /// The study as it is written.
+    pub fn to_bytes(&self) -> Vec<u8> {
         let mut text = serde_json::to_vec_pretty(self).expect("a study has only string keys");
         text.push(b'\n');
-        Ok(file::write_atomically(path, &text)?)
+        text
+    }
+
+    /// Studies of single axes, fitted to one log with one setting, as one; none of none.
+    pub fn joined(studies: impl IntoIterator<Item = Self>) -> Option<Self> {
+        studies.into_iter().reduce(|mut all, other| {
+            all.model.absorb(other.model);
+            all.axes.extend(other.axes);
+            for (step, other) in all.steps.iter_mut().zip(other.steps) {
+                step.errors.extend(other.errors);
+            }
+            all
+        })
     }
 
     /// In a few lines: where the model comes from.

@@ -127,32 +127,6 @@ fn wrong_usage_is_exit_code_two() {
 }
 
 #[test]
-fn every_subcommand_has_help_with_an_example() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for command in [
-        "demo",
-        "simulate",
-        "fit",
-        "compare",
-        "diagnose",
-        "add",
-        "undo",
-        "history",
-        "effects",
-        "batch",
-        "calibrate",
-        "export",
-        "inspect",
-        "record",
-        "replay",
-        "bench",
-    ] {
-        let help = done(folder.path(), &[command, "--help"]);
-        assert!(help.contains(&format!("Example: host-fit {command}")), "{help}");
-    }
-}
-
-#[test]
 fn a_file_is_replaced_whole_or_not_at_all() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

@@ -6,10 +6,9 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::diagnose::print_diagnosis;
-use super::growing::{Logs, ReadLogs, column_of, print_growth};
-use super::output::{Failure, print_json, progress};
+use super::growing::{LogArguments, column_of, print_growth, read_logs};
+use super::output::{Failure, print_json, spinner};
 use crate::effects::Library;
-use crate::grow::{Ground, Growth};
 use crate::plots;
 use crate::study::Study;
 
@@ -31,7 +30,7 @@ pub(super) struct Add {
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
-    logs: Logs,
+    logs: LogArguments,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE", id = "effect_files")]
     effects: Vec<PathBuf>,
@@ -50,10 +49,10 @@ impl Add {
         let library = Library::with_files(&self.effects)?;
         let mut study = Study::read(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
-        let logs = ReadLogs::read(&self.logs, &self.reading, &study, &column)?;
-        let ground = Ground::new(&logs.field, logs.quiet.as_ref(), logs.judged.as_ref(), &library);
+        let logs = read_logs(&self.logs, &self.reading, &study, &column)?;
+        let ground = logs.ground(&library);
         let named = logs.named(ground.fitted_rows());
-        let bar = progress(0, "estimating and judging");
+        let bar = spinner("estimating and judging");
         let mut growth = match study.growth_of(&column) {
             Some(growth) if growth.logs == named => growth.clone(),
             Some(growth) if growth.added().next().is_some() => {
@@ -63,11 +62,7 @@ impl Add {
                 )
                 .into());
             }
-            _ => {
-                let alone = study.axis_alone(&column)?;
-                let stairs = vec![ground.first_stair(&alone)?];
-                Growth { column: column.clone(), logs: named, stairs }
-            }
+            _ => ground.begin(&study, &column, named)?,
         };
         match &self.effect {
             Some(effect) => {

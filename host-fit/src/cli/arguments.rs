@@ -38,6 +38,16 @@ impl Reading {
         Ok(load(log, &LoadOptions { columns, rate_hz: self.rate, strict: self.strict })?)
     }
 
+    /// The column map as entries, as a study remembers them.
+    pub(super) fn specs(&self) -> Result<Vec<String>, Failure> {
+        match &self.map_file {
+            None => Ok(self.map.clone()),
+            Some(_) => {
+                Err("--map-file cannot be kept in a study here\nhelp: give the entries with --map".into())
+            }
+        }
+    }
+
     /// Reads several logs of one unit as one recording, never spliced.
     pub(super) fn read_all(&self, logs: &[PathBuf]) -> Result<Recording, Failure> {
         let recordings = logs.iter().map(|log| self.read(log)).collect::<Result<Vec<_>, _>>()?;
@@ -54,13 +64,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
             .collect();
         return Ok(axes?);
     }
-    let six = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
-    let axes: Vec<String> =
-        six.iter().filter(|name| recording.channel(name).is_ok()).map(|name| (*name).to_owned()).collect();
-    if axes.is_empty() {
-        return Err("the log has none of the columns ax_mps2 … gz_rads\nhelp: name the axis with --axis COLUMN, or map the columns with --map".into());
-    }
-    Ok(axes)
+    Ok(recording.axes()?)
 }
 
 /// What was read, in a few lines.

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::{Reading, describe};
 use super::error_table::error_table;
-use super::output::{Failure, number, print_json, progress, table};
+use super::output::{Failure, number, print_json, print_warning, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
 use crate::dependence::{Dependence, Trained};
 use crate::evaluate::ModelErrors;
@@ -58,12 +58,12 @@ impl Compare {
         }
         let ratio = study.model.period_s / recording.rate.period_s;
         if (ratio - 1.0).abs() > 0.005 {
-            eprintln!(
-                "warning: the log runs at {:.3} Hz, the model was fitted at {:.3} Hz: its lags are {:.1} % off in time",
+            print_warning(&format!(
+                "the log runs at {:.3} Hz, the model was fitted at {:.3} Hz: its lags are {:.1} % off in time",
                 recording.rate.true_hz,
                 1.0 / study.model.period_s,
                 100.0 * (ratio - 1.0)
-            );
+            ));
         }
         let rest = rest::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };

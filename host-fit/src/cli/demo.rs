@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use clap::Args;
 use fos_core::Image;
+use serde_json::json;
 
 use super::growing::print_growth;
-use super::output::{Failure, number, progress};
+use super::output::{Failure, number, print_json, progress, say};
 use crate::compare::{compare, study_of};
 use crate::dependence::Trained;
 use crate::effects::Library;
@@ -15,19 +16,13 @@ use crate::export::{image, rust_source};
 use crate::feed::Feed;
 use crate::file::write_atomically;
 use crate::fit::{FitOptions, fit_axis};
-use crate::grow::{Ground, Growth, GrowthLogs};
+use crate::grow::Logs;
 use crate::model::UnitModel;
 use crate::plots;
-use crate::recording::{LoadOptions, Recording, load, write_columns};
+use crate::recording::{Recording, write_columns};
 use crate::replay::replay;
 use crate::rest;
-use crate::simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
-
-/// The axis with the hidden effects.
-const AXIS: &str = "gx_rads";
-
-/// Sizes of the hidden effects as matched filters in the noise: plain, and easily overlooked.
-const SIZES: [f64; 2] = [120.0, 40.0];
+use crate::simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
@@ -39,6 +34,9 @@ pub(super) struct Demo {
     /// Seed of the simulated unit
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl Demo {
@@ -48,8 +46,9 @@ impl Demo {
             .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
         let path = |name: &str| self.folder.join(name);
 
-        let [quiet, field, later] = self.logs()?;
-        println!(
+        let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
+        say!(
+            self,
             "1. Three logs of one simulated phone-class unit on a desk: a quiet one of {:.0} min, one of {:.0} min and a later one\n   \
              of {:.0} min, in which the processor works and the phone warms up. Something happens to gyro x that no model has.",
             minutes(&quiet),
@@ -68,7 +67,8 @@ impl Demo {
         }
         let (mut study, ..) = study_of(&quiet, &quiet_rest, fits, options, Vec::new(), |_| bar.inc(1))?;
         bar.finish_and_clear();
-        println!(
+        say!(
+            self,
             "2. On the quiet log Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes.",
             study.axes[0].candidates,
             study.model.n_terms()
@@ -88,13 +88,15 @@ impl Demo {
         };
         let in_quiet =
             quiet_error.and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
-        println!(
+        say!(
+            self,
             "3. On the second log the model fails: coasting, its 1-s means scatter by {} rad/s, on the quiet log by {}.",
             number(slow(before)),
             number(slow(in_quiet.map(|(errors, _)| errors)))
         );
         if let Some(worst) = failing.worst.first() {
-            println!(
+            say!(
+                self,
                 "   Worst from {:.0} s to {:.0} s, {:.1} times the usual.{}",
                 worst.begin_s,
                 worst.end_s,
@@ -110,78 +112,63 @@ impl Demo {
         }
 
         let library = Library::built_in();
-        let ground = Ground::new(&field, Some(&quiet), Some(&later), &library);
-        let source = |log: &Recording| log.sources[0].clone();
-        let logs = GrowthLogs {
-            field: source(&field),
-            quiet: Some(source(&quiet)),
-            judged: Some(source(&later)),
-            fitted_rows: ground.fitted_rows(),
-            columns: Vec::new(),
-            rate_hz: None,
-        };
-        let stairs = vec![ground.first_stair(&alone)?];
-        let mut growth = Growth { column: AXIS.to_owned(), logs, stairs };
-        println!("4. Diagnosed, and added one after the other until nothing is missing:");
+        let logs =
+            Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None };
+        let ground = logs.ground(&library);
+        let mut growth = ground.begin(&study, AXIS, logs.named(ground.fitted_rows()))?;
+        say!(self, "4. Diagnosed, and added one after the other until nothing is missing:");
         let mut found = Vec::new();
         let stairs = ground.add_best(&growth, |diagnosis, _| {
-            println!("   - {}", diagnosis.sentence);
+            say!(self, "   - {}", diagnosis.sentence);
             found.extend(diagnosis.findings.first().cloned());
         })?;
         growth.stairs.extend(stairs);
         study.keep(growth.clone());
         study.write(&path("study.json"))?;
         plots::write_staircase(&path("figures"), &growth)?;
-        println!("5. The error after every step, on the later log, which nothing was fitted to:\n");
-        print_growth(&growth);
+        say!(self, "5. The error after every step, on the later log, which nothing was fitted to:\n");
+        if !self.json {
+            print_growth(&growth);
+        }
 
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
         write_atomically(&path("unit.fosm"), &bytes)?;
         write_atomically(&path("model.rs"), rust_source(&study.model, &study.provenance()).as_bytes())?;
-        let later_rest = rest::find(&later);
-        let replayed = replay(&Image::parse(&bytes)?, &later, &later_rest, &[])?;
-        write_columns(path("corrected.parquet"), &replayed.columns(&later))?;
+        let later = logs.judged.as_ref().unwrap_or(&logs.field);
+        let later_rest = rest::find(later);
+        let replayed = replay(&Image::parse(&bytes)?, later, &later_rest, &[])?;
+        write_columns(path("corrected.parquet"), &replayed.columns(later))?;
         let place = replayed.summary.axes.iter().position(|axis| axis.column == AXIS);
         let off = place.map_or(f64::NAN, |place| {
-            largest_difference(&study.model, &later, &later_rest.still, place, &replayed.corrected[place])
+            largest_difference(&study.model, later, &later_rest.still, place, &replayed.corrected[place])
                 .unwrap_or(f64::NAN)
         });
-        println!(
+        say!(
+            self,
             "\n6. The grown model is an image of {} bytes. fos-core ran it over the later log in f32, as on the device: no corrected\n   \
              value of gyro x differs by more than {} rad/s from what the host computes in f64. Digest of all corrections: {:016x}.",
             bytes.len(),
             number(off),
             replayed.summary.corrections_digest
         );
-        println!(
+        say!(
+            self,
             "Written to {}: quiet.parquet, field.parquet, later.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet\n({:.1} s). \
              Next: docs/finding-a-missing-effect.md does the same step by step.",
             self.folder.display(),
             began.elapsed().as_secs_f64()
         );
-        Ok(())
-    }
-
-    /// Simulates, writes and reads the three logs.
-    fn logs(&self) -> Result<[Recording; 3], Failure> {
-        let target = Axis::named("gx").ok_or("no axis gx")?;
-        let mut plan = CasePlan::new(self.seed, "bmi270", Setup::Desk, target);
-        for (effect, size) in [Effect::ThermalLag, Effect::SupplySensitivity].into_iter().zip(SIZES) {
-            plan.planted.push(Plant { effect, parameter: None, size });
+        if self.json {
+            return print_json(&json!({
+                "folder": self.folder.display().to_string(),
+                "comparison": comparison,
+                "findings": found,
+                "growth": growth,
+                "replay": replayed.summary,
+                "largest_difference_f32": off,
+            }));
         }
-        let case = simulate_case(&plan)?;
-        let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, Failure> {
-            let path = self.folder.join(name);
-            let columns: Vec<(&str, &[f64])> =
-                columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-            write_columns(&path, &columns)?;
-            Ok(load(&path, &LoadOptions::default())?)
-        };
-        Ok([
-            read("quiet.parquet", &case.baseline)?,
-            read("field.parquet", &case.field)?,
-            read("later.parquet", &case.eval)?,
-        ])
+        Ok(())
     }
 }
 

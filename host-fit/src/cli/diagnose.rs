@@ -6,11 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::Reading;
-use super::growing::{Logs, ReadLogs, column_of};
-use super::output::{Failure, number, print_json, table};
+use super::growing::{LogArguments, column_of, read_logs};
+use super::output::{Failure, number, print_json, spinner, table, verdict};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
-use crate::grow::{Ground, Growth};
 use crate::study::Study;
 
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
@@ -26,7 +25,7 @@ pub(super) struct Diagnose {
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
-    logs: Logs,
+    logs: LogArguments,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,
@@ -43,10 +42,12 @@ pub(super) struct Diagnose {
 impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
+        let spinner = spinner("looking for what is missing");
         let answers = match self.of.extension().is_some_and(|extension| extension == "json") {
             true => vec![self.of_study(&library)?],
             false => self.of_log(&library)?,
         };
+        spinner.finish_and_clear();
         if self.json {
             return print_json(&answers);
         }
@@ -91,14 +92,11 @@ impl Diagnose {
     fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {
         let study = Study::read(&self.of)?;
         let column = column_of(&study, self.axis.as_deref())?;
-        let logs = ReadLogs::read(&self.logs, &self.reading, &study, &column)?;
-        let ground = Ground::new(&logs.field, logs.quiet.as_ref(), logs.judged.as_ref(), library);
+        let logs = read_logs(&self.logs, &self.reading, &study, &column)?;
+        let ground = logs.ground(library);
         let growth = match study.growth_of(&column) {
             Some(growth) => growth.clone(),
-            None => {
-                let stairs = vec![ground.first_stair(&study.axis_alone(&column)?)?];
-                Growth { column, logs: logs.named(ground.fitted_rows()), stairs }
-            }
+            None => ground.begin(&study, &column, logs.named(ground.fitted_rows()))?,
         };
         Ok(ground.diagnose(&growth)?)
     }
@@ -106,7 +104,8 @@ impl Diagnose {
 
 /// A diagnosis for people.
 pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
-    println!("{}: {}", diagnosis.target, diagnosis.sentence);
+    let is_good = diagnosis.verdict == Verdict::NothingMissing;
+    anstream::println!("{}: {}", diagnosis.target, verdict(&diagnosis.sentence, is_good));
     for caution in &diagnosis.cautions {
         println!("  caution: {caution}");
     }

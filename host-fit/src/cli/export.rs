@@ -1,10 +1,10 @@
 //! `export`: from a study to what the device takes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::Failure;
+use super::output::{Failure, Written, print_written};
 use crate::export::{c_source, image, rust_source};
 use crate::file::write_atomically;
 use crate::study::Study;
@@ -30,6 +30,9 @@ pub(super) struct Export {
     /// Name of the sensor, stored in the image
     #[arg(long, default_value = "")]
     sensor: String,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl Export {
@@ -39,21 +42,25 @@ impl Export {
         }
         let study = Study::read(&self.study)?;
         let provenance = study.provenance();
+        let mut written = Vec::new();
+        let mut note = |path: &Path, what: String| {
+            written.push(Written { path: path.display().to_string(), what });
+        };
         if let Some(path) = &self.image {
             let bytes = image(&study.model, &self.sensor, &provenance)?;
             write_atomically(path, &bytes)?;
-            println!("{}: {} bytes, {} terms", path.display(), bytes.len(), study.model.n_terms());
+            note(path, format!("{} bytes, {} terms", bytes.len(), study.model.n_terms()));
         }
         if let Some(path) = &self.rust {
             write_atomically(path, rust_source(&study.model, &provenance).as_bytes())?;
-            println!("{}: Rust source, {} terms", path.display(), study.model.n_terms());
+            note(path, format!("Rust source, {} terms", study.model.n_terms()));
         }
         if let Some(path) = &self.c {
             let name = path.file_stem().unwrap_or_default().to_string_lossy();
             let source = c_source(&study.model, &name, &self.sensor, &provenance)?;
             write_atomically(path, source.as_bytes())?;
-            println!("{}: C header, {} terms", path.display(), study.model.n_terms());
+            note(path, format!("C header, {} terms", study.model.n_terms()));
         }
-        Ok(())
+        print_written(&written, self.json)
     }
 }

@@ -6,15 +6,15 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::error_table::error_table;
-use super::output::{Failure, number, table};
+use super::output::{Failure, number, sparkline, table};
 use crate::evaluate::ModelErrors;
-use crate::grow::{Growth, GrowthLogs, Stair};
+use crate::grow::{Growth, Logs, Stair};
 use crate::recording::{Recording, Source};
 use crate::study::Study;
 
 /// The logs that an axis grows on.
 #[derive(Debug, Clone, Args)]
-pub(super) struct Logs {
+pub(super) struct LogArguments {
     /// The log where the model fails; by default the one of the step before
     #[arg(long, value_name = "LOG")]
     pub(super) from: Option<PathBuf>,
@@ -26,78 +26,58 @@ pub(super) struct Logs {
     pub(super) judge: Option<PathBuf>,
 }
 
-/// The logs as read.
-pub(super) struct ReadLogs {
-    pub(super) field: Recording,
-    pub(super) quiet: Option<Recording>,
-    pub(super) judged: Option<Recording>,
-    reading: Reading,
-}
-
-impl ReadLogs {
-    /// Reads what is asked for, or what the growth of `column` names.
-    pub(super) fn read(logs: &Logs, reading: &Reading, study: &Study, column: &str) -> Result<Self, Failure> {
-        let known = study.growth_of(column).map(|growth| &growth.logs);
-        let mut reading = reading.clone();
-        if let Some(known) = known
-            && reading.map.is_empty()
-        {
-            (reading.map, reading.rate) = (known.columns.clone(), reading.rate.or(known.rate_hz));
+/// Reads the logs that are asked for, or those that the growth of `column` names.
+pub(super) fn read_logs(
+    logs: &LogArguments,
+    reading: &Reading,
+    study: &Study,
+    column: &str,
+) -> Result<Logs, Failure> {
+    let known = study.growth_of(column).map(|growth| &growth.logs);
+    let mut reading = reading.clone();
+    if let Some(known) = known
+        && reading.map.is_empty()
+    {
+        (reading.map, reading.rate) = (known.columns.clone(), reading.rate.or(known.rate_hz));
+    }
+    if reading.map.is_empty() {
+        reading.map = study.data.columns.clone();
+    }
+    let again = |source: &Source| -> Result<Recording, Failure> {
+        let recording = reading.read(Path::new(&source.path))?;
+        match recording.sources.first() {
+            Some(found) if found.sha256 == source.sha256 => Ok(recording),
+            _ => Err(format!(
+                "{}: not the log that it was: its digest has changed\nhelp: give the log with --from, --quiet or --judge",
+                source.path
+            )
+            .into()),
         }
-        if reading.map.is_empty() {
-            reading.map = study.data.columns.clone();
+    };
+    let field = match (&logs.from, known) {
+        (Some(path), _) => reading.read(path)?,
+        (None, Some(known)) => again(&known.field)?,
+        (None, None) => {
+            return Err("which log does the model fail on?\nhelp: give it with --from LOG".into());
         }
-        let again = |source: &Source| -> Result<Recording, Failure> {
-            let recording = reading.read(Path::new(&source.path))?;
-            match recording.sources.first() {
-                Some(found) if found.sha256 == source.sha256 => Ok(recording),
-                _ => Err(format!(
-                    "{}: not the log that it was: its digest has changed\nhelp: give the log with --from, --quiet or --judge",
-                    source.path
-                )
-                .into()),
+    };
+    let quiet = match (&logs.quiet, known) {
+        (Some(path), _) => Some(reading.read(path)?),
+        (None, Some(known)) => known.quiet.as_ref().map(again).transpose()?,
+        (None, None) => match &study.data.sources[..] {
+            // the study's own log is quiet, unless it is the very log where the model fails
+            [own] if field.sources.first().is_none_or(|field| field.sha256 != own.sha256) => {
+                Some(again(own)?)
             }
-        };
-        let field = match (&logs.from, known) {
-            (Some(path), _) => reading.read(path)?,
-            (None, Some(known)) => again(&known.field)?,
-            (None, None) => {
-                return Err("which log does the model fail on?\nhelp: give it with --from LOG".into());
-            }
-        };
-        let quiet = match (&logs.quiet, known) {
-            (Some(path), _) => Some(reading.read(path)?),
-            (None, Some(known)) => known.quiet.as_ref().map(again).transpose()?,
-            (None, None) => match &study.data.sources[..] {
-                // the study's own log is quiet, unless it is the very log where the model fails
-                [own] if field.sources.first().is_none_or(|field| field.sha256 != own.sha256) => {
-                    Some(again(own)?)
-                }
-                _ => None,
-            },
-        };
-        let judged = match (&logs.judge, known) {
-            (Some(path), _) => Some(reading.read(path)?),
-            (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose()?,
             _ => None,
-        };
-        Ok(Self { field, quiet, judged, reading })
-    }
-
-    /// As a study remembers them.
-    pub(super) fn named(&self, fitted_rows: usize) -> GrowthLogs {
-        let source = |recording: &Recording| {
-            recording.sources.first().cloned().unwrap_or_else(|| Source::made_by("nothing"))
-        };
-        GrowthLogs {
-            field: source(&self.field),
-            quiet: self.quiet.as_ref().map(source),
-            judged: self.judged.as_ref().map(source),
-            fitted_rows,
-            columns: self.reading.map.clone(),
-            rate_hz: self.reading.rate,
-        }
-    }
+        },
+    };
+    let judged = match (&logs.judge, known) {
+        (Some(path), _) => Some(reading.read(path)?),
+        (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose()?,
+        _ => None,
+    };
+    Ok(Logs { field, quiet, judged, columns: reading.map, rate_hz: reading.rate })
 }
 
 /// The column of `--axis` in a study, or its only one.
@@ -149,6 +129,15 @@ pub(super) fn print_growth(growth: &Growth) {
         rows.add_row(row(index, stair));
     }
     println!("{rows}");
+    let slow: Vec<f64> = growth.stairs.iter().map(|stair| stair.left.slow.sqrt()).collect();
+    if let [first, .., last] = slow[..] {
+        println!(
+            "  slow error, step by step: {}  {} to {} {unit}",
+            sparkline(&slow),
+            number(first),
+            number(last)
+        );
+    }
     println!(
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves"
     );

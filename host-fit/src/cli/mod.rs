@@ -6,6 +6,7 @@ mod batch;
 mod bench;
 mod calibrate;
 mod compare;
+mod completions;
 mod demo;
 mod diagnose;
 mod effects;
@@ -15,9 +16,12 @@ mod fit;
 mod growing;
 mod history;
 mod inspect;
+mod man;
 mod output;
 mod record;
 mod replay;
+mod report;
+mod serve;
 mod simulate;
 mod simulate_case;
 mod table;
@@ -56,7 +60,11 @@ enum Command {
     Inspect(inspect::Inspect),
     Replay(replay::Replay),
     Record(record::Record),
+    Report(report::Report),
+    Serve(serve::Serve),
     Bench(bench::Bench),
+    Completions(completions::Completions),
+    Man(man::Man),
 }
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
@@ -78,12 +86,16 @@ pub fn run() -> ExitCode {
         Command::Inspect(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Record(command) => command.run(),
+        Command::Report(command) => command.run(),
+        Command::Serve(command) => command.run(),
         Command::Bench(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("error: {failure}");
+            output::print_error(&failure);
             ExitCode::FAILURE
         }
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::Image;
 
 use super::arguments::Reading;
-use super::output::{Failure, number, print_json, table};
+use super::output::{Failure, number, optional, print_json, spinner, table};
 use crate::file;
 use crate::hub_log::hub_log;
 use crate::recording::write_columns;
@@ -46,7 +46,9 @@ impl Replay {
         let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
         let recording = self.reading.read(&self.log)?;
         let rest = rest::find(&recording);
+        let spinner = spinner("replaying");
         let replayed = replay(&image, &recording, &rest, &self.axes)?;
+        spinner.finish_and_clear();
         if let Some(path) = &self.device_log {
             file::write_atomically(path, &device_log(&model_of(&image, &self.axes)?, &recording, &rest)?)?;
         }
@@ -73,7 +75,17 @@ impl Replay {
             summary.rows - summary.tracked,
             summary.still_known_by.describe()
         );
-        let mut rows = table(&["  axis", "innovations", "rms f32", "rms f64", "f32 costs", "valid rows"]);
+        let header = [
+            "  axis",
+            "innovations",
+            "rms f32",
+            "rms f64",
+            "f32 costs",
+            "valid rows",
+            "slow, coast",
+            "60 s, coast",
+        ];
+        let mut rows = table(&header);
         for axis in &summary.axes {
             rows.add_row(vec![
                 format!("  {}", axis.column),
@@ -82,9 +94,14 @@ impl Replay {
                 number(axis.innovation_rms_f64),
                 format!("{:.1e}", axis.largest_difference / axis.innovation_rms_f64),
                 format!("{:.1} %", 100.0 * axis.valid_share),
+                optional(axis.errors.as_ref().and_then(|left| left.slow_error_coast).map(f64::sqrt)),
+                optional(axis.errors.as_ref().and_then(|left| left.coast.last()).map(|at| at.mse.sqrt())),
             ]);
         }
         println!("{rows}");
+        println!(
+            "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
+        );
         println!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
         println!("digest of the innovations  {:016x}", summary.innovations_digest);
         println!("digest of all corrections  {:016x}", summary.corrections_digest);

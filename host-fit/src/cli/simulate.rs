@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::Failure;
+use super::output::{Failure, Written, print_written};
 use super::simulate_case::CaseArguments;
 use crate::recording::write_columns;
 use crate::simulate::band_limited::band_limited;
@@ -43,19 +43,22 @@ pub(super) struct Simulate {
     truth: bool,
     #[command(flatten)]
     case: CaseArguments,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl Simulate {
     pub(super) fn run(&self) -> Result<(), Failure> {
         if self.case.are_given() {
-            return self.case.run(self.log.as_deref(), self.seed);
+            return self.case.run(self.log.as_deref(), self.seed, self.json);
         }
         let Some(log_path) = &self.log else { return Err("name the log to write".into()) };
         if !(self.minutes > 0.0 && self.rate > 0.0) {
             return Err("--minutes and --rate must be positive".into());
         }
         if self.band_limited {
-            return write(log_path, &band_limited(self.minutes * 60.0, self.seed));
+            return write(log_path, &band_limited(self.minutes * 60.0, self.seed), self.json);
         }
         let log = simulate(&Simulation {
             duration_s: self.minutes * 60.0,
@@ -65,14 +68,14 @@ impl Simulate {
             motion: !self.at_rest,
         });
         let truth = if self.truth { log.truth } else { Vec::new() };
-        write(log_path, &log.columns.into_iter().chain(truth).collect::<Vec<_>>())
+        write(log_path, &log.columns.into_iter().chain(truth).collect::<Vec<_>>(), self.json)
     }
 }
 
-fn write(log: &Path, columns: &[(String, Vec<f64>)]) -> Result<(), Failure> {
+fn write(log: &Path, columns: &[(String, Vec<f64>)], json: bool) -> Result<(), Failure> {
     let borrowed: Vec<(&str, &[f64])> =
         columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
     write_columns(log, &borrowed)?;
-    println!("{}: {} rows, {} columns", log.display(), columns[0].1.len(), columns.len());
-    Ok(())
+    let what = format!("{} rows, {} columns", columns[0].1.len(), columns.len());
+    print_written(&[Written { path: log.display().to_string(), what }], json)
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{Failure, progress};
+use super::output::{Failure, Written, print_written, progress};
 use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
 
 /// What goes into a case.
@@ -40,7 +40,7 @@ impl CaseArguments {
     }
 
     /// Writes what is asked for; `folder` is that of a suite.
-    pub(super) fn run(&self, folder: Option<&Path>, seed: u64) -> Result<(), Failure> {
+    pub(super) fn run(&self, folder: Option<&Path>, seed: u64, json: bool) -> Result<(), Failure> {
         match (&self.case, self.suite, folder) {
             (Some(folder), ..) => {
                 let case = simulate_case(&self.plan(seed)?)?;
@@ -53,10 +53,10 @@ impl CaseArguments {
                     .collect();
                 let planted =
                     if planted.is_empty() { "nothing missing".to_owned() } else { planted.join(", ") };
-                println!("{}: {planted} in {}", folder.display(), case.meta.target);
-                Ok(())
+                let what = format!("{planted} in {}", case.meta.target);
+                print_written(&[Written { path: folder.display().to_string(), what }], json)
             }
-            (None, Some(count), Some(folder)) => write_suite(folder, seed, count),
+            (None, Some(count), Some(folder)) => write_suite(folder, seed, count, json),
             // clap asks for it
             _ => Err("name the folder to write into: host-fit simulate --suite 45 FOLDER".into()),
         }
@@ -104,7 +104,7 @@ fn parse(text: &str, size: f64) -> Result<Plant, Failure> {
     Ok(Plant { effect, parameter, size })
 }
 
-fn write_suite(folder: &Path, seed: u64, count: usize) -> Result<(), Failure> {
+fn write_suite(folder: &Path, seed: u64, count: usize, json: bool) -> Result<(), Failure> {
     let plans = suite(seed, count);
     let bar = progress(plans.len() as u64, "writing cases");
     for (number, plan) in plans.iter().enumerate() {
@@ -112,6 +112,6 @@ fn write_suite(folder: &Path, seed: u64, count: usize) -> Result<(), Failure> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    println!("{}: {} cases", folder.display(), plans.len());
-    Ok(())
+    let what = format!("{} cases", plans.len());
+    print_written(&[Written { path: folder.display().to_string(), what }], json)
 }

@@ -89,6 +89,7 @@ impl Falls<'_> {
         let mut falls: Vec<f64> = levels
             .iter()
             .map(|levels| {
+                crate::interrupt::check();
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                 let coefficients = &effect.coefficients + &factor * DVector::from_fn(k, |_, _| normal());
                 let noise = levels.simulate(self.blocks, &mut random);

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use super::blocks::Blocks;
 use crate::effects::{Effect, Inputs, Regressor, Search};
 use crate::recording::RecordingError;
+use crate::signal::centred;
 
 /// Neighbours on the grid of a parameter are this factor apart, about: between two of them nothing is lost that a later
 /// refinement does not find.
@@ -170,10 +171,3 @@ const SHORTEST_BLOCKS: f64 = 0.5;
 
 /// A step is looked for so many blocks away from both ends.
 const STEP_MARGIN: usize = 10;
-
-/// About its mean: products of large numbers (°C squared) keep their digits.
-fn centred(mut column: Vec<f64>) -> Vec<f64> {
-    let mean = column.iter().sum::<f64>() / column.len() as f64;
-    column.iter_mut().for_each(|value| *value -= mean);
-    column
-}

@@ -309,6 +309,7 @@ fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
     for _ in 0..MAX_ROUNDS {
+        crate::interrupt::check();
         let mut step: [f64; D] =
             std::array::from_fn(|i| -(0..D).map(|j| inverse[i][j] * slope[j]).sum::<f64>());
         let longest = step.iter().fold(0.0_f64, |most, s| most.max(s.abs()));

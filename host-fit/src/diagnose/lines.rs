@@ -81,6 +81,7 @@ pub(crate) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
     while found.len() < MAX_LINES {
+        crate::interrupt::check();
         let series = Series::new(recording, &slow, &error);
         let Some(periodogram) = Periodogram::of(&series) else { break };
         let Some(band) = periodogram.best_band(&taken) else { break };

@@ -9,6 +9,7 @@ use super::blocks::Blocks;
 use super::gls::{Gls, dot};
 use super::levels::{LevelPrior, Regression};
 use crate::recording::Recording;
+use crate::signal::centred;
 
 /// Least score of a lead.
 const ACCEPT: f64 = 12.0;
@@ -234,10 +235,4 @@ fn hats(values: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
             centred(values.iter().map(hat).collect())
         })
         .collect()
-}
-
-fn centred(mut column: Vec<f64>) -> Vec<f64> {
-    let mean = column.iter().sum::<f64>() / column.len() as f64;
-    column.iter_mut().for_each(|value| *value -= mean);
-    column
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::Blocks;
 use super::gls::dot;
-use crate::recording::Recording;
+use crate::recording::{AXES, Recording};
 
 /// Kurtosis of whitened block means beyond that of normal noise, in standard errors (√(24/n)), that counts. A jump now and
 /// then makes a few of them huge. 600 normal values exceed 5.9 once in 10,000 times, 4.2 once in 1000: the second is asked
@@ -57,10 +57,9 @@ pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Miss
 pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside: bool) -> Option<Misshape> {
     let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
     let own = log_level(recording, blocks, target)?;
-    let axes = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
     let mut basis = Basis::default();
     basis.add(&vec![1.0; own.len()]);
-    for axis in axes.into_iter().filter(|axis| *axis != target) {
+    for axis in AXES.into_iter().filter(|axis| *axis != target) {
         if let Some(other) = log_level(recording, blocks, axis) {
             basis.add(&other);
         }
@@ -85,7 +84,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         .collect();
     consider(&slow, None, &basis);
     for channel in recording.channels() {
-        if axes.contains(&channel.name.as_str()) {
+        if AXES.contains(&channel.name.as_str()) {
             continue;
         }
         let held: Vec<f64> = channel.held(0..recording.n_rows()).collect();

@@ -17,6 +17,9 @@ const LENGTH_S: f64 = 10.0;
 /// other stretches is special: one in a thousand does by chance if the channel is normal.
 const SPECIAL: f64 = 3.3;
 
+/// A channel that scatters so many times as much as usual is not worth a word.
+const USUAL: Range<f64> = 0.8..1.25;
+
 /// MAD of a normal distribution in standard deviations.
 const MAD_TO_SD: f64 = 1.4826;
 
@@ -128,7 +131,13 @@ impl Backdrop {
             }
             if let Some((score, usual)) = score(&channel.deviations, index) {
                 let times = channel.deviations[index] / usual;
-                found.push((score, format!("{} scatters {times:.1} times as much as usual", channel.name)));
+                // a difference that is sure and too small to matter
+                if !USUAL.contains(&times) {
+                    found.push((
+                        score,
+                        format!("{} scatters {times:.1} times as much as usual", channel.name),
+                    ));
+                }
             }
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -5,6 +5,7 @@ use std::ops::Range;
 use fos_core::{ModelError, Real};
 
 use crate::feed::Feed;
+use crate::interrupt;
 use crate::model::{HostPredictor, UnitModel};
 
 /// Horizons of the coast error, s.
@@ -72,6 +73,9 @@ pub fn trace<R: Real>(
     let mut block: Option<(HostPredictor<R>, Range<usize>)> = None;
     for row in rows.clone() {
         let at = row - rows.start;
+        if row.is_multiple_of(1024) {
+            interrupt::check();
+        }
         if row % 65_536 == 0 {
             progress(row);
         }
@@ -137,6 +141,29 @@ impl AxisTrace {
 }
 
 impl Trace {
+    /// The part of it in `rows` of the recording, but for what is only looked at as a whole.
+    pub fn within(&self, rows: Range<usize>) -> Self {
+        let start = rows.start.clamp(self.rows.start, self.rows.end);
+        let rows = start..rows.end.clamp(start, self.rows.end);
+        let part = |values: &[f64]| values[rows.start - self.rows.start..rows.end - self.rows.start].to_vec();
+        let clipped = self.stretches.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
+        Self {
+            period_s: self.period_s,
+            stretches: clipped.filter(|stretch| !stretch.is_empty()).collect(),
+            axes: self
+                .axes
+                .iter()
+                .map(|axis| AxisTrace {
+                    measured: part(&axis.measured),
+                    one_step: part(&axis.one_step),
+                    coast: part(&axis.coast),
+                    ..AxisTrace::default()
+                })
+                .collect(),
+            rows,
+        }
+    }
+
     /// The finite values of `series` in stretches without a break: what statistics may be computed over.
     pub fn stretches_of<'s>(&self, series: &'s [f64]) -> Vec<&'s [f64]> {
         let mut parts = Vec::new();

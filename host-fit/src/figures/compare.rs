@@ -1,6 +1,6 @@
 //! The figures of a comparison: model against measurement, from numbers computed before.
 
-use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape};
+use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, named_with_unit};
 use crate::signal::allan::AllanPoint;
 use crate::signal::autocorrelation::Autocorrelation;
 use crate::signal::blocks::Envelope;
@@ -105,8 +105,13 @@ pub fn spectra(
     Figure { title: headline(subject, "which frequencies are left"), panels: vec![panel] }
 }
 
-/// Allan deviation of what was measured and of what is left, with 95 % intervals.
-pub fn allan(subject: Subject, measured: &[AllanPoint], residual: &[AllanPoint]) -> Figure {
+/// Allan deviation of what was measured, of what was predicted and of what is left, with 95 % intervals.
+pub fn allan(
+    subject: Subject,
+    measured: &[AllanPoint],
+    predicted: &[AllanPoint],
+    residual: &[AllanPoint],
+) -> Figure {
     let bars = |label: &str, ink, points: &[AllanPoint]| {
         let bars = points.iter().map(|point| (point.tau_s, point.deviation, point.low, point.high)).collect();
         Series { label: label.into(), ink, shape: Shape::Bars(bars) }
@@ -115,10 +120,37 @@ pub fn allan(subject: Subject, measured: &[AllanPoint], residual: &[AllanPoint])
         title: "bars: 95 % confidence".into(),
         x: Axis::log("Averaging time (s)"),
         y: Axis::log(format!("Allan deviation ({})", subject.unit)),
-        series: vec![bars("measured", Ink::Measured, measured), bars("residual", Ink::Residual, residual)],
+        series: vec![
+            bars("measured", Ink::Measured, measured),
+            bars("predicted", Ink::Predicted, predicted),
+            bars("residual", Ink::Residual, residual),
+        ],
         shading: Shading::default(),
     };
     Figure { title: headline(subject, "noise by averaging time"), panels: vec![panel] }
+}
+
+/// Block means of what is left against those of a channel; `apart` are the blocks of a stretch that is looked at.
+pub fn against(
+    subject: Subject,
+    channel: &str,
+    block_s: f64,
+    usual: Vec<(f64, f64)>,
+    apart: Vec<(f64, f64)>,
+) -> Figure {
+    let dots = |label: &str, ink, dots| Series { label: label.into(), ink, shape: Shape::Points(dots) };
+    let mut series = vec![dots("residual", Ink::Residual, usual)];
+    if !apart.is_empty() {
+        series.push(dots("in the stretch", Ink::Predicted, apart));
+    }
+    let panel = Panel {
+        title: format!("means over {block_s:.1} s"),
+        x: Axis::linear(named_with_unit(channel)),
+        y: Axis::linear(format!("Residual ({})", subject.unit)),
+        series,
+        ..Panel::default()
+    };
+    Figure { title: headline(subject, &format!("what is left against {channel}")), panels: vec![panel] }
 }
 
 fn over_time(
@@ -171,7 +203,7 @@ fn headline(subject: Subject, what: &str) -> String {
 }
 
 /// `rad/s` → `(rad/s)²/Hz`.
-fn per_hertz(unit: &str) -> String {
+pub(super) fn per_hertz(unit: &str) -> String {
     if unit.contains(['/', ' ', '·']) { format!("({unit})²/Hz") } else { format!("{unit}²/Hz") }
 }
 

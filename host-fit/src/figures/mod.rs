@@ -15,6 +15,7 @@ mod canvas;
 pub mod compare;
 pub mod dependence;
 mod draw;
+pub mod evidence;
 mod file;
 mod round_joins;
 mod scale;
@@ -153,4 +154,12 @@ pub struct ShadedRange {
     pub to: f64,
     /// Short text at its top, a number for instance.
     pub mark: String,
+}
+
+/// A column with its unit, as under an axis.
+fn named_with_unit(column: &str) -> String {
+    match crate::model::unit_of(column) {
+        "" => column.to_owned(),
+        unit => format!("{column} ({unit})"),
+    }
 }

@@ -28,8 +28,8 @@ pub struct Foretold {
     pub interval: [f64; 2],
 }
 
-/// Half of the length of a tread.
-const TREAD: f64 = 0.35;
+/// Half of the length of a tread: they meet, so that the risers are upright.
+const TREAD: f64 = 0.5;
 
 /// A line that is level at every step.
 fn treads(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {

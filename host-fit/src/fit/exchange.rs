@@ -50,6 +50,7 @@ pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
             || prune(gram, &mut terms, threshold, exact)
             || exchange(gram, &mut terms, exact, for_each_pair)
         {
+            crate::interrupt::check();
             changed = true;
         }
         if !changed {

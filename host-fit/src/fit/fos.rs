@@ -170,6 +170,7 @@ impl<'g> Expansion<'g> {
         let initial_mse = self.gram.target_variance();
         let noise = rule.noise.threshold(self.gram.rows(), self.gram.size());
         let stopped = loop {
+            crate::interrupt::check();
             let mse = self.mse();
             if mse <= exact {
                 break Stopped::Exact;

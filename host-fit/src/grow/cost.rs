@@ -45,4 +45,15 @@ impl Cost {
             instructions: (PER_FACTOR * factors as f64 + PER_INPUT * inputs as f64).round() as u32,
         }
     }
+
+    /// What this costs more than `base`.
+    pub fn beyond(&self, base: &Self) -> Self {
+        Self {
+            terms: self.terms.saturating_sub(base.terms),
+            factors: self.factors.saturating_sub(base.factors),
+            inputs: self.inputs.saturating_sub(base.inputs),
+            ram_bytes: self.ram_bytes.saturating_sub(base.ram_bytes),
+            instructions: self.instructions.saturating_sub(base.instructions),
+        }
+    }
 }

@@ -2,14 +2,19 @@
 //! part, and judges every step on rows that were not fitted.
 
 mod cost;
+mod evidence;
+mod logs;
 mod stair;
 mod terms;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use fos_core::{Axis, ModelError};
 
 pub use cost::Cost;
+pub use evidence::{Against, Evidence};
+pub use logs::Logs;
 pub use stair::{Added, Growth, GrowthLogs, Left, Stair};
 
 use crate::diagnose::{
@@ -74,7 +79,7 @@ pub enum GrowError {
 #[derive(Debug)]
 pub struct Ground<'a> {
     /// The rows that effects are estimated from.
-    field: Recording,
+    field: Cow<'a, Recording>,
     /// A quiet log.
     quiet: Option<&'a Recording>,
     /// The log that errors are of, and the rows of it that were not fitted.
@@ -95,10 +100,10 @@ impl<'a> Ground<'a> {
         match judged {
             Some(judged) => {
                 let judged_rows = 0..judged.n_rows();
-                Self { field: field.clone(), quiet, judged, judged_rows, library }
+                Self { field: Cow::Borrowed(field), quiet, judged, judged_rows, library }
             }
             None => Self {
-                field: field.first_rows(cut),
+                field: Cow::Owned(field.first_rows(cut)),
                 quiet,
                 judged: field,
                 judged_rows: cut..field.n_rows(),
@@ -120,6 +125,16 @@ impl<'a> Ground<'a> {
     pub fn first_stair(&self, model: &UnitModel) -> Result<Stair, GrowError> {
         let left = self.left(model, &[])?;
         self.stair(self.settled(model.clone(), 0.0)?, None, left)
+    }
+
+    /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis, a column is missing, or fos-core refuses the model.
+    pub fn begin(&self, study: &Study, column: &str, logs: GrowthLogs) -> Result<Growth, GrowError> {
+        let stairs = vec![self.first_stair(&study.axis_alone(column)?)?];
+        Ok(Growth { column: column.to_owned(), logs, stairs })
     }
 
     /// What is missing from the model as it is after `growth`.
@@ -249,7 +264,7 @@ impl<'a> Ground<'a> {
 
     /// The field log without what the model had before it grew, and without `found`.
     fn without_base(&self, growth: &Growth, found: &[Finding]) -> Result<Recording, GrowError> {
-        let mut values = self.field.channel(&growth.column)?.values.clone();
+        let mut values = self.field.channel(&growth.column)?.values.to_vec();
         if let Some(first) = growth.stairs.first() {
             let base = self.physical(&first.model, &self.field)?;
             values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
@@ -383,7 +398,11 @@ fn added_again(effect: &Effect) -> bool {
 }
 
 /// Effects that leave nothing to subtract are told apart by what to do instead.
-fn can_be_added(effect: &Effect) -> Result<(), GrowError> {
+///
+/// # Errors
+///
+/// What to do instead.
+pub fn can_be_added(effect: &Effect) -> Result<(), GrowError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",
         Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",

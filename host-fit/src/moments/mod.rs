@@ -90,6 +90,7 @@ impl Moments {
         let mut sums = vec![0.0; layout.products.len()];
         let mut workspace = Workspace::new(&layout);
         for range in rows.ranges() {
+            crate::interrupt::check();
             if range.len() < layout.max_lag {
                 add_directly(&layout, signals, range, &mut sums);
             } else {

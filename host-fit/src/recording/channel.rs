@@ -1,6 +1,7 @@
 //! One measured quantity.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::unit::Unit;
 
@@ -12,7 +13,8 @@ pub struct Channel {
     /// Unit of the values.
     pub unit: Unit,
     /// One value per row, in `unit`. NaN: the cell is empty or not finite.
-    pub values: Vec<f64>,
+    /// Shared by the recordings that are made of one another.
+    pub values: Arc<Vec<f64>>,
 }
 
 impl Channel {
@@ -46,7 +48,7 @@ mod tests {
     fn a_missing_value_is_held_from_the_row_before_even_outside_the_range() {
         let nan = f64::NAN;
         let values = vec![nan, 1.0, nan, nan, 2.0, nan];
-        let channel = Channel { name: "temp_c".into(), unit: Unit::Celsius, values };
+        let channel = Channel { name: "temp_c".into(), unit: Unit::Celsius, values: values.into() };
         assert_eq!(channel.held(3..6).collect::<Vec<_>>(), [1.0, 2.0, 2.0]);
         let all: Vec<f64> = channel.held(0..6).collect();
         assert!(all[0].is_nan());

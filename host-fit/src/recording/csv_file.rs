@@ -14,12 +14,16 @@ use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::quality::{BadRow, Place, Problem};
 use super::table::{Column, Skipped, Table, check_names, column_name, must_be_numeric};
+use crate::interrupt;
 
 /// Longest line that may still be a row, bytes. Something that has longer lines is no table of samples.
 const LONGEST_LINE: u64 = 1 << 20;
 
 /// What some programs put before the text of a UTF-8 file.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Lines after which a wish to stop is looked for: some milliseconds.
+const LINES_BETWEEN_CHECKS: u64 = 8192;
 
 /// Rows looked at to tell text columns from numbers with rubbish in them.
 const ROWS_TO_CLASSIFY: usize = 1000;
@@ -57,6 +61,9 @@ pub(super) fn read(
     }
     drop(first_lines);
     while lines.next(&mut line)? {
+        if lines.number.is_multiple_of(LINES_BETWEEN_CHECKS) {
+            interrupt::check();
+        }
         take(lines.number, &line)?;
     }
     parser.finish()

@@ -170,6 +170,17 @@ pub enum RecordingError {
         /// The channels of the recording.
         available: Vec<String>,
     },
+    /// Not one of the inertial channels.
+    #[error(
+        "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the axis with --axis COLUMN, or map the columns with --map",
+        left_out(text_columns)
+    )]
+    NoAxes {
+        /// The file.
+        path: String,
+        /// Columns that hold text.
+        text_columns: Vec<String>,
+    },
     /// Columns that do not have one length.
     #[error(
         "column \"{name}\" has {found} values where the first has {expected}; give all columns one length"
@@ -197,4 +208,11 @@ pub enum RecordingError {
 fn suggest(closest: &Option<String>, available: &[String]) -> String {
     let meant = closest.as_ref().map_or(String::new(), |name| format!(" (did you mean \"{name}\"?)"));
     format!("{meant}; there are {}", available.join(", "))
+}
+
+fn left_out(text_columns: &[String]) -> String {
+    match text_columns {
+        [] => String::new(),
+        names => format!("; left out, since they hold text: {}", names.join(", ")),
+    }
 }

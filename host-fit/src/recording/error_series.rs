@@ -54,9 +54,10 @@ impl Recording {
         let name = format!("ref_{}", measured.name);
         let truth = self.channels().iter().find(|channel| channel.name == name);
         let (values, reference) = match truth {
-            None => (measured.values.clone(), Reference::Constant),
+            None => (measured.values.to_vec(), Reference::Constant),
             Some(truth) => {
-                let difference = measured.values.iter().zip(&truth.values).map(|(m, r)| m - r).collect();
+                let difference =
+                    measured.values.iter().zip(truth.values.iter()).map(|(m, r)| m - r).collect();
                 (difference, Reference::Channel(name))
             }
         };

@@ -1,5 +1,7 @@
 //! Several recordings of one unit as one, never spliced: between two of them everything starts anew.
 
+use std::sync::Arc;
+
 use super::{Boundary, Quality, Recording, RecordingError};
 
 /// Rates further apart than this are not of one model, relative. A model's lags are samples: at 2 % they are as far off
@@ -37,7 +39,8 @@ impl Recording {
         }
         for channel in &mut self.channels {
             let other = next.channels.iter().find(|other| same(channel, other));
-            channel.values.extend(other.into_iter().flat_map(|other| &other.values));
+            Arc::make_mut(&mut channel.values)
+                .extend(other.into_iter().flat_map(|other| other.values.iter()));
         }
         // rows count alike, wherever they were recorded
         let weight = next.n_rows() as f64 / (rows + next.n_rows()) as f64;

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
+use std::sync::Arc;
 
 use flate2::bufread::MultiGzDecoder;
 
@@ -15,7 +16,7 @@ use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
 use super::unit::Unit;
-use super::{Recording, csv_file, gaps, parquet_file};
+use super::{AXES, Recording, csv_file, gaps, parquet_file};
 
 /// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
 pub const MAX_UNUSABLE: f64 = 0.05;
@@ -23,9 +24,6 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 /// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
 /// clock of the log is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
-
-/// The inertial channels.
-const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
 /// Bytes read at once.
 const READ_BUFFER: usize = 1 << 18;
@@ -47,28 +45,65 @@ pub struct LoadOptions {
 /// A file that cannot be read or is no log; see [`RecordingError`].
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = path.as_ref();
+    let (table, hashing) = table_of(path, options, Extent::Whole)?;
+    let failed = |source| RecordingError::Io { path: path.to_owned(), action: "read it", source };
+    let source = hashing.finish(path.display().to_string()).map_err(failed)?;
+    assemble(source, table, options)
+}
+
+/// The columns at the begin of a log, before they mean anything.
+///
+/// # Errors
+/// As of [`load`].
+pub(super) fn begin(path: &Path) -> Result<Table, RecordingError> {
+    let (table, _) = table_of(path, &LoadOptions::default(), Extent::Begin)?;
+    refuse_unusable(path, &table, false)?;
+    Ok(table)
+}
+
+/// How much of a file is read.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    Whole,
+    /// The first [`BEGIN_BYTES`] of text, or [`BEGIN_ROWS`] rows.
+    Begin,
+}
+
+/// What is read of a file to see what is in it.
+const BEGIN_BYTES: u64 = 1 << 18;
+const BEGIN_ROWS: usize = 2000;
+
+fn table_of(
+    path: &Path,
+    options: &LoadOptions,
+    extent: Extent,
+) -> Result<(Table, Hashing<File>), RecordingError> {
     let failed = |action| move |source| RecordingError::Io { path: path.to_owned(), action, source };
     let mut file = File::open(path).map_err(failed("open it"))?;
     let mut magic = [0; 4];
     let n = read_up_to(&mut file, &mut magic).map_err(failed("read it"))?;
     file.rewind().map_err(failed("read it"))?;
     let mut hashing = Hashing::new(file.try_clone().map_err(failed("read it"))?);
+    let (map, strict) = (&options.columns, options.strict);
+    let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
 
     let table = if magic[..n] == *b"PAR1" {
-        // read out of order, so not by way of the checksum; the two share one open file
-        io::copy(&mut hashing, &mut io::sink()).map_err(failed("read it"))?;
-        parquet_file::read(path, file, &options.columns)?
+        let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
+        if extent == Extent::Whole {
+            // read out of order, so not by way of the checksum; the two share one open file
+            io::copy(&mut hashing, &mut io::sink()).map_err(failed("read it"))?;
+        }
+        parquet_file::read(path, file, map, rows)?
     } else {
         let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
         if magic.starts_with(&[0x1f, 0x8b]) {
             let text = BufReader::with_capacity(READ_BUFFER, MultiGzDecoder::new(input));
-            csv_file::read(path, text, &options.columns, options.strict)?
+            csv_file::read(path, text.take(longest), map, strict)?
         } else {
-            csv_file::read(path, input, &options.columns, options.strict)?
+            csv_file::read(path, input.take(longest), map, strict)?
         }
     };
-    let source = hashing.finish(path.display().to_string()).map_err(failed("read it"))?;
-    assemble(source, table, options)
+    Ok((table, hashing))
 }
 
 fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
@@ -146,7 +181,8 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     let mut channels = name_channels(columns, map);
     let mut take = |name: &str| {
         let index = channels.iter().position(|channel| channel.name == name)?;
-        Some(channels.remove(index).values)
+        // nobody else has it yet
+        Some(Arc::unwrap_or_clone(channels.remove(index).values))
     };
     let stamps = take("t_s");
     // a cell that does not say still does not count as still
@@ -250,13 +286,17 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
         let Some((last, others)) = mappings.split_last() else {
             // a mapped channel takes the place of a column of its name
             if map.column_of(&name) == name {
-                channels.push(Channel { unit: Unit::of_column(&name), name, values });
+                channels.push(Channel { unit: Unit::of_column(&name), name, values: values.into() });
             }
             continue;
         };
         let mut add = |mapping: &super::column_map::Mapping, mut values: Vec<f64>| {
             mapping.conversion.apply(&mut values);
-            channels.push(Channel { name: mapping.target.clone(), unit: mapping.unit, values });
+            channels.push(Channel {
+                name: mapping.target.clone(),
+                unit: mapping.unit,
+                values: values.into(),
+            });
         };
         others.iter().for_each(|mapping| add(mapping, values.clone()));
         add(last, values);

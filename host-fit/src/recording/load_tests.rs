@@ -116,7 +116,7 @@ fn columns_are_mapped_and_converted() {
     assert!((recording.channel("gx_rads").unwrap().values[1] - 2_f64.to_radians()).abs() < 1e-15);
     assert!((recording.channel("ax_mps2").unwrap().values[2] + 9.80665).abs() < 1e-15);
     assert!((recording.channel("temp_c").unwrap().values[0] - 100.0).abs() < 1e-12);
-    assert_eq!(recording.channel("raw").unwrap().values, [1000.0, 2000.0, 3000.0]);
+    assert_eq!(**recording.channel("raw").unwrap().values, [1000.0, 2000.0, 3000.0]);
     assert_eq!(recording.quality.text_columns, ["note"]);
     assert!((recording.rate.true_hz - 100.0).abs() < 1e-9);
 }
@@ -273,7 +273,7 @@ fn remarks_after_many_empty_cells_are_text() {
 fn what_spreadsheets_and_loggers_do_to_csv_is_read() {
     let text = "\u{feff}# made by x\r\n\"t_s\", gx_rads ,\r\n\r\n0.0, 1 ,\r\n0.1,\"2\",\r\n0.2,3\t,\r\n";
     let recording = load_text(text).unwrap();
-    assert_eq!(recording.channel("gx_rads").unwrap().values, [1.0, 2.0, 3.0]);
+    assert_eq!(**recording.channel("gx_rads").unwrap().values, [1.0, 2.0, 3.0]);
 }
 
 #[test]

@@ -25,9 +25,11 @@ mod csv_file;
 mod error;
 mod error_series;
 mod gaps;
+mod guess;
 mod join;
 mod load;
 mod parquet_file;
+mod preview;
 mod quality;
 mod rate;
 mod source;
@@ -51,11 +53,15 @@ pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use gaps::{Boundary, Segment};
 pub use load::{LoadOptions, MAX_UNUSABLE, load};
+pub use preview::{ColumnPreview, Preview, preview};
 pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{Rate, Stamps};
 pub use source::Source;
 pub use unit::Unit;
 pub use write::write_columns;
+
+/// The inertial channels, in their order everywhere.
+pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
 #[derive(Clone, Debug)]
@@ -98,6 +104,20 @@ impl Recording {
         })
     }
 
+    /// The inertial channels that it has.
+    ///
+    /// # Errors
+    /// It has none.
+    pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
+        let axes = AXES.into_iter().filter(|name| self.channel(name).is_ok());
+        let axes: Vec<String> = axes.map(str::to_owned).collect();
+        if axes.is_empty() {
+            let text_columns = self.quality.text_columns.clone();
+            return Err(RecordingError::NoAxes { path: self.paths(), text_columns });
+        }
+        Ok(axes)
+    }
+
     /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment
     /// that the cut falls into is cut in two. `fraction` is held to 0 … 1.
     pub fn split(&self, fraction: f64) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
@@ -118,7 +138,7 @@ impl Recording {
         Self {
             sources: self.sources.clone(),
             time_s: first(&self.time_s),
-            channels: channels.map(|c| Channel { values: first(&c.values), ..c.clone() }).collect(),
+            channels: channels.map(|c| Channel { values: first(&c.values).into(), ..c.clone() }).collect(),
             segments: segments
                 .map(|s| Segment { rows: s.rows.start..s.rows.end.min(rows), ..s.clone() })
                 .collect(),
@@ -132,7 +152,7 @@ impl Recording {
     pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
         let mut other = self.clone();
         if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
-            channel.values = values;
+            channel.values = values.into();
         }
         other
     }

@@ -30,11 +30,12 @@ enum Kind {
     Labels(HashMap<String, f64>),
 }
 
-/// Reads a whole file.
+/// Reads a whole file, or its first `rows`.
 pub(super) fn read(
     path: &Path,
     input: impl ChunkReader + 'static,
     map: &ColumnMap,
+    rows: Option<usize>,
 ) -> Result<Table, RecordingError> {
     let failed = |source: ParquetError| RecordingError::Parquet { path: path.to_owned(), source };
     let builder = ParquetRecordBatchReaderBuilder::try_new(input).map_err(failed)?;
@@ -69,9 +70,15 @@ pub(super) fn read(
 
     // columns that are left out are not even decoded
     let projection = ProjectionMask::roots(builder.parquet_schema(), selected);
-    let reader = builder.with_projection(projection).with_batch_size(BATCH_ROWS).build().map_err(failed)?;
+    let builder = builder.with_projection(projection).with_batch_size(BATCH_ROWS);
+    let builder = match rows {
+        Some(rows) => builder.with_limit(rows),
+        None => builder,
+    };
+    let reader = builder.build().map_err(failed)?;
     let mut empty = vec![0; table.columns.len()];
     for batch in reader {
+        crate::interrupt::check();
         let batch = batch.map_err(|error| failed(error.into()))?;
         for (i, array) in batch.columns().iter().enumerate() {
             append(array, &mut kinds[i], &mut table.columns[i].values)

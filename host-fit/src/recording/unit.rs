@@ -128,6 +128,11 @@ pub(super) fn parse_unit(spelling: &str) -> Option<(Unit, Affine)> {
     Some((*unit, Affine { scale: *scale, offset: *offset }))
 }
 
+/// The first spelling of every unit that converts to `unit`, itself first.
+pub(super) fn spellings_of(unit: Unit) -> Vec<&'static str> {
+    KNOWN.iter().filter(|(_, other, ..)| *other == unit).map(|(names, ..)| names[0]).collect()
+}
+
 /// The first spelling of every unit known here, for messages and help.
 pub(super) fn known_units() -> String {
     KNOWN.iter().map(|(names, ..)| names[0]).collect::<Vec<_>>().join(", ")

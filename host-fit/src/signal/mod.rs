@@ -45,6 +45,13 @@ pub fn mean(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().sum::<f64>() / count as f64
 }
 
+/// The samples about their mean: products of large numbers (°C squared) keep their digits.
+pub(crate) fn centred(mut samples: Vec<f64>) -> Vec<f64> {
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    samples.iter_mut().for_each(|sample| *sample -= mean);
+    samples
+}
+
 /// Mean square about the mean of all samples (divided by N, not N − 1); 0 where there are none.
 ///
 /// ```

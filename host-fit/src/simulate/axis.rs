@@ -31,7 +31,7 @@ impl Axis {
 
     /// Its column in a log.
     pub fn column(self) -> &'static str {
-        ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"][self as usize]
+        crate::recording::AXES[self as usize]
     }
 
     /// The axis of this column, or of its first two letters.

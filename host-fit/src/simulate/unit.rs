@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::noise::{Noise, NoiseSizes};
 
 /// Columns of the axes.
-pub(super) const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+pub(super) use crate::recording::AXES;
 
 const GRAVITY: f64 = 9.80665;
 const DPS: f64 = std::f64::consts::PI / 180.0;

@@ -1,0 +1,44 @@
+//! `man`: manual pages, one for each subcommand.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+use clap_mangen::Man as Page;
+
+use super::Cli;
+use super::output::{Failure, Written, print_written};
+use crate::file::write_atomically;
+
+/// Write manual pages, one for each subcommand
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit man ~/.local/share/man/man1 && man host-fit-add")]
+pub(super) struct Man {
+    /// The folder; made if it is not there
+    folder: PathBuf,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Man {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        std::fs::create_dir_all(&self.folder)
+            .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
+        let mut all = Cli::command();
+        all.build();
+        let pages = all.get_subcommands().filter(|command| command.get_name() != "help").cloned();
+        let pages = pages.map(|command| {
+            let name = format!("host-fit-{}", command.get_name());
+            command.name(name)
+        });
+        let mut written = Vec::new();
+        for command in std::iter::once(all.clone()).chain(pages) {
+            let path = self.folder.join(format!("{}.1", command.get_name()));
+            let mut text = Vec::new();
+            Page::new(command).render(&mut text)?;
+            write_atomically(&path, &text)?;
+            written.push(Written { path: path.display().to_string(), what: "manual page".to_owned() });
+        }
+        print_written(&written, self.json)
+    }
+}

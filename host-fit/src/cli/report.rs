@@ -1,0 +1,78 @@
+//! `report`: a study in one file for people.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::arguments::Reading;
+use super::growing::{LogArguments, column_of, read_logs};
+use super::output::{Failure, print_json, spinner};
+use crate::effects::Library;
+use crate::file::write_atomically;
+use crate::report::{Report as Content, html, markdown};
+use crate::study::Study;
+
+/// Write what a study says into one file: model against measurement, what is missing, how the error fell
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit report unit.json --from field.parquet --axis gx -o report.html")]
+pub(super) struct Report {
+    /// The study
+    study: PathBuf,
+    /// The axis; by default those that effects were added to, else the study's only one
+    #[arg(long)]
+    axis: Option<String>,
+    #[command(flatten)]
+    logs: LogArguments,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE")]
+    effects: Vec<PathBuf>,
+    /// The file to write
+    #[arg(short, long, default_value = "report.html")]
+    output: PathBuf,
+    /// Its form; by default what its name ends in
+    #[arg(long)]
+    format: Option<Format>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print the content as JSON and write nothing
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// One page that needs no network
+    Html,
+    /// Text
+    Md,
+}
+
+impl Report {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
+        let study = Study::read(&self.study)?;
+        let grown: Vec<String> = study.growth.iter().map(|growth| growth.column.clone()).collect();
+        let columns = match (&self.axis, grown.is_empty()) {
+            (None, false) => grown,
+            (axis, _) => vec![column_of(&study, axis.as_deref())?],
+        };
+        let logs = read_logs(&self.logs, &self.reading, &study, &columns[0])?;
+        let spinner = spinner("examining");
+        let content = Content::of(&study, &columns, &logs, &library, |what| {
+            spinner.set_message(what.to_owned());
+        })?;
+        spinner.finish_and_clear();
+        if self.json {
+            return print_json(&content);
+        }
+        let ending = self.output.extension().is_some_and(|ending| ending == "md");
+        let text = match self.format {
+            Some(Format::Md) => markdown(&content)?,
+            None if ending => markdown(&content)?,
+            _ => html(&content)?,
+        };
+        write_atomically(&self.output, text.as_bytes())?;
+        println!("{}: {} axes, {} kB", self.output.display(), content.axes.len(), text.len().div_ceil(1000));
+        Ok(())
+    }
+}

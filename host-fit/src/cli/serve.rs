@@ -1,0 +1,104 @@
+//! `serve`: the workbench, in the browser.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::Reading;
+use super::output::{Failure, print_warning};
+use crate::effects::Library;
+use crate::workbench::{Folders, Server};
+
+/// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
+///
+/// The page is on this machine only and needs no network. Logs may be read below the current folder, below the folders that are
+/// given, and beside the log that is given.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: host-fit serve field.parquet --quiet quiet.parquet\nExample: host-fit serve logs"
+)]
+pub(super) struct Serve {
+    /// A log to open, or folders with logs
+    #[arg(value_name = "LOG|FOLDER")]
+    of: Vec<PathBuf>,
+    /// A quiet log of the same unit
+    #[arg(long, value_name = "LOG")]
+    quiet: Option<PathBuf>,
+    /// A later log, that the errors are of
+    #[arg(long, value_name = "LOG")]
+    judge: Option<PathBuf>,
+    /// Port; 0 for any that is free
+    #[arg(long, default_value_t = 4180)]
+    port: u16,
+    /// Address to listen at. Whoever can reach another than the default can read every log that may be opened here
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    listen: IpAddr,
+    /// Folder for dropped files and the example; made if it is not there
+    #[arg(long, default_value = "fos-workbench")]
+    folder: PathBuf,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE")]
+    effects: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl Serve {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
+        if self.listen.is_unspecified() {
+            return Err(format!(
+                "--listen {}: requests are answered under the address that was named, and this is none\nhelp: name the one that others use, as --listen 192.168.1.5",
+                self.listen
+            )
+            .into());
+        }
+        let (folders, logs): (Vec<PathBuf>, Vec<PathBuf>) =
+            self.of.iter().cloned().partition(|path| path.is_dir());
+        let [field] = match &logs[..] {
+            [] => [None],
+            [field] => [Some(field)],
+            _ => {
+                return Err("several logs\nhelp: one log with --quiet and --judge, or their folder".into());
+            }
+        };
+        let mut readable = vec![PathBuf::from(".")];
+        readable.extend(folders);
+        let beside = [field, self.quiet.as_ref(), self.judge.as_ref()].into_iter().flatten();
+        readable.extend(beside.map(|log| match log.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        }));
+        let folders = Folders::new(&readable, &self.folder)
+            .map_err(|error| format!("{}: cannot be opened: {error}", self.folder.display()))?;
+        let columns = self.reading.specs()?;
+        let text = |path: &PathBuf| path.display().to_string();
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+        runtime.block_on(async {
+            let server = Server::bind(self.listen, self.port, folders, library).await?;
+            if let Some(field) = field {
+                let (quiet, judged) = (self.quiet.as_ref().map(text), self.judge.as_ref().map(text));
+                server.open(text(field), quiet, judged, columns, self.reading.rate)?;
+            }
+            println!("workbench at http://{}/", server.address());
+            if !self.listen.is_loopback() {
+                print_warning(&format!(
+                    "listening at {}: whoever reaches it can read the logs here",
+                    self.listen
+                ));
+            }
+            eprintln!("Ctrl-C ends it; what is not taken along by then is gone");
+            let end = async {
+                if tokio::signal::ctrl_c().await.is_err() {
+                    // it cannot be waited for: the process ends as any other does
+                    std::future::pending::<()>().await;
+                }
+            };
+            Ok::<(), Failure>(server.run(end).await?)
+        })?;
+        // a computation that still runs is not waited for
+        runtime.shutdown_background();
+        Ok(())
+    }
+}

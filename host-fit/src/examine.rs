@@ -1,0 +1,108 @@
+//! One axis examined on the log where its model fails: the model as it is now against the measurements.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::compare::{AxisComparison, CompareError, compare};
+use crate::dependence::Trained;
+use crate::evaluate::Trace;
+use crate::grow::{Growth, Logs};
+use crate::model::UnitModel;
+use crate::recording::Recording;
+use crate::rest;
+use crate::study::Study;
+
+/// An axis against the field log.
+#[derive(Debug, Clone, Serialize)]
+pub struct Examination {
+    /// First and last time stamp of the judged rows, s.
+    pub judged_s: (f64, f64),
+    /// The axis.
+    pub comparison: AxisComparison,
+    /// What is left, row by row.
+    #[serde(skip)]
+    pub trace: Trace,
+}
+
+/// Judges the model of `growth`, as it is now, on the field log, on rows that the study was not fitted to.
+///
+/// # Errors
+///
+/// As for [`compare`].
+pub fn examine(
+    study: &Study,
+    growth: &Growth,
+    logs: &Logs,
+    progress: impl FnMut(&str),
+) -> Result<Examination, CompareError> {
+    let model: &UnitModel = growth.last().map_or(&study.model, |last| &last.model);
+    let report = study.axes.iter().find(|report| report.column == growth.column);
+    let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
+    let is_own = |log: &Recording| {
+        log.sources.iter().map(|source| &source.sha256).eq(study.data.sources.iter().map(|own| &own.sha256))
+    };
+    let field_rest = rest::find(&logs.field);
+    let quiet = logs.quiet.as_ref().filter(|quiet| is_own(quiet)).map(|quiet| (quiet, rest::find(quiet)));
+    let trained_rows = 0..study.data.trained_rows;
+    let own_field = is_own(&logs.field);
+    let trained = match &quiet {
+        Some((recording, rest)) => Some(Trained { recording, rest, rows: trained_rows }),
+        None => {
+            own_field.then_some(Trained { recording: &logs.field, rest: &field_rest, rows: trained_rows })
+        }
+    };
+    let rows = if own_field { study.data.trained_rows } else { 0 }..logs.field.n_rows();
+    let (comparison, trace) =
+        compare(model, &lag_1, &logs.field, &field_rest, rows, trained.as_ref(), progress)?;
+    let judged_s = comparison.judged_s;
+    let mut trace = trace;
+    for axis in &mut trace.axes {
+        // its error is in the comparison; nothing shows it row by row
+        axis.coast_whole = Vec::new();
+    }
+    // a growth is of one axis
+    let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;
+    Ok(Examination { judged_s, comparison, trace })
+}
+
+/// The command lines that do the same as was done to `study` with these logs, looking at `columns`.
+pub fn command_lines(study: &Study, logs: &Logs, columns: &[&str]) -> Vec<String> {
+    let path = |log: &Recording| quoted(&log.paths());
+    let maps: String = logs.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
+    let rate = logs.rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
+    let read = format!("{maps}{rate}");
+    let fitted: Vec<String> = study.data.sources.iter().map(|source| quoted(&source.path)).collect();
+    let field = path(&logs.field);
+    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
+    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
+    let mut lines = vec![
+        format!("host-fit fit {} --axis all{read} -o unit.json", fitted.join(" ")),
+        format!("host-fit compare unit.json {field}{read} --figures figures"),
+    ];
+    for column in columns {
+        let on = format!("--axis {column} --from {field}{quiet}{judge}{read}");
+        lines.push(format!("host-fit diagnose unit.json {on}"));
+        for added in study.growth_of(column).into_iter().flat_map(Growth::added) {
+            lines.push(format!("host-fit add unit.json {} {on}", added.effect.id));
+        }
+    }
+    let last = logs.judged.as_ref().map_or(field, path);
+    lines.push("host-fit export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
+    lines.push(format!("host-fit replay unit.fosm {last}{read}"));
+    lines
+}
+
+/// As a POSIX shell takes it: in quotes if it holds anything but plain letters.
+pub(crate) fn quoted(text: &str) -> String {
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./=:,+@%".contains(letter);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return text.to_owned();
+    }
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
+/// The name of a file without its folders.
+pub(crate) fn file_name(path: &str) -> String {
+    Path::new(path).file_name().map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}

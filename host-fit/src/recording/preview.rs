@@ -1,0 +1,108 @@
+//! What a file seems to hold, before it is read as a log.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::AXES;
+use super::error::RecordingError;
+use super::guess::{Guess, guesses};
+use super::load;
+use super::unit::{Unit, spellings_of};
+
+/// Values of each column that are shown.
+const SHOWN: usize = 4;
+
+/// Channels beside the inertial ones that effects know.
+const OTHERS: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"];
+
+/// The columns of a file, and what they may be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Preview {
+    /// In the order of the file.
+    pub columns: Vec<ColumnPreview>,
+    /// Channels that a column can be.
+    pub targets: Vec<String>,
+    /// Units that each of them may come in, the SI unit first.
+    pub units: BTreeMap<String, Vec<&'static str>>,
+}
+
+/// A column of a file, and what it may be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColumnPreview {
+    /// Its name.
+    pub name: String,
+    /// Its first values.
+    pub values: Vec<String>,
+    /// The channel that it seems to be.
+    pub target: Option<String>,
+    /// The unit that it seems to be in.
+    pub unit: Option<String>,
+    /// The column map entry for that; none where the name says all.
+    pub spec: Option<String>,
+    /// What the guess rests on.
+    pub why: String,
+    /// Whether its name alone settles it.
+    pub sure: bool,
+}
+
+/// Looks at the begin of a file.
+///
+/// # Errors
+///
+/// It cannot be read or is no log.
+pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
+    let table = load::begin(path)?;
+    let columns: Vec<(&str, &[f64])> =
+        table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
+    let guessed = guesses(&columns);
+    let columns = columns.iter().zip(guessed).map(|((name, values), guess)| {
+        let values = values.iter().take(SHOWN).map(|value| match value.is_nan() {
+            true => "–".to_owned(),
+            false => value.to_string(),
+        });
+        let (name, values) = ((*name).to_owned(), values.collect());
+        match guess {
+            None => ColumnPreview {
+                name,
+                values,
+                target: None,
+                unit: None,
+                spec: None,
+                why: "not a channel that is known: kept under its own name".to_owned(),
+                sure: true,
+            },
+            Some(Guess { target, unit, why, sure }) => {
+                let own = target == name && unit.is_none_or(|unit| unit == Unit::of_column(&target).symbol());
+                let unit_part = unit.map_or_else(String::new, |unit| format!(":{unit}"));
+                let spec = (!own).then(|| format!("{target}={name}{unit_part}"));
+                ColumnPreview {
+                    unit: Some(unit.unwrap_or(Unit::of_column(&target).symbol()).to_owned()),
+                    target: Some(target),
+                    name,
+                    values,
+                    spec,
+                    why,
+                    sure,
+                }
+            }
+        }
+    });
+    let text = table.quality.text_columns.iter().map(|name| ColumnPreview {
+        name: name.clone(),
+        values: Vec::new(),
+        target: None,
+        unit: None,
+        spec: None,
+        why: "holds text: left out".to_owned(),
+        sure: true,
+    });
+    let columns: Vec<ColumnPreview> = columns.chain(text).collect();
+    let references = AXES.iter().map(|axis| format!("ref_{axis}"));
+    let targets = ["t_s"].iter().chain(&AXES).chain(&OTHERS).map(|name| (*name).to_owned());
+    let targets: Vec<String> =
+        targets.chain(references).chain(["still".to_owned(), "segment".to_owned()]).collect();
+    let units = targets.iter().map(|target| (target.clone(), spellings_of(Unit::of_column(target))));
+    Ok(Preview { columns, units: units.collect(), targets })
+}

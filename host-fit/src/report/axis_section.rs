@@ -1,0 +1,136 @@
+//! What there is to say of one axis, in the order of thought: where the model fails, what is missing, how the error falls.
+
+use serde::Serialize;
+
+use super::offer::{Offer, offers};
+use crate::candidates::monomial_text_named;
+use crate::compare::AxisComparison;
+use crate::diagnose::Diagnosis;
+use crate::effects::Library;
+use crate::examine::Examination;
+use crate::figures::Figure;
+use crate::grow::{GrowError, Growth, Logs};
+use crate::model::unit_of;
+use crate::plots::{in_words, staircase_of};
+use crate::study::Study;
+
+/// One axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisSection {
+    /// The column.
+    pub column: String,
+    /// In words.
+    pub label: String,
+    /// Unit.
+    pub unit: String,
+    /// Its model as it is now.
+    pub model: Option<ModelSummary>,
+    /// The model as it is now against the field log.
+    pub comparison: Option<AxisComparison>,
+    /// First and last time stamp that the comparison is of, s.
+    pub judged_s: Option<(f64, f64)>,
+    /// What is missing from the model as it is now.
+    pub diagnosis: Option<Diagnosis>,
+    /// One for each finding of the diagnosis.
+    pub offers: Vec<Offer>,
+    /// Every step of the model, with its errors.
+    pub growth: Option<Growth>,
+    /// The same as a figure.
+    pub staircase: Option<Figure>,
+}
+
+/// The model of an axis in words.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelSummary {
+    /// Terms.
+    pub terms: usize,
+    /// Candidates that were searched.
+    pub candidates: usize,
+    /// By which method.
+    pub method: String,
+    /// Why the search stopped.
+    pub stopped: String,
+    /// Terms of the stochastic part, in the order of their selection.
+    pub monomials: Vec<String>,
+    /// Terms of the physical part.
+    pub physical: Vec<PhysicalTerm>,
+}
+
+/// A term of the physical part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhysicalTerm {
+    /// The product of inputs.
+    pub term: String,
+    /// Coefficient, unit of the axis per unit of the product.
+    pub coefficient: f64,
+}
+
+impl AxisSection {
+    /// An axis of which nothing is known yet.
+    pub fn empty(column: &str) -> Self {
+        Self {
+            column: column.to_owned(),
+            label: in_words(column).to_owned(),
+            unit: unit_of(column).to_owned(),
+            model: None,
+            comparison: None,
+            judged_s: None,
+            diagnosis: None,
+            offers: Vec::new(),
+            growth: None,
+            staircase: None,
+        }
+    }
+
+    /// The axis of a study as it has grown, without comparison and diagnosis.
+    pub fn of(study: &Study, growth: &Growth) -> Self {
+        Self {
+            model: ModelSummary::of(study, growth),
+            staircase: Some(staircase_of(growth)),
+            growth: Some(growth.clone()),
+            ..Self::empty(&growth.column)
+        }
+    }
+
+    /// With the model against the field log.
+    pub fn examined(mut self, examination: &Examination) -> Self {
+        self.comparison = Some(examination.comparison.clone());
+        self.judged_s = Some(examination.judged_s);
+        self
+    }
+
+    /// With what is missing from the model of `growth`.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, or the log is too short.
+    pub fn diagnosed(mut self, growth: &Growth, logs: &Logs, library: &Library) -> Result<Self, GrowError> {
+        let ground = logs.ground(library);
+        let diagnosis = ground.diagnose(growth)?;
+        self.offers = offers(&ground, growth, &diagnosis, library, &logs.field)?;
+        self.diagnosis = Some(diagnosis);
+        Ok(self)
+    }
+}
+
+impl ModelSummary {
+    fn of(study: &Study, growth: &Growth) -> Option<Self> {
+        let report = study.axes.iter().find(|report| report.column == growth.column)?;
+        let model = &growth.last()?.model;
+        let axis = model.axes.first()?;
+        let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
+        let text = |factors: &[fos_core::Factor]| monomial_text_named(factors, "r", &names);
+        let physical = axis.physical.iter().map(|term| PhysicalTerm {
+            term: text(&term.factors),
+            coefficient: term.coefficient * axis.parameters.scale,
+        });
+        Some(Self {
+            terms: model.n_terms(),
+            candidates: report.candidates,
+            method: report.method.to_string(),
+            stopped: report.stopped.clone(),
+            monomials: axis.stochastic.iter().map(|term| text(&term.factors)).collect(),
+            physical: physical.collect(),
+        })
+    }
+}

@@ -1,0 +1,72 @@
+//! A log in a few facts.
+
+use serde::Serialize;
+
+use crate::recording::Recording;
+use crate::rest::{self, KnownBy};
+
+/// A log in a few facts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LogSummary {
+    /// Where it was read from.
+    pub path: String,
+    /// Digest of the file.
+    pub sha256: String,
+    /// Rows.
+    pub rows: usize,
+    /// From the first sample to the last, s.
+    pub seconds: f64,
+    /// First stamp, s.
+    pub from_s: f64,
+    /// Last stamp, s.
+    pub to_s: f64,
+    /// True sample rate, Hz.
+    pub rate_hz: f64,
+    /// Stretches without gaps.
+    pub segments: usize,
+    /// Samples missing between them.
+    pub missing: u64,
+    /// Share of the rows in which the unit is still.
+    pub still_share: f64,
+    /// How that is known.
+    pub still_known_by: KnownBy,
+    /// Its channels.
+    pub columns: Vec<ColumnSummary>,
+    /// What was wrong with it, a line each.
+    pub quality: Vec<String>,
+}
+
+/// A channel of a log.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ColumnSummary {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+impl LogSummary {
+    /// Of a recording.
+    pub fn of(log: &Recording) -> Self {
+        let rest = rest::find(log);
+        let still = rest.still.iter().filter(|still| **still).count();
+        let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
+        let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
+        let column = |name: &String| ColumnSummary { name: name.clone(), unit: crate::model::unit_of(name) };
+        Self {
+            path: log.paths(),
+            sha256: log.sources.first().map_or_else(String::new, |source| source.sha256.clone()),
+            rows: log.n_rows(),
+            seconds: to_s - from_s,
+            from_s,
+            to_s,
+            rate_hz: log.rate.true_hz,
+            segments: log.segments.len(),
+            missing: log.segments.iter().map(|segment| segment.missing_before).sum(),
+            still_share: still as f64 / log.n_rows().max(1) as f64,
+            still_known_by: rest.known_by,
+            columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
+            quality: log.quality.to_string().lines().map(str::to_owned).collect(),
+        }
+    }
+}

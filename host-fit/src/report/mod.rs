@@ -1,0 +1,129 @@
+//! A report: what a study says of its axes, as plain data; [`html`] and [`markdown`] only render it.
+
+mod axis_section;
+mod log_summary;
+mod offer;
+mod render;
+
+use serde::Serialize;
+
+pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
+pub use log_summary::{ColumnSummary, LogSummary};
+pub use offer::{Card, Offer, offers};
+pub use render::{RenderError, html, markdown};
+
+use crate::compare::CompareError;
+use crate::effects::Library;
+use crate::examine::{command_lines, examine};
+use crate::figures::Figure;
+use crate::grow::{GrowError, Logs};
+use crate::plots::View;
+use crate::study::{Study, Tool};
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The model cannot be compared with the log.
+    #[error(transparent)]
+    Compare(Box<CompareError>),
+    /// What is missing cannot be said.
+    #[error(transparent)]
+    Grow(Box<GrowError>),
+}
+
+// boxed, as both carry names and paths: the way of a success is not to be as wide as that of an error
+impl From<CompareError> for ReportError {
+    fn from(error: CompareError) -> Self {
+        Self::Compare(Box::new(error))
+    }
+}
+
+impl From<GrowError> for ReportError {
+    fn from(error: GrowError) -> Self {
+        Self::Grow(Box::new(error))
+    }
+}
+
+/// What a study says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// The program that wrote it.
+    pub tool: Tool,
+    /// Where the model comes from, a line each.
+    pub provenance: Vec<String>,
+    /// The log where the model fails.
+    pub field: LogSummary,
+    /// The quiet log.
+    pub quiet: Option<LogSummary>,
+    /// The log that errors are of.
+    pub judged: Option<LogSummary>,
+    /// The axes.
+    pub axes: Vec<ReportAxis>,
+    /// The command lines that do the same.
+    pub commands: Vec<String>,
+    /// The settings of the fit, as in the study.
+    pub settings: serde_json::Value,
+}
+
+/// An axis with its figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReportAxis {
+    /// What there is to say.
+    pub section: AxisSection,
+    /// Measured against predicted, and where it fails.
+    pub figures: Vec<Figure>,
+}
+
+impl Report {
+    /// Examines and diagnoses `columns` of a study. `progress` is told what is being done.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, a log is too short.
+    pub fn of(
+        study: &Study,
+        columns: &[String],
+        logs: &Logs,
+        library: &Library,
+        mut progress: impl FnMut(&str),
+    ) -> Result<Self, ReportError> {
+        let ground = logs.ground(library);
+        let mut study = study.clone();
+        let mut axes = Vec::new();
+        for column in columns {
+            let growth = match study.growth_of(column) {
+                Some(growth) => growth.clone(),
+                None => ground.begin(&study, column, logs.named(ground.fitted_rows()))?,
+            };
+            progress(&format!("{column}: comparing"));
+            let examination = examine(&study, &growth, logs, |_| {})?;
+            progress(&format!("{column}: what is missing"));
+            let section = AxisSection::of(&study, &growth).examined(&examination);
+            let section = section.diagnosed(&growth, logs, library)?;
+            let view = View {
+                axis: &examination.comparison,
+                trace: &examination.trace,
+                index: 0,
+                recording: &logs.field,
+            };
+            axes.push(ReportAxis { section, figures: view.all() });
+            study.keep(growth);
+        }
+        Ok(Self::put_together(&study, axes, logs))
+    }
+
+    /// A report of axes that were examined before.
+    pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs) -> Self {
+        let columns: Vec<&str> = axes.iter().map(|axis| axis.section.column.as_str()).collect();
+        Self {
+            tool: Tool::this(),
+            provenance: study.provenance().lines().map(str::to_owned).collect(),
+            field: LogSummary::of(&logs.field),
+            quiet: logs.quiet.as_ref().map(LogSummary::of),
+            judged: logs.judged.as_ref().map(LogSummary::of),
+            commands: command_lines(study, logs, &columns),
+            axes,
+            settings: serde_json::to_value(&study.settings).unwrap_or_default(),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! What a diagnosis offers to add: the physics in plain language, what it costs, what speaks for it.
+
+use serde::Serialize;
+
+use crate::diagnose::{Diagnosis, Finding};
+use crate::effects::{Band, Effect, Library};
+use crate::figures::Figure;
+use crate::figures::compare::Subject;
+use crate::figures::evidence::{evidence, line_evidence};
+use crate::grow::{Cost, Ground, GrowError, Growth, can_be_added};
+use crate::model::unit_of;
+use crate::plots::in_words;
+use crate::recording::Recording;
+use crate::signal::spectrum::welch;
+
+/// An effect that was found, to be added or not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Offer {
+    /// Its identifier.
+    pub effect: String,
+    /// Whether something of it can be taken off sample by sample.
+    pub can_be_added: bool,
+    /// What to do instead.
+    pub why_not: Option<String>,
+    /// The physics.
+    pub card: Card,
+    /// What the model would cost more on the device.
+    pub cost: Option<Cost>,
+    /// What speaks for it.
+    pub evidence: Option<Figure>,
+}
+
+/// An effect in plain language: texts of the library.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Card {
+    /// Identifier.
+    pub id: String,
+    /// Name, as in a sentence.
+    pub name: String,
+    /// Where it shows.
+    pub band: Band,
+    /// What happens in the sensor.
+    pub mechanism: String,
+    /// The error it makes.
+    pub equation: String,
+    /// How large it is on phone-class parts.
+    pub typical_size: String,
+    /// Where that comes from.
+    pub source: String,
+    /// Which experiment shows it.
+    pub experiment: String,
+    /// What in a plot gives it away.
+    pub gives_away: String,
+    /// What it costs on the device, in words.
+    pub device: String,
+}
+
+impl Card {
+    /// Of an effect.
+    pub fn of(effect: &Effect) -> Self {
+        Self {
+            id: effect.id.clone(),
+            name: effect.name.clone(),
+            band: effect.band,
+            mechanism: effect.mechanism.clone(),
+            equation: effect.equation.clone(),
+            typical_size: effect.typical_size.clone(),
+            source: effect.source.clone(),
+            experiment: effect.experiment.clone(),
+            gives_away: effect.gives_away.clone(),
+            device: effect.device.clone(),
+        }
+    }
+}
+
+/// One offer for each finding of a diagnosis of `growth`, in their order. `field` is the log of the diagnosis.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn offers(
+    ground: &Ground<'_>,
+    growth: &Growth,
+    diagnosis: &Diagnosis,
+    library: &Library,
+    field: &Recording,
+) -> Result<Vec<Offer>, GrowError> {
+    let offer = |finding: &Finding| {
+        let effect = library.get(&finding.effect)?;
+        let added = can_be_added(effect);
+        let price = if added.is_ok() { ground.price(growth, finding)? } else { None };
+        Ok(Offer {
+            effect: finding.effect.clone(),
+            can_be_added: added.is_ok() && !finding.correction.is_empty(),
+            why_not: match added {
+                Err(GrowError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
+                Err(other) => Some(other.to_string()),
+                Ok(()) if finding.correction.is_empty() => Some("nothing of it can be taken off".to_owned()),
+                Ok(()) => None,
+            },
+            card: Card::of(effect),
+            cost: price,
+            evidence: picture(ground, growth, diagnosis, finding, effect, field)?,
+        })
+    };
+    diagnosis.findings.iter().map(offer).collect()
+}
+
+fn picture(
+    ground: &Ground<'_>,
+    growth: &Growth,
+    diagnosis: &Diagnosis,
+    finding: &Finding,
+    effect: &Effect,
+    field: &Recording,
+) -> Result<Option<Figure>, GrowError> {
+    let subject = Subject { channel: in_words(&growth.column), unit: unit_of(&growth.column) };
+    if let Some(found) = ground.evidence(growth, &diagnosis.findings, finding)? {
+        return Ok(Some(evidence(subject, &effect.name, &found, finding.shows_from_to_s)));
+    }
+    let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
+    let error = field.error_series(&growth.column)?.values;
+    let finite = |rows: std::ops::Range<usize>| -> Vec<std::ops::Range<usize>> {
+        crate::recording::runs(rows, |row| error[row].is_finite())
+    };
+    let stretches: Vec<&[f64]> = field
+        .segments
+        .iter()
+        .flat_map(|segment| finite(segment.rows.clone()))
+        .map(|rows| &error[rows])
+        .collect();
+    let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
+    // narrow bins, so that a line stands out: half a minute, if there is so much
+    let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
+    let spectrum = welch(&stretches, field.rate.true_hz, length);
+    Ok(spectrum.map(|spectrum| line_evidence(subject, &effect.name, &spectrum, *frequency_hz)))
+}
+
+/// Length of the windows that the spectrum about a line is taken over, s.
+const LINE_WINDOW_S: f64 = 30.0;

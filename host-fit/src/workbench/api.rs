@@ -1,0 +1,394 @@
+//! What is asked and answered. Every answer is JSON, in the same form as that of `--json` on the command line.
+
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{Path, Query, State};
+use axum::http::{StatusCode, header};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use tokio::io::AsyncWriteExt;
+use tokio_stream::wrappers::WatchStream;
+use tokio_stream::{Stream, StreamExt};
+
+use super::desk::Desk;
+use super::folders::Listed;
+use super::series::{Rows, Series, ViewKind, series as series_of};
+use super::study::{Entry, State as StudyState, Study};
+use super::tasks::Open;
+use crate::export::{c_source, image, rust_source};
+use crate::plots::View;
+use crate::recording::{Preview, preview as preview_of};
+use crate::report::{Card, Report, ReportAxis, html, markdown};
+
+/// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
+const LARGEST_FILE: u64 = 4 << 30;
+
+/// An answer that could not be given.
+pub(super) struct Refused(StatusCode, String);
+
+impl IntoResponse for Refused {
+    fn into_response(self) -> Response {
+        (self.0, Json(json!({ "error": self.1 }))).into_response()
+    }
+}
+
+type Answer<T> = Result<Json<T>, Refused>;
+
+fn not_found(what: String) -> Refused {
+    Refused(StatusCode::NOT_FOUND, what)
+}
+
+fn not_now(what: String) -> Refused {
+    Refused(StatusCode::CONFLICT, what)
+}
+
+fn wrong(what: impl ToString) -> Refused {
+    Refused(StatusCode::UNPROCESSABLE_ENTITY, what.to_string())
+}
+
+/// Does what takes a while beside the requests of others.
+async fn beside<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
+) -> Result<T, Refused> {
+    let failed = |_| {
+        Refused(StatusCode::INTERNAL_SERVER_ERROR, "an error in this program\nhelp: please report it".into())
+    };
+    tokio::task::spawn_blocking(work).await.map_err(failed)?
+}
+
+pub(super) async fn studies(State(desk): State<Arc<Desk>>) -> Json<Vec<Entry>> {
+    Json(desk.entries())
+}
+
+/// What a new study is of.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Wanted {
+    #[serde(default)]
+    example: bool,
+    field: Option<String>,
+    quiet: Option<String>,
+    judged: Option<String>,
+    #[serde(default)]
+    columns: Vec<String>,
+    rate_hz: Option<f64>,
+}
+
+pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wanted>) -> Answer<Value> {
+    let id = if wanted.example {
+        desk.open(Open::Example(desk.folders.own().join("example")))
+    } else {
+        let field = wanted.field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
+        for path in [Some(&field), wanted.quiet.as_ref(), wanted.judged.as_ref()].into_iter().flatten() {
+            desk.folders.permitted(path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
+        }
+        desk.open(Open::Logs {
+            field,
+            quiet: wanted.quiet,
+            judged: wanted.judged,
+            columns: wanted.columns,
+            rate_hz: wanted.rate_hz,
+        })
+    };
+    Ok(Json(json!({ "id": id.map_err(not_now)? })))
+}
+
+pub(super) async fn close(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
+    desk.close(id).map_err(not_found)?;
+    Ok(Json(json!({})))
+}
+
+pub(super) async fn state(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<StudyState> {
+    let study = desk.study(id).map_err(not_found)?;
+    Ok(Json(beside(move || Ok(study.state())).await?))
+}
+
+pub(super) async fn events(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Refused> {
+    let study = desk.study(id).map_err(not_found)?;
+    let beats = WatchStream::new(study.beats());
+    let events = beats.map(|beat| {
+        Ok(Event::default().json_data(&beat).unwrap_or_else(|_| Event::default().comment("unreadable")))
+    });
+    Ok(Sse::new(events).keep_alive(KeepAlive::default()))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AxisWanted {
+    axis: String,
+}
+
+pub(super) async fn look_at(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Json(wanted): Json<AxisWanted>,
+) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    study.look_at(&wanted.axis).map_err(wrong)?;
+    Ok(Json(json!({})))
+}
+
+pub(super) async fn cancel(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
+    desk.study(id).map_err(not_found)?.stop();
+    Ok(Json(json!({})))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Addition {
+    axis: String,
+    effect: String,
+}
+
+pub(super) async fn add(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Json(addition): Json<Addition>,
+) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    desk.library.get(&addition.effect).map_err(wrong)?;
+    study.add(&addition.axis, &addition.effect).map_err(not_now)?;
+    Ok(Json(json!({})))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Undoing {
+    axis: String,
+    keep: usize,
+}
+
+pub(super) async fn undo(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Json(undoing): Json<Undoing>,
+) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    study.undo(&undoing.axis, undoing.keep).map_err(not_now)?;
+    Ok(Json(json!({})))
+}
+
+/// Which part of a time series.
+#[derive(Deserialize)]
+pub(super) struct Window {
+    axis: String,
+    view: ViewKind,
+    from: f64,
+    to: f64,
+    width: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct AxisSeries {
+    axis: String,
+    unit: &'static str,
+    #[serde(flatten)]
+    series: Series,
+}
+
+pub(super) async fn series(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Query(window): Query<Window>,
+) -> Answer<AxisSeries> {
+    let study = desk.study(id).map_err(not_found)?;
+    if !(window.from.is_finite() && window.to > window.from) {
+        return Err(wrong("\"from\" and \"to\" do not make a window"));
+    }
+    let drawn = beside(move || {
+        let read = study.read().map_err(not_now)?;
+        let axis = study.axis(&window.axis).map_err(wrong)?;
+        let log = &read.logs.field;
+        let reference = log.channel(&format!("ref_{}", window.axis)).ok();
+        let rows = Rows {
+            recording: log,
+            measured: &log.channel(&window.axis).map_err(wrong)?.values,
+            reference: reference.map(|channel| channel.values.as_slice()),
+            trace: axis.examination.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
+        };
+        let series = series_of(rows, window.view, window.from, window.to, window.width);
+        Ok(AxisSeries { unit: crate::model::unit_of(&window.axis), axis: window.axis, series })
+    });
+    Ok(Json(drawn.await?))
+}
+
+/// Which axis, and which stretch of it; all of it if none is named.
+#[derive(Deserialize)]
+pub(super) struct Stretch {
+    axis: String,
+    from: Option<f64>,
+    to: Option<f64>,
+}
+
+pub(super) async fn figures(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Query(stretch): Query<Stretch>,
+) -> Answer<Vec<Value>> {
+    let study = desk.study(id).map_err(not_found)?;
+    Ok(Json(beside(move || drawn(&study, &stretch)).await?))
+}
+
+fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
+    let read = study.read().map_err(not_now)?;
+    let axis = study.axis(&stretch.axis).map_err(wrong)?;
+    let found =
+        axis.examination.ok_or_else(|| not_now("there is no model yet\nhelp: wait a moment".to_owned()))?;
+    let log = &read.logs.field;
+    let rows = stretch.from.zip(stretch.to).map(|(from, to)| {
+        let inside = |time: &f64| (from..=to).contains(time);
+        let first = log.time_s.iter().position(inside).unwrap_or(0);
+        let last = log.time_s.iter().rposition(inside).map_or(first, |last| last + 1);
+        first..last
+    });
+    let part = rows.as_ref().map(|rows| found.trace.within(rows.clone()));
+    let whole = View { axis: &found.comparison, trace: &found.trace, index: 0, recording: log };
+    let view = View { trace: part.as_ref().unwrap_or(&found.trace), ..whole };
+    if view.trace.stretches.iter().all(|stretch| stretch.len() < SHORTEST) {
+        return Err(wrong(
+            "the stretch is too short for anything but the samples themselves\nhelp: take a longer one",
+        ));
+    }
+    let mut figures = vec![("residual".to_owned(), view.residual())];
+    figures.extend(
+        whole
+            .against(rows.as_ref())
+            .into_iter()
+            .map(|(column, figure)| (format!("against:{column}"), figure)),
+    );
+    figures.extend(view.spectrum().map(|figure| ("spectrum".to_owned(), figure)));
+    figures.extend(view.autocorrelation().map(|figure| ("autocorrelation".to_owned(), figure)));
+    figures.push(("allan".to_owned(), view.allan()));
+    if rows.is_none() {
+        figures.extend(view.dependence().map(|figure| ("dependence".to_owned(), figure)));
+    }
+    Ok(figures.into_iter().map(|(name, figure)| json!({ "name": name, "figure": figure })).collect())
+}
+
+/// Fewest samples of a stretch that statistics are made of.
+const SHORTEST: usize = 64;
+
+pub(super) async fn export(
+    State(desk): State<Arc<Desk>>,
+    Path((id, format)): Path<(u64, String)>,
+) -> Result<Response, Refused> {
+    let study = desk.study(id).map_err(not_found)?;
+    beside(move || exported(&study, &format)).await
+}
+
+fn exported(study: &Study, format: &str) -> Result<Response, Refused> {
+    let file = study.whole_file().map_err(not_now)?;
+    let provenance = file.provenance();
+    let (name, content) = match format {
+        "image" => ("unit.fosm", image(&file.model, "", &provenance).map_err(wrong)?),
+        "rust" => ("model.rs", rust_source(&file.model, &provenance).into_bytes()),
+        "c" => ("model.h", c_source(&file.model, "model", "", &provenance).map_err(wrong)?.into_bytes()),
+        "study" => ("unit.json", file.to_bytes()),
+        "report.html" => ("report.html", html(&report(study, &file)?).map_err(wrong)?.into_bytes()),
+        "report.md" => ("report.md", markdown(&report(study, &file)?).map_err(wrong)?.into_bytes()),
+        _ => {
+            return Err(not_found(format!(
+                "there is no {format:?}; there are image, rust, c, study, report.html, report.md"
+            )));
+        }
+    };
+    let headers = [
+        (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
+    ];
+    Ok((headers, Body::from(content)).into_response())
+}
+
+/// The report of the axes that are known by now.
+fn report(study: &Study, file: &crate::study::Study) -> Result<Report, Refused> {
+    let read = study.read().map_err(not_now)?;
+    let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
+    let axes = known.filter_map(|axis| {
+        let found = axis.examination?;
+        let view =
+            View { axis: &found.comparison, trace: &found.trace, index: 0, recording: &read.logs.field };
+        Some(ReportAxis { section: axis.section, figures: view.all() })
+    });
+    Ok(Report::put_together(file, axes.collect(), &read.logs))
+}
+
+pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    let answer = beside(move || {
+        let read = study.read().map_err(not_now)?;
+        let file = study.whole_file().map_err(not_now)?;
+        let bytes = image(&file.model, "", &file.provenance()).map_err(wrong)?;
+        let length = bytes.len();
+        let summary = study.replay(bytes).map_err(wrong)?;
+        let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
+        let command = format!("host-fit replay unit.fosm {}", crate::examine::quoted(&log.paths()));
+        Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": length }))
+    });
+    Ok(Json(answer.await?))
+}
+
+pub(super) async fn logs(State(desk): State<Arc<Desk>>) -> Answer<Vec<Listed>> {
+    Ok(Json(beside(move || Ok(desk.folders.logs())).await?))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Previewed {
+    path: String,
+}
+
+pub(super) async fn preview(State(desk): State<Arc<Desk>>, Json(wanted): Json<Previewed>) -> Answer<Preview> {
+    let path = desk.folders.permitted(&wanted.path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
+    Ok(Json(beside(move || preview_of(&path).map_err(wrong)).await?))
+}
+
+pub(super) async fn effects(State(desk): State<Arc<Desk>>) -> Json<Vec<Card>> {
+    Json(desk.library.effects().iter().map(Card::of).collect())
+}
+
+#[derive(Deserialize)]
+pub(super) struct Named {
+    name: String,
+}
+
+/// Takes a dropped file as it comes, beside its place; only a whole one is put there.
+pub(super) async fn upload(
+    State(desk): State<Arc<Desk>>,
+    Query(named): Query<Named>,
+    body: Body,
+) -> Answer<Value> {
+    let path = desk.folders.for_upload(&named.name).map_err(wrong)?;
+    let failed = |error: std::io::Error| {
+        Refused(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            format!("cannot keep the file: {error}\nhelp: is the disk full?"),
+        )
+    };
+    let folder = path.parent().map_or_else(PathBuf::new, std::path::Path::to_path_buf);
+    let partial = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    let mut file = tokio::fs::File::from_std(partial.reopen().map_err(failed)?);
+    let (mut stream, mut bytes) = (body.into_data_stream(), 0_u64);
+    while let Some(piece) = stream.next().await {
+        let piece = piece.map_err(|error| wrong(format!("the file did not arrive whole: {error}")))?;
+        bytes += piece.len() as u64;
+        if bytes > LARGEST_FILE {
+            return Err(Refused(
+                StatusCode::PAYLOAD_TOO_LARGE,
+                "the file is larger than 4 GiB\nhelp: open it by its path, in a folder that `host-fit serve` was given".into(),
+            ));
+        }
+        file.write_all(&piece).await.map_err(failed)?;
+    }
+    file.flush().await.map_err(failed)?;
+    partial.persist(&path).map_err(|error| failed(error.error))?;
+    Ok(Json(json!({ "path": path.display().to_string() })))
+}

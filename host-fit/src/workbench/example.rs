@@ -1,0 +1,24 @@
+//! The built-in example: three logs of a simulated unit with hidden effects, written as files so that the command lines that are
+//! shown can be used.
+
+use std::path::Path;
+
+use crate::grow::Logs;
+use crate::simulate::hidden_effects;
+
+pub(super) use crate::simulate::HIDDEN_IN as AXIS;
+
+/// Seed of the example.
+const SEED: u64 = 1;
+
+/// Writes and reads the logs.
+///
+/// # Errors
+///
+/// The folder cannot be written.
+pub(super) fn logs(folder: &Path) -> Result<Logs, String> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+    let [quiet, field, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
+    Ok(Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None })
+}

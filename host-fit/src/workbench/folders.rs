@@ -1,0 +1,171 @@
+//! Which files may be opened: logs below the folders that were named at start, and what was dropped on the page.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+/// Folders are listed so deep.
+const DEEPEST: usize = 3;
+
+/// So many logs are listed at most.
+const LISTED: usize = 500;
+
+/// Where logs are read from, and where dropped files and the example are written.
+#[derive(Debug, Clone)]
+pub struct Folders {
+    readable: Vec<PathBuf>,
+    own: PathBuf,
+}
+
+/// A log that may be opened.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(super) struct Listed {
+    /// As it is opened.
+    path: String,
+    /// Size.
+    bytes: u64,
+}
+
+impl Folders {
+    /// `readable` are named by the user; `own` is made if it is not there.
+    ///
+    /// # Errors
+    ///
+    /// A folder is not there, or the own one cannot be made.
+    pub fn new(readable: &[PathBuf], own: &Path) -> io::Result<Self> {
+        fs::create_dir_all(own)?;
+        let mut all: Vec<PathBuf> = Vec::new();
+        for folder in readable.iter().map(PathBuf::as_path).chain([own]) {
+            let folder = fs::canonicalize(folder)?;
+            if !all.contains(&folder) {
+                all.push(folder);
+            }
+        }
+        Ok(Self { readable: all, own: own.to_owned() })
+    }
+
+    /// The file of this path, if it may be read: what links and dots lead to counts.
+    ///
+    /// # Errors
+    ///
+    /// It lies elsewhere, or is not there.
+    pub(super) fn permitted(&self, path: &str) -> Result<PathBuf, String> {
+        let elsewhere = || {
+            let folders: Vec<String> =
+                self.readable.iter().map(|folder| folder.display().to_string()).collect();
+            format!(
+                "{path}: not a log in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `host-fit serve FOLDER`",
+                folders.join(", ")
+            )
+        };
+        let found = fs::canonicalize(path).map_err(|_| elsewhere())?;
+        if !self.readable.iter().any(|folder| found.starts_with(folder)) || !found.is_file() {
+            return Err(elsewhere());
+        }
+        // as it was given, so that the command lines that are shown can be used as they are
+        Ok(PathBuf::from(path))
+    }
+
+    /// Logs that may be opened, by their endings.
+    pub(super) fn logs(&self) -> Vec<Listed> {
+        let mut found = Vec::new();
+        let current = fs::canonicalize(".").unwrap_or_default();
+        for folder in &self.readable {
+            // shown as one would type it
+            let shown = folder.strip_prefix(&current).unwrap_or(folder);
+            let shown = if shown.as_os_str().is_empty() { Path::new(".") } else { shown };
+            list(shown, 0, &mut found);
+        }
+        found.sort_by(|a: &Listed, b| a.path.cmp(&b.path));
+        found.dedup();
+        found
+    }
+
+    /// Where a dropped file of this name goes; only the last part of the name counts.
+    ///
+    /// # Errors
+    ///
+    /// The name is none, or its folder cannot be made.
+    pub(super) fn for_upload(&self, name: &str) -> Result<PathBuf, String> {
+        let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
+        let plain: String = last
+            .chars()
+            .map(|letter| if letter.is_alphanumeric() || "._-".contains(letter) { letter } else { '_' })
+            .collect();
+        if plain.trim_matches('.').is_empty() || plain.len() > 200 {
+            return Err(format!("{name:?} is no file name\nhelp: rename the file"));
+        }
+        let folder = self.own.join("dropped");
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+        Ok(folder.join(plain))
+    }
+
+    /// The own folder.
+    pub(super) fn own(&self) -> &Path {
+        &self.own
+    }
+}
+
+fn list(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        let Ok(kind) = entry.file_type() else { continue };
+        if found.len() >= LISTED || name.starts_with('.') {
+            continue;
+        }
+        if kind.is_dir() && depth < DEEPEST && name != "target" && name != "node_modules" {
+            list(&path, depth + 1, found);
+        } else if kind.is_file()
+            && [".csv", ".csv.gz", ".parquet"].iter().any(|ending| name.ends_with(ending))
+        {
+            let bytes = entry.metadata().map_or(0, |metadata| metadata.len());
+            let path = path.strip_prefix(".").unwrap_or(&path).display().to_string();
+            found.push(Listed { path, bytes });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_logs_below_the_folders_may_be_read() {
+        let world = tempfile::tempdir().unwrap();
+        let (open, closed) = (world.path().join("open"), world.path().join("closed"));
+        fs::create_dir_all(open.join("deeper")).unwrap();
+        fs::create_dir_all(&closed).unwrap();
+        for file in ["open/a.csv", "open/deeper/b.parquet", "closed/secret.csv"] {
+            fs::write(world.path().join(file), "x").unwrap();
+        }
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(closed.join("secret.csv"), open.join("link.csv")).unwrap();
+        let folders = Folders::new(std::slice::from_ref(&open), &open.join("own")).unwrap();
+        let may = |path: &Path| folders.permitted(&path.display().to_string()).is_ok();
+        assert!(may(&open.join("a.csv")) && may(&open.join("deeper/b.parquet")));
+        assert!(may(&open.join("deeper/../a.csv")));
+        assert!(!may(&closed.join("secret.csv")));
+        assert!(!may(&open.join("../closed/secret.csv")), "dots lead out of it");
+        #[cfg(unix)]
+        assert!(!may(&open.join("link.csv")), "a link leads out of it");
+        assert!(!may(&open) && !may(&open.join("none.csv")));
+        let listed: Vec<String> = folders.logs().into_iter().map(|log| log.path).collect();
+        assert_eq!(listed.len(), 2, "{listed:?}");
+    }
+
+    #[test]
+    fn a_dropped_file_cannot_choose_its_folder() {
+        let own = tempfile::tempdir().unwrap();
+        let folders = Folders::new(&[], own.path()).unwrap();
+        let at = |name: &str| folders.for_upload(name);
+        let dropped = own.path().join("dropped");
+        assert_eq!(at("unit.csv").unwrap(), dropped.join("unit.csv"));
+        assert_eq!(at("../../etc/passwd").unwrap(), dropped.join("passwd"));
+        assert_eq!(at("C:\\logs\\unit 1.csv").unwrap(), dropped.join("unit_1.csv"));
+        assert!(at("..").is_err() && at("").is_err() && at("a/").is_err());
+    }
+}

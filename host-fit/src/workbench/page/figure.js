@@ -1,0 +1,210 @@
+// @ts-check
+// Draws a Figure of the server as it is: headline, panels, legends, and the numbers as a table.
+
+import uPlot from "./vendor/uplot.esm.js";
+import { el } from "./dom.js";
+import { panelTable } from "./figuretable.js";
+import { describe, extent } from "./figuredata.js";
+import { drawShape } from "./figureshapes.js";
+import { whileOnPage } from "./onpage.js";
+import { colour, faint, onTheme } from "./theme.js";
+import { linearTicks, logTicks } from "./ticks.js";
+import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
+
+/** @typedef {import("./types.js").Figure} Figure */
+/** @typedef {import("./types.js").Panel} Panel */
+/** @typedef {import("./types.js").Ink} Ink */
+/** @typedef {import("./types.js").FigureAxis} FigureAxis */
+/** @typedef {import("./types.js").FigureSeries} FigureSeries */
+/** @typedef {import("./figuredata.js").Extent} Extent */
+/** @typedef {{height?: number, heading?: "h3" | "h4" | "none"}} Looks */
+
+/** Height of a further line of a name on the x axis, pixels. */
+const LINE = 15;
+
+/** Room for a name on the x axis, pixels a letter. */
+const LETTER = 7.2;
+/** Pixels between labels. */
+const X_LABELS = 84;
+const Y_LABELS = 36;
+const STEP_COLOURS = 6;
+const METHOD_COLOURS = 7;
+
+/**
+ * @param {Figure} figure
+ * @param {Looks} [looks]
+ */
+export function figureElement(figure, { height = 220, heading = "h3" } = {}) {
+  const headline = heading === "none" ? null : el(heading, { class: "figure-title" }, figure.title);
+  const panels = figure.panels.map((panel) => panelElement(panel, figure.title, height));
+  return el("figure", { class: "figure", "data-panels": panels.length }, headline, panels);
+}
+
+/** @param {Panel} panel @param {string} figureTitle @param {number} height */
+function panelElement(panel, figureTitle, height) {
+  const host = el("div", { class: "plot", role: "img", "aria-label": `${figureTitle}. ${describe(panel)}` });
+  const drawing = new Drawing(panel, host, height);
+  return el(
+    "div",
+    { class: "panel" },
+    panel.title ? el("p", { class: "panel-title" }, panel.title) : null,
+    el("div", { class: "chart-head" }, el("p", { class: "y-label" }, panel.y.label), legend(panel)),
+    drawing.isEmpty ? el("p", { class: "empty" }, "no data") : host,
+    panelTable(panel, figureTitle),
+  );
+}
+
+/** @param {Panel} panel */
+function legend(panel) {
+  /** @type {Map<string, HTMLElement>} */
+  const entries = new Map();
+  for (const { label, ink, shape } of panel.series) {
+    if (!label || entries.has(label)) continue;
+    const kind = Object.keys(shape)[0]?.toLowerCase();
+    entries.set(label, el("li", { class: `entry ${inkClass(ink)}` }, el("i", { class: `swatch ${kind}` }), label));
+  }
+  if (panel.shading.label && panel.shading.ranges.length > 0) {
+    entries.set("shading", el("li", { class: "entry ink-shade" }, el("i", { class: "swatch cells shade" }), panel.shading.label));
+  }
+  return el("ul", { class: "legend" }, [...entries.values()]);
+}
+
+/** @param {Ink} ink */
+function inkClass(ink) {
+  if (typeof ink === "string") return `ink-${ink.toLowerCase()}`;
+  return "Step" in ink ? `ink-step-${Math.min(ink.Step, STEP_COLOURS - 1)}` : `ink-method-${ink.Method % METHOD_COLOURS}`;
+}
+
+/** One panel on a canvas. */
+class Drawing {
+  #panel;
+  #host;
+  #height;
+  /** @type {uPlot | null} */
+  #plot = null;
+  #x;
+  #y;
+
+  /** @param {Panel} panel @param {HTMLElement} host @param {number} height */
+  constructor(panel, host, height) {
+    this.#panel = panel;
+    this.#host = host;
+    this.#height = height;
+    this.#x = extent(panel, "x");
+    this.#y = extent(panel, "y");
+    host.style.setProperty("--plot-height", `${height}px`);
+    if (this.isEmpty) return;
+    const forget = onTheme(() => this.#plot?.redraw(false));
+    const gone = () => {
+      forget();
+      this.#plot?.destroy();
+    };
+    whileOnPage(host, (width) => this.#resize(width), gone);
+  }
+
+  get isEmpty() {
+    return !this.#x || !this.#y;
+  }
+
+  /** @param {number} width */
+  #resize(width) {
+    if (!this.#x || !this.#y) return;
+    if (!this.#plot) this.#plot = this.#make(width, this.#x, this.#y);
+    else if (width !== this.#plot.width) this.#plot.setSize({ width, height: this.#plot.height });
+  }
+
+  /** @param {number} width @param {Extent} x @param {Extent} y */
+  #make(width, x, y) {
+    const { names } = this.#panel.x;
+    const labels = fitted(names, (width - Y_AXIS - RIGHT) / Math.max(1, names.length));
+    const more = LINE * Math.max(0, ...labels.map((label) => label.split("\n").length - 1));
+    return new uPlot(
+      {
+        width,
+        height: this.#height + more,
+        legend: { show: false },
+        cursor: { show: false },
+        scales: {
+          x: { time: false, distr: this.#panel.x.scale === "Log" ? 3 : 1, range: () => [x.low, x.high] },
+          y: { distr: this.#panel.y.scale === "Log" ? 3 : 1, range: () => [y.low, y.high] },
+        },
+        axes: [
+          {
+            ...axisStyle(),
+            ...ticksOf({ ...this.#panel.x, names: labels }, x, (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
+            size: 34 + more,
+            lineGap: 1.2,
+            label: this.#panel.x.label || undefined,
+            labelSize: this.#panel.x.label ? 22 : 0,
+            labelFont: "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif",
+          },
+          { ...axisStyle(), ...ticksOf(this.#panel.y, y, () => (this.#height - 64) / Y_LABELS), size: Y_AXIS },
+        ],
+        series: [{}, { paths: () => null, points: { show: false } }],
+        padding: [this.#panel.shading.ranges.some((range) => range.mark) ? 18 : 8, RIGHT, 0, 0],
+        hooks: { drawClear: [(u) => shade(u, this.#panel)], draw: [(u) => this.#shapes(u)] },
+      },
+      [
+        [x.low, x.high],
+        [y.low, y.high],
+      ],
+      this.#host,
+    );
+  }
+
+  /** @param {uPlot} u */
+  #shapes(u) {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    for (const { ink, shape } of this.#panel.series) {
+      const property = `--${inkClass(ink)}`;
+      drawShape(u, shape, { full: colour(property), faint: faint(property, 0.26) });
+    }
+    ctx.restore();
+  }
+}
+
+/** Names as they fit into `room` pixels each: folded into lines, or else their numbers. @param {string[]} names @param {number} room */
+function fitted(names, room) {
+  const folded = names.map((name) => name.replaceAll(/(?<=\w)[_ ]/g, "\n"));
+  const widest = Math.max(0, ...folded.flatMap((name) => name.split("\n")).map((line) => line.length));
+  return widest * LETTER <= room ? folded : names.map((_, place) => String(place));
+}
+
+/**
+ * Marks of an axis for the chart library, which asks for places first and texts afterwards.
+ * @param {FigureAxis} axis @param {Extent} range @param {(u: uPlot) => number} count
+ */
+function ticksOf(axis, range, count) {
+  const named = axis.names.map((label, value) => ({ value, label }));
+  const ticks = (/** @type {uPlot} */ u) => {
+    if (named.length > 0) return named;
+    return axis.scale === "Log" ? logTicks(range.low, range.high, count(u)) : linearTicks(range.low, range.high, count(u));
+  };
+  return {
+    splits: (/** @type {uPlot} */ u) => ticks(u).map((tick) => tick.value),
+    values: (/** @type {uPlot} */ u, /** @type {number[]} */ at) => at.map((value) => ticks(u).find((tick) => tick.value === value)?.label ?? ""),
+    filter: (/** @type {uPlot} */ _, /** @type {number[]} */ at) => at,
+  };
+}
+
+/** @param {uPlot} u @param {Panel} panel */
+function shade(u, panel) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.font = `600 ${12 * uPlot.pxRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "center";
+  for (const { from, to, mark } of panel.shading.ranges) {
+    const [left, right] = [from, to].map((at) => Math.min(Math.max(u.valToPos(at, "x", true), bbox.left), bbox.left + bbox.width));
+    const [a, b] = [Number(left), Number(right)];
+    const half = Math.max(0.5 * (b - a), 1.5 * uPlot.pxRatio);
+    ctx.fillStyle = faint("--shade", 0.25);
+    ctx.fillRect(0.5 * (a + b) - half, bbox.top, 2 * half, bbox.height);
+    ctx.fillStyle = colour("--shade-mark");
+    ctx.fillText(mark, 0.5 * (a + b), bbox.top - 5 * uPlot.pxRatio);
+  }
+  ctx.restore();
+}

@@ -1,0 +1,94 @@
+// @ts-check
+// Follows one study: its state, again whenever the server says that it changed.
+
+import { ApiError, get } from "./api.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {{state: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Follower */
+
+/** First wait before trying again, ms; it doubles up to the longest. */
+const FIRST_WAIT = 500;
+const LONGEST_WAIT = 5000;
+
+/**
+ * @param {number} id
+ * @param {Follower} follower
+ * @returns {{close: () => void, refresh: () => Promise<void>}}
+ */
+export function follow(id, follower) {
+  /** @type {State | null} */
+  let state = null;
+  /** @type {EventSource | null} */
+  let events = null;
+  /** @type {Promise<void> | null} */
+  let reading = null;
+  let again = false;
+  let closed = false;
+  let wait = FIRST_WAIT;
+
+  async function read() {
+    try {
+      const answer = /** @type {State} */ (await get(`/api/studies/${id}`));
+      if (closed) return;
+      state = answer;
+      follower.state(state);
+    } catch (error) {
+      if (closed) return;
+      if (error instanceof ApiError && error.status === 404) {
+        close();
+        follower.gone();
+      } else if (error instanceof ApiError && error.status === 0) {
+        follower.connected(false);
+      } else throw error;
+    }
+  }
+
+  /** One request at a time; what changes meanwhile is asked for afterwards. */
+  function refresh() {
+    if (reading) {
+      again = true;
+      return reading;
+    }
+    reading = read().finally(() => {
+      reading = null;
+      if (!again || closed) return;
+      again = false;
+      void refresh();
+    });
+    return reading;
+  }
+
+  function listen() {
+    if (closed) return;
+    events = new EventSource(`/api/studies/${id}/events`);
+    events.onopen = () => {
+      wait = FIRST_WAIT;
+      follower.connected(true);
+      void refresh(); // what happened while nobody listened
+    };
+    events.onmessage = (event) => {
+      const { revision, job } = JSON.parse(event.data);
+      if (!state || revision !== state.revision) void refresh();
+      else {
+        state = { ...state, job };
+        follower.state(state);
+      }
+    };
+    events.onerror = () => {
+      follower.connected(false);
+      if (events?.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
+      setTimeout(listen, wait);
+      wait = Math.min(2 * wait, LONGEST_WAIT);
+      void refresh(); // a study that is gone has no events either
+    };
+  }
+
+  function close() {
+    closed = true;
+    events?.close();
+  }
+
+  void refresh();
+  listen();
+  return { close, refresh };
+}

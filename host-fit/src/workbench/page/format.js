@@ -1,0 +1,139 @@
+// @ts-check
+// Numbers as people read them: three or four digits, a real minus, a unit with a prefix.
+
+const NARROW = "\u202f"; // narrow space that does not break
+const MINUS = "\u2212";
+const SUPERSCRIPT = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** What stands where there is no number. */
+export const UNKNOWN = "–";
+
+/** @param {number | null | undefined} value @returns {value is number} */
+export function isNumber(value) {
+  return typeof value === "number" && Number.isFinite(value);
+}
+
+/** @param {string} text */
+function typeset(text) {
+  const [mantissa, exponent] = text.replace(/-/g, MINUS).split("e");
+  if (exponent === undefined) return grouped(/** @type {string} */ (mantissa));
+  return `${mantissa}×10${raised(Number(exponent.replace(MINUS, "-")))}`;
+}
+
+/** As an exponent. @param {number} exponent */
+export function raised(exponent) {
+  return [...String(exponent)].map((c) => (c === "-" ? "⁻" : SUPERSCRIPT[Number(c)])).join("");
+}
+
+/** Groups of three from five digits on. @param {string} text */
+function grouped(text) {
+  const [whole, part] = text.split(".");
+  const digits = /** @type {string} */ (whole);
+  const spaced = digits.replace(MINUS, "").length > 4 ? digits.replace(/\B(?=(\d{3})+$)/g, NARROW) : digits;
+  return part === undefined ? spaced : `${spaced}.${part}`;
+}
+
+/**
+ * A number of so many significant digits.
+ * @param {number | null | undefined} value
+ */
+export function number(value, digits = 3) {
+  if (!isNumber(value)) return UNKNOWN;
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-3) return typeset(value.toExponential(digits - 1));
+  const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  return typeset(value.toFixed(Math.min(decimals, 12)));
+}
+
+/** A count, in groups of three. @param {number | null | undefined} value */
+export function count(value) {
+  return isNumber(value) ? typeset(String(Math.round(value))) : UNKNOWN;
+}
+
+/** Units that take a prefix, and what stays behind it. */
+const PREFIXED = ["rad/s", "m/s²"];
+const PREFIXES = [
+  [1, ""],
+  [1e-3, "m"],
+  [1e-6, "µ"],
+  [1e-9, "n"],
+];
+
+/**
+ * The prefix that suits numbers of this size: divide by `scale`, write `unit`.
+ * @param {number} size
+ * @param {string} unit
+ * @returns {{scale: number, unit: string}}
+ */
+export function prefixed(size, unit) {
+  const magnitude = Math.abs(size);
+  if (!PREFIXED.includes(unit) || !Number.isFinite(magnitude) || magnitude === 0) return { scale: 1, unit };
+  const fitting = PREFIXES.find(([scale]) => magnitude >= Number(scale)) ?? PREFIXES[PREFIXES.length - 1];
+  const [scale, letter] = /** @type {[number, string]} */ (fitting);
+  return { scale, unit: letter + unit };
+}
+
+/**
+ * A number with its unit.
+ * @param {number | null | undefined} value
+ * @param {string} unit
+ */
+export function quantity(value, unit, digits = 3) {
+  if (!isNumber(value)) return UNKNOWN;
+  const suited = prefixed(value, unit);
+  const text = number(value / suited.scale, digits);
+  return suited.unit ? `${text}${NARROW}${suited.unit}` : text;
+}
+
+/** A share as percent. @param {number | null | undefined} share */
+export function percent(share, digits = 1) {
+  return isNumber(share) ? `${typeset((100 * share).toFixed(digits))}${NARROW}%` : UNKNOWN;
+}
+
+/**
+ * From one number to another, with one unit.
+ * @param {[number | null, number | null] | null | undefined} interval
+ * @param {(value: number | null) => string} write
+ */
+export function interval(interval, write) {
+  return interval ? `${write(interval[0])} … ${write(interval[1])}` : UNKNOWN;
+}
+
+/** Seconds of a log, with a decimal only where it is short. @param {number} value */
+export function seconds(value, span = 100) {
+  const decimals = span >= 100 ? 0 : span >= 10 ? 1 : span >= 1 ? 2 : 3;
+  return `${typeset(value.toFixed(decimals))}${NARROW}s`;
+}
+
+/** How long a log is. @param {number} value */
+export function duration(value) {
+  if (value < 120) return seconds(value);
+  if (value < 7200) return `${brief(value / 60)}${NARROW}min`;
+  return `${brief(value / 3600)}${NARROW}h`;
+}
+
+/** Three digits, without zeros at the end. @param {number} value */
+const brief = (value) => String(Number(value.toPrecision(3)));
+
+/** @param {number} value */
+export function bytes(value) {
+  if (value < 1000) return `${value}${NARROW}B`;
+  return value < 1e6 ? `${number(value / 1e3)}${NARROW}kB` : `${number(value / 1e6)}${NARROW}MB`;
+}
+
+/** Last part of a path. @param {string} path */
+export function fileName(path) {
+  return path.split(/[\\/]/).pop() ?? path;
+}
+
+/** With its first letter large. @param {string} text */
+export function capitalised(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** The first sentence, and the rest. @param {string} text @returns {[string, string]} */
+export function firstSentence(text) {
+  const end = text.search(/[.:](?=\s+[A-Z])/);
+  return end < 0 ? [text, ""] : [text.slice(0, end + 1), text.slice(end + 1).trim()];
+}

@@ -1,0 +1,155 @@
+// @ts-check
+// The workbench: a top bar, and below it one study or the panel that opens one. The address says which.
+
+import { get, messageOf, remove } from "./api.js";
+import { el, icon, replace } from "./dom.js";
+import { JobStatus } from "./jobstatus.js";
+import { Notices } from "./notices.js";
+import { OpenPanel } from "./openpanel.js";
+import { StudyPage } from "./studypage.js";
+import { themeSwitch } from "./theme.js";
+import { VERDICTS } from "./verdict.js";
+
+/** @typedef {import("./types.js").StudyEntry} StudyEntry */
+
+const notices = new Notices();
+const job = new JobStatus((error) => notices.show(messageOf(error)));
+const tabs = el("nav", { class: "tabs", "aria-label": "Studies" });
+const main = el("main", { id: "main", tabindex: -1 });
+
+document.body.append(
+  el("a", { class: "skip", href: "#main", onclick: skip }, "Skip to the study"),
+  el("header", { class: "top" }, el("a", { class: "brand", href: "#/open", "aria-label": "fos workbench: open a log" }, "fos"), tabs, job.element, themeSwitch()),
+  notices.element,
+  main,
+);
+
+/** @type {StudyEntry[]} */
+let studies = [];
+/** @type {StudyPage | null} */
+let page = null;
+/** @type {OpenPanel | null} */
+let opening = null;
+
+/** @param {Event} event */
+function skip(event) {
+  event.preventDefault(); // the address names the study
+  main.focus();
+}
+
+/** The study that the address names. */
+function addressed() {
+  const id = /^#\/study\/(\d+)$/.exec(location.hash)?.[1];
+  return id === undefined ? null : Number(id);
+}
+
+async function listStudies() {
+  try {
+    studies = await get("/api/studies");
+    drawTabs();
+  } catch (error) {
+    notices.show(messageOf(error));
+  }
+}
+
+function drawTabs() {
+  const current = addressed();
+  const tab = (/** @type {StudyEntry} */ { id, name, verdict, working }) =>
+    el(
+      "span",
+      { class: "tab", "data-current": String(id === current) },
+      el(
+        "a",
+        { href: `#/study/${id}`, title: name, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
+        working ? el("i", { class: "working" }) : verdict ? icon(verdict) : null,
+        el("span", { class: "tab-name" }, name),
+        el("span", { class: "unseen" }, working ? ", working" : verdict ? `, ${VERDICTS[verdict].word}` : ""),
+      ),
+      el("button", { type: "button", class: "quiet", "aria-label": `Close ${name}`, "data-key": `close:${id}`, onclick: () => void close(id) }, icon("close")),
+    );
+  const isOpening = current === null;
+  replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
+  tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+}
+
+/** @param {number} id */
+async function close(id) {
+  try {
+    await remove(`/api/studies/${id}`);
+  } catch (error) {
+    return notices.show(messageOf(error));
+  }
+  const at = studies.findIndex((study) => study.id === id);
+  studies = studies.filter((study) => study.id !== id);
+  const neighbour = studies[Math.min(Math.max(at, 0), studies.length - 1)];
+  if (addressed() === id) location.hash = neighbour ? `#/study/${neighbour.id}` : "#/open";
+  else drawTabs();
+}
+
+/** Shows what the address names. */
+function route() {
+  const id = addressed();
+  job.follow(null, null);
+  if (page?.id !== id) {
+    page?.close();
+    page = null;
+  }
+  if (id === null) {
+    opening ??= new OpenPanel(opened);
+    opening.refresh();
+    main.replaceChildren(opening.element);
+    document.title = "fos workbench";
+  } else if (!page) {
+    page = new StudyPage(id, {
+      notices,
+      changed(state) {
+        job.follow(id, state.job);
+        document.title = `${state.name} – fos workbench`;
+        const entry = studies.find((study) => study.id === id);
+        const verdict = state.axes.find((axis) => axis.column === state.axis)?.diagnosis?.verdict ?? null;
+        const working = state.job !== null;
+        if (!entry) return void listStudies();
+        if (entry.verdict === verdict && entry.working === working && entry.name === state.name) return;
+        Object.assign(entry, { verdict, working, name: state.name });
+        drawTabs();
+      },
+      connected: (connected) => job.connected(connected),
+      gone() {
+        notices.show("This study is no longer open.\nhelp: the server may have been started anew; open the logs again.");
+        location.hash = "#/open";
+        void listStudies();
+      },
+    });
+    main.replaceChildren(page.element);
+    scrollTo(0, 0);
+  }
+  drawTabs();
+}
+
+/** @param {number} id */
+function opened(id) {
+  opening = null;
+  notices.clear();
+  location.hash = `#/study/${id}`;
+  void listStudies();
+}
+
+// a file dropped anywhere opens the panel with it
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  const files = [...(event.dataTransfer?.files ?? [])];
+  if (files.length === 0) return;
+  location.hash = "#/open";
+  opening ??= new OpenPanel(opened);
+  void opening.take(files);
+});
+addEventListener("hashchange", route);
+document.addEventListener("visibilitychange", () => {
+  if (!document.hidden) void listStudies();
+});
+
+await listStudies();
+const last = studies[studies.length - 1];
+if (location.hash === "" && last) location.replace(`#/study/${last.id}`);
+else route();

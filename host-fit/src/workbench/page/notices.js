@@ -1,0 +1,38 @@
+// @ts-check
+// Messages of the server, whole, until they are put away.
+
+import { el, icon } from "./dom.js";
+
+export class Notices {
+  element = el("div", { class: "notices" });
+
+  /** @param {string} message */
+  show(message) {
+    for (const shown of this.element.children) {
+      if (shown instanceof HTMLElement && shown.dataset.message === message) return;
+    }
+    const notice = alertElement(message, () => notice.remove());
+    notice.dataset.message = message;
+    this.element.append(notice);
+  }
+
+  clear() {
+    this.element.replaceChildren();
+  }
+}
+
+/**
+ * A message of what is wrong and, behind `help:`, what to do.
+ * @param {string} message
+ * @param {() => void} [dismiss]
+ */
+export function alertElement(message, dismiss) {
+  const [wrong, ...help] = message.split(/\n?^help: /m);
+  return el(
+    "div",
+    { class: "alert", role: "alert" },
+    icon("caution"),
+    el("div", {}, el("p", { class: "wrong" }, wrong), help.map((text) => el("p", { class: "help" }, text))),
+    dismiss && el("button", { type: "button", class: "quiet", "aria-label": "Dismiss this message", onclick: dismiss }, icon("close")),
+  );
+}

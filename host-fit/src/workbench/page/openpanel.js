@@ -1,0 +1,185 @@
+// @ts-check
+// Opens logs: dropped, chosen, by path, or the built-in example.
+
+import { get, messageOf, post, upload } from "./api.js";
+import { el, replace, uniqueId } from "./dom.js";
+import { bytes, fileName } from "./format.js";
+import { MappingTable } from "./mapping.js";
+import { alertElement } from "./notices.js";
+
+/** @typedef {import("./types.js").Preview} Preview */
+/** @typedef {import("./types.js").LogEntry} LogEntry */
+/** @typedef {"field" | "quiet" | "judged" | "none"} Role */
+/** A log that was picked. @typedef {{path: string, preview: Preview, role: Role}} Picked */
+
+/** @type {{role: Role, text: string}[]} */
+const ROLES = [
+  { role: "field", text: "the log to explain" },
+  { role: "quiet", text: "quiet log (optional)" },
+  { role: "judged", text: "later log to judge on (optional)" },
+  { role: "none", text: "not used" },
+];
+const MOST = 3;
+
+export class OpenPanel {
+  #opened;
+  #problems = el("div", { class: "problems" });
+  #progress = el("p", { class: "loading", role: "status", "aria-live": "polite" });
+  #files = el("div", { class: "picked" });
+  #paths = el("div", { class: "by-path" });
+  #mapping = new MappingTable();
+  #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.gz,.parquet,.txt", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
+  #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
+  #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
+  #reading = el("div", { class: "read", hidden: true });
+  /** @type {Picked[]} */
+  #picked = [];
+  #isBusy = false;
+  element;
+
+  /** @param {(id: number) => void} opened */
+  constructor(opened) {
+    this.#opened = opened;
+    const drop = el(
+      "div",
+      { class: "drop" },
+      el("p", { class: "drop-title" }, "Drop a log here"),
+      el("p", { class: "note" }, "CSV, gzip’d CSV or Parquet; one log, or up to three with a quiet and a later one. Nothing leaves this machine."),
+      el("p", {}, this.#chooser, el("label", { for: this.#chooser.id, class: "button" }, "Choose files")),
+    );
+    for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));
+    for (const kind of ["dragleave", "drop"]) drop.addEventListener(kind, () => delete drop.dataset.over);
+    this.#reading.append(this.#read);
+    this.element = el(
+      "section",
+      { class: "opening", "aria-labelledby": "opening-title" },
+      el("h1", { id: "opening-title" }, "What does your sensor do that no model knows?"),
+      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where that fails, and names the physical effect that is missing."),
+      this.#problems,
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and something happens to gyro x that no model has."), this.#example, this.#paths)),
+      this.#progress,
+      this.#files,
+      this.#mapping.element,
+      this.#reading,
+    );
+  }
+
+  /** What lies on the server may have changed. */
+  refresh() {
+    get("/api/logs").then(
+      (logs) => this.#drawPaths(logs),
+      (error) => this.#problem(messageOf(error)),
+    );
+  }
+
+  /** Takes files that were dropped or chosen. @param {File[]} files */
+  async take(files) {
+    this.#chooser.value = "";
+    await this.#pick(files.slice(0, MOST - this.#picked.length || 1), async (file) => {
+      this.#say(`Sending ${file.name}, ${bytes(file.size)} …`);
+      return (await upload(file)).path;
+    });
+  }
+
+  /**
+   * Looks into logs, one after the other; one that is no log is told of and left out.
+   * @template Given
+   * @param {Given[]} all
+   * @param {(given: Given) => Promise<string>} pathOf
+   */
+  async #pick(all, pathOf) {
+    if (this.#isBusy) return;
+    this.#isBusy = true;
+    replace(this.#problems);
+    for (const one of all) {
+      try {
+        const path = await pathOf(one);
+        this.#say(`Looking into ${fileName(path)} …`);
+        const preview = /** @type {Preview} */ (await post("/api/preview", { path }));
+        const free = ROLES.find(({ role }) => !this.#picked.some((picked) => picked.role === role));
+        this.#picked = [...this.#picked.filter((picked) => picked.path !== path), { path, preview, role: free?.role ?? "none" }];
+      } catch (error) {
+        this.#problem(messageOf(error));
+      }
+    }
+    this.#isBusy = false;
+    this.#say("");
+    this.#draw();
+    if (this.#picked.length > 0) this.#read.focus();
+  }
+
+  /** @param {LogEntry[]} logs */
+  #drawPaths(logs) {
+    if (logs.length === 0) return replace(this.#paths);
+    const id = uniqueId("path");
+    const select = el("select", { id, "data-key": "path" }, logs.map(({ path, bytes: size }) => el("option", { value: path }, `${path} (${bytes(size)})`)));
+    const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Take this log");
+    replace(this.#paths, el("h2", {}, el("label", { for: id }, "A log on this machine")), el("div", { class: "row" }, select, open));
+  }
+
+  #draw() {
+    const picked = this.#picked;
+    const entry = (/** @type {Picked} */ one) => {
+      const id = uniqueId("role");
+      const change = (/** @type {Event} */ event) => {
+        const role = /** @type {Role} */ (/** @type {HTMLSelectElement} */ (event.target).value);
+        for (const other of picked) if (other.role === role && role !== "none") other.role = one.role;
+        one.role = role;
+        this.#draw();
+      };
+      return el(
+        "li",
+        {},
+        el("label", { for: id }, fileName(one.path)),
+        el("select", { id, "data-key": `role:${one.path}`, onchange: change }, ROLES.map(({ role, text }) => el("option", { value: role, selected: role === one.role }, text))),
+        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Leave out ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Leave out"),
+      );
+    };
+    replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
+    this.#mapping.show(picked.map(({ preview }) => preview));
+    this.#reading.hidden = !picked.some(({ role }) => role === "field");
+  }
+
+  /** @param {Picked} one */
+  #leaveOut(one) {
+    this.#picked = this.#picked.filter((picked) => picked !== one);
+    const [first] = this.#picked;
+    if (first && !this.#picked.some(({ role }) => role === "field")) first.role = "field";
+    this.#draw();
+  }
+
+  async #readLogs() {
+    const path = (/** @type {Role} */ role) => this.#picked.find((picked) => picked.role === role)?.path ?? null;
+    const field = path("field");
+    if (!field) return;
+    await this.#open({ field, quiet: path("quiet"), judged: path("judged"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
+  }
+
+  /** @param {import("./types.js").NewStudy} study */
+  async #open(study) {
+    if (this.#isBusy) return;
+    this.#isBusy = true;
+    replace(this.#problems);
+    this.#say("Opening …");
+    try {
+      const { id } = await post("/api/studies", study);
+      this.#opened(id);
+    } catch (error) {
+      this.#problem(messageOf(error));
+    }
+    this.#isBusy = false;
+    this.#say("");
+  }
+
+  /** @param {string} text */
+  #say(text) {
+    this.#progress.textContent = text;
+  }
+
+  /** @param {string} message */
+  #problem(message) {
+    const alert = alertElement(message, () => alert.remove());
+    this.#problems.append(alert);
+    this.#problems.scrollIntoView({ block: "nearest" });
+  }
+}

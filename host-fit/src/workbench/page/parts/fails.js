@@ -1,0 +1,142 @@
+// @ts-check
+// Part 2: what the model leaves, where it is worst, and what that looks like from every side.
+
+import { get, isAbort, messageOf } from "../api.js";
+import { el, replace } from "../dom.js";
+import { figureElement } from "../figure.js";
+import { alertElement } from "../notices.js";
+import { modelKey } from "../studypage.js";
+import { TimeChart } from "../timechart.js";
+import { section } from "./section.js";
+import { drawStretches, shadesOf, wordsFor } from "./stretches.js";
+
+/** @typedef {import("../studypage.js").Context} Context */
+/** @typedef {import("../studypage.js").Scene} Scene */
+/** @typedef {import("../types.js").NamedFigure} NamedFigure */
+
+/** Channels that are shown at once; the others unfold. */
+const CHANNELS = 4;
+const AGAINST = "against:";
+/** Rest after a request that failed, ms. */
+const RETRY = 2000;
+
+/** @param {Context} context @returns {import("../studypage.js").Part} */
+export function failsPart({ study, time, source, choose, announce }) {
+  const chart = new TimeChart({
+    label: "What is left",
+    height: 220,
+    time,
+    traces: [{ of: "left", label: "left: measured less predicted", ink: "--ink-residual" }],
+    click: (shade) => shade && choose({ from: shade.from, to: shade.to, mark: shade.mark }),
+  });
+  const empty = el("p", { class: "empty" });
+  const list = el("ol", { class: "stretches" });
+  const listTitle = el("h3", {}, "The worst stretches");
+  const note = el("div", { class: "chosen", role: "status" });
+  const panels = el("div", { class: "panels" });
+  const element = section(2, "Where it fails", "What does the model leave, when is it worst, and what does it go with?", el("div", { class: "card" }, empty, chart.element, listTitle, list), note, panels);
+
+  source.onData((drawn) => chart.setData(drawn?.shown.left ? drawn.shown : null));
+
+  let request = new AbortController();
+  let asked = "";
+  let marked = "";
+  /** The axis that the figures are of. */
+  let pictured = "";
+
+  /** @param {Scene} scene */
+  async function readFigures({ axis, chosen, state }) {
+    // while a grown model is compared anew, the pictures of before stay in their place
+    if (axis && !axis.comparison && state.job && axis.column === pictured) return panels.setAttribute("aria-busy", "true");
+    const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to]) : "";
+    if (key === asked) return;
+    asked = key;
+    request.abort();
+    request = new AbortController();
+    const { signal } = request;
+    if (!axis?.comparison) return replace(panels);
+    if (panels.childElementCount === 0) replace(panels, Array.from({ length: 4 }, () => el("div", { class: "card skeleton tall" })));
+    panels.setAttribute("aria-busy", "true");
+    const query = new URLSearchParams({ axis: axis.column });
+    if (chosen) {
+      query.set("from", String(chosen.from));
+      query.set("to", String(chosen.to));
+    }
+    try {
+      const figures = /** @type {NamedFigure[]} */ (await get(`/api/studies/${study}/figures?${query}`, signal));
+      if (signal.aborted) return;
+      drawFigures(panels, figures, axis.comparison);
+      pictured = axis.column;
+    } catch (error) {
+      if (signal.aborted || isAbort(error)) return;
+      setTimeout(() => (asked = ""), RETRY);
+      replace(panels, alertElement(messageOf(error)));
+    }
+    panels.removeAttribute("aria-busy");
+  }
+
+  return {
+    element,
+    update(scene) {
+      const { axis, chosen, state } = scene;
+      const isCompared = Boolean(axis?.comparison);
+      chart.element.hidden = !isCompared;
+      empty.hidden = isCompared;
+      empty.textContent = state.job ? `This comes when the model is fitted and compared: ${state.job.what} …` : "There is no model of this axis to compare with yet.";
+      listTitle.hidden = !isCompared;
+      chart.setShades(shadesOf(scene));
+      const now = JSON.stringify([axis?.column, axis?.comparison?.worst, chosen]);
+      if (now !== marked) {
+        marked = now;
+        drawStretches(list, scene, choose);
+        replace(note, chosen ? chosenNote(chosen, choose) : null);
+        if (chosen) announce(`Every panel shows ${wordsFor(chosen)}.`);
+      }
+      void readFigures(scene);
+    },
+  };
+}
+
+/** @param {import("../studypage.js").Chosen} chosen @param {(chosen: null) => void} choose */
+function chosenNote(chosen, choose) {
+  return el(
+    "p",
+    {},
+    el("span", {}, "Every panel shows ", el("b", {}, wordsFor(chosen)), "."),
+    el("button", { type: "button", "data-key": "whole", onclick: () => choose(null) }, "Whole log"),
+  );
+}
+
+/** @param {HTMLElement} host @param {NamedFigure[]} figures @param {import("../types.js").AxisComparison} comparison */
+function drawFigures(host, figures, comparison) {
+  // likeliest channels first
+  const order = comparison.dependence?.channels.map(({ channel }) => channel) ?? [];
+  const place = (/** @type {NamedFigure} */ { name }) => {
+    const at = order.indexOf(name.slice(AGAINST.length));
+    return at < 0 ? order.length : at;
+  };
+  const against = figures.filter(({ name }) => name.startsWith(AGAINST)).sort((a, b) => place(a) - place(b));
+  const card = (/** @type {NamedFigure} */ { name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
+  const named = (/** @type {string} */ wanted) => figures.find(({ name }) => name === wanted);
+  const known = ["spectrum", "autocorrelation", "allan"].map(named).filter((figure) => figure !== undefined);
+  const dependence = named("dependence");
+  const [first, rest] = [against.slice(0, CHANNELS), against.slice(CHANNELS)];
+  replace(
+    host,
+    el("h3", {}, "In time and frequency"),
+    el("div", { class: "grid three" }, known.map(card)),
+    against.length > 0 ? el("h3", {}, "Against everything that was logged") : null,
+    el("div", { class: "grid two" }, first.map(card)),
+    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(card))) : null,
+    dependence ? unfolding("dependence", "Which delay explains most, and when it fails at which frequency", () => card(dependence)) : null,
+  );
+}
+
+/** Drawn when it is unfolded. @param {string} key @param {string} title @param {() => HTMLElement} content */
+function unfolding(key, title, content) {
+  const details = el("details", { class: "more", "data-key": key }, el("summary", {}, title));
+  details.addEventListener("toggle", () => {
+    if (details.open && details.childElementCount === 1) details.append(content());
+  });
+  return details;
+}

@@ -1,0 +1,163 @@
+// @ts-check
+// One missing effect: what it is, how large, how sure, what it costs, and the button that adds it.
+
+import { el } from "../dom.js";
+import { capitalised, count, firstSentence, interval, isNumber, number, percent, quantity, seconds } from "../format.js";
+import { figureElement } from "../figure.js";
+import { effectName } from "../library.js";
+
+/** @typedef {import("../studypage.js").Context} Context */
+/** @typedef {import("../types.js").Finding} Finding */
+/** @typedef {import("../types.js").Offer} Offer */
+/** @typedef {{finding: Finding, offer: Offer | null, rank: number, unit: string, isBusy: boolean, context: Context, axis: string}} Given */
+
+/** Units of parameters, by the end of their name. @type {Record<string, string>} */
+const UNITS = { s: "s", k: "K", hz: "Hz", v: "V" };
+
+/** @param {Given} given */
+export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
+  const { effect, band } = finding;
+  const card = offer?.card;
+  const [mechanism, more] = firstSentence(card?.mechanism ?? "");
+  return el(
+    "li",
+    { class: "card finding", "data-effect": effect },
+    el(
+      "header",
+      { class: "finding-head" },
+      el("span", { class: "rank" }, el("span", { class: "unseen" }, "Rank "), rank),
+      el("div", { class: "finding-name" }, el("h3", {}, capitalised(finding.name)), el("p", { class: "note" }, "score ", number(finding.score), " (9 is enough)")),
+      adding(finding, offer, isBusy, context, axis),
+    ),
+    offer && !offer.can_be_added && offer.why_not ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), offer.why_not) : null,
+    el(
+      "div",
+      { class: "finding-body" },
+      el(
+        "div",
+        { class: "finding-words" },
+        mechanism ? el("p", { class: "mechanism" }, mechanism) : null,
+        fall(finding, band),
+        el("dl", { class: "facts-list" }, facts(finding, offer)),
+        shows(finding, context),
+        rivals(finding),
+        card ? physics(effect, card, more) : null,
+      ),
+      offer?.evidence ? el("div", { class: "evidence" }, figureElement(offer.evidence, { height: 240, heading: "h4" })) : null,
+    ),
+  );
+}
+
+/** @param {Finding} finding @param {Offer | null} offer @param {boolean} isBusy @param {Context} context @param {string} axis */
+function adding({ effect, name }, offer, isBusy, { change, announce, goTo }, axis) {
+  if (!offer?.can_be_added) return el("p", { class: "cannot" }, "Cannot be added");
+  return el(
+    "button",
+    {
+      type: "button",
+      class: "primary",
+      "data-key": `add:${effect}`,
+      "aria-disabled": isBusy ? "true" : "false",
+      async onclick() {
+        if (isBusy) return announce("Something is being computed; it can be cancelled at the top.");
+        announce(`Adding ${name}.`);
+        if (await change("add", { axis, effect })) goTo(4);
+      },
+    },
+    "Add",
+    el("span", { class: "unseen" }, ` ${name}`),
+  );
+}
+
+/** @param {string} effect @param {import("../types.js").EffectCard} card @param {string} more */
+function physics(effect, card, more) {
+  const rows = [
+    ["What gives it away", card.gives_away],
+    ["Typical size", card.typical_size],
+    ["Source", card.source],
+    ["Experiment that shows it", card.experiment],
+    ["On the device", card.device],
+  ];
+  return el(
+    "details",
+    { class: "physics", "data-key": `physics:${effect}` },
+    el("summary", {}, "The physics, how large it usually is, how to be sure"),
+    more ? el("p", {}, more) : null,
+    card.equation ? el("p", { class: "equation" }, card.equation) : null,
+    el("dl", { class: "explained" }, rows.filter(([, text]) => text).map(([name, text]) => [el("dt", {}, name ?? ""), el("dd", {}, text ?? "")]).flat()),
+  );
+}
+
+/** The expected fall, as numbers and as a bar. @param {Finding} finding @param {import("../types.js").Band} band */
+function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
+  const bar = el("span", { class: "fall-bar", "aria-hidden": "true" });
+  const piece = (/** @type {string} */ kind, /** @type {number} */ from, /** @type {number} */ to) => {
+    const element = el("i", { class: kind });
+    element.style.left = `${100 * clamp(from)}%`;
+    element.style.width = `${100 * (clamp(to) - clamp(from))}%`;
+    bar.append(element);
+  };
+  piece("fall-expected", 0, drop);
+  piece("fall-interval", low, high);
+  return el(
+    "div",
+    { class: "fall" },
+    el("p", {}, el("strong", {}, percent(drop)), ` ${band === "wide" ? "of the scatter of the samples" : "of the slow error"} should go`, el("span", { class: "note" }, ` (90 % interval ${interval([low, high], (value) => percent(value))})`)),
+    bar,
+  );
+}
+
+/** @param {number} share */
+const clamp = (share) => Math.min(Math.max(isNumber(share) ? share : 0, 0), 1);
+
+/** @param {Finding} finding @param {Offer | null} offer */
+function facts(finding, offer) {
+  /** @type {HTMLElement[]} */
+  const rows = [];
+  const add = (/** @type {string} */ name, /** @type {string} */ value, /** @type {string} */ detail) =>
+    rows.push(el("dt", {}, name), el("dd", {}, el("span", { class: "number" }, value), detail ? el("span", { class: "note" }, ` ${detail}`) : null));
+  for (const size of finding.sizes) {
+    add(finding.sizes.length > 1 ? `Size of ${shortRegressor(size.of)}` : "Size", quantity(size.value, size.unit), `95 %: ${interval(size.interval, (value) => number(value))}`);
+  }
+  for (const [name, value] of Object.entries(finding.params)) {
+    const unit = UNITS[name.split("_").pop() ?? ""] ?? "";
+    const range = finding.params_interval[name];
+    add(parameterName(name), quantity(value, unit), range ? `95 %: ${interval(range, (one) => number(one))}` : "");
+  }
+  if (finding.shows_against) add("Shows against", finding.shows_against, "");
+  const cost = offer?.cost;
+  if (cost) add("Cost on the device", `${count(cost.terms)} ${cost.terms === 1 ? "term" : "terms"}, ${count(cost.ram_bytes)} bytes of RAM`, `about ${count(cost.instructions)} instructions a sample`);
+  return rows;
+}
+
+/** `tau_s` → `Time constant`; others by their own name. @param {string} name */
+function parameterName(name) {
+  if (name === "tau_s") return "Time constant";
+  return capitalised(name.replace(/_(s|k|hz|v)$/, "").replaceAll("_", " "));
+}
+
+/** Without the long numbers that it was made with. @param {string} of */
+const shortRegressor = (of) => of.replace(/\d+\.\d{3,}/g, (digits) => number(Number(digits), 3));
+
+/** @param {Finding} finding @param {Context} context */
+function shows({ effect, shows_from_to_s: where }, { choose, goTo }) {
+  if (!where) return null;
+  const [from, to] = where;
+  const act = () => {
+    choose({ from, to, mark: null });
+    goTo(1);
+  };
+  return el("p", { class: "shows" }, "Largest from ", el("button", { type: "button", class: "link", "data-key": `shows:${effect}`, onclick: act }, `${seconds(from)} to ${seconds(to)}`), " of the log.");
+}
+
+/** @param {Finding} finding */
+function rivals({ confounded_with, separate }) {
+  if (confounded_with.length === 0) return el("p", { class: "note" }, "Nothing else in the library explains this log as well.");
+  const experiment = (/** @type {string} */ id) => separate.find(({ effect }) => effect === id)?.experiment;
+  return el(
+    "div",
+    { class: "rivals" },
+    el("p", {}, el("b", {}, "This log cannot tell it from: ")),
+    el("ul", {}, confounded_with.map((id) => el("li", {}, el("b", {}, effectName(id)), experiment(id) ? `. To tell: ${experiment(id)}` : ""))),
+  );
+}

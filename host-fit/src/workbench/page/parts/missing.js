@@ -1,0 +1,114 @@
+// @ts-check
+// Part 3: the answer, the effects that are missing in order, and what the answer rests on.
+
+import { el, icon, replace } from "../dom.js";
+import { count, number, quantity } from "../format.js";
+import { effectName, effectOf, readLibrary } from "../library.js";
+import { VERDICTS } from "../verdict.js";
+import { findingCard } from "./findingcard.js";
+import { section } from "./section.js";
+
+/** @typedef {import("../studypage.js").Context} Context */
+/** @typedef {import("../studypage.js").Scene} Scene */
+/** @typedef {import("../types.js").Diagnosis} Diagnosis */
+
+/** @param {Context} context @returns {import("../studypage.js").Part} */
+export function missingPart(context) {
+  const verdict = el("div", { class: "verdict-place" });
+  const cards = el("ol", { class: "findings" });
+  const rest = el("div", { class: "rest" });
+  const element = section(3, "What is missing", "Which physical effect explains what is left, how large is it, and how sure is that?", verdict, cards, rest);
+  let drawn = "";
+  let drawnRest = "";
+
+  /** @param {Scene} scene */
+  function update(scene) {
+    const { axis, state } = scene;
+    const diagnosis = axis?.diagnosis ?? null;
+    const isBusy = state.job !== null;
+    const now = JSON.stringify([axis?.column, diagnosis, axis?.offers, isBusy, diagnosis ? null : state.job?.what, axis?.growth?.stairs.length]);
+    if (now !== drawn) {
+      drawn = now;
+      replace(verdict, diagnosis ? verdictElement(diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, state.job ? `This comes with the diagnosis: ${state.job.what} …` : "This axis has not been diagnosed yet.")));
+      const entry = (/** @type {import("../types.js").Finding} */ finding, /** @type {number} */ at) =>
+        findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, unit: diagnosis?.unit ?? "", isBusy, context, axis: axis?.column ?? "" });
+      replace(cards, diagnosis?.findings.map(entry) ?? []);
+      cards.hidden = !diagnosis || diagnosis.findings.length === 0;
+    }
+    const nowRest = JSON.stringify([axis?.column, diagnosis]);
+    if (nowRest !== drawnRest) {
+      drawnRest = nowRest;
+      replace(rest, diagnosis ? restOf(diagnosis) : null);
+    }
+  }
+
+  // names instead of identifiers, as soon as they are known
+  let latest = /** @type {Scene | null} */ (null);
+  readLibrary().then(
+    () => {
+      drawn = drawnRest = "";
+      if (latest) update(latest);
+    },
+    () => {},
+  );
+  return {
+    element,
+    update(scene) {
+      latest = scene;
+      update(scene);
+    },
+  };
+}
+
+/** @param {Diagnosis} diagnosis */
+function verdictElement({ verdict, sentence }) {
+  const { title } = VERDICTS[verdict];
+  // the sentence of this answer begins with its title
+  const says = sentence.startsWith(title) && verdict === "nothing_missing" ? sentence.replace(/^[^:.]*[:.]\s*/, "") : sentence;
+  return el("div", { class: `verdict ${verdict}`, "data-verdict": verdict }, icon(verdict), el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, says.charAt(0).toUpperCase() + says.slice(1))));
+}
+
+/** What else is to be known of the answer. @param {Diagnosis} diagnosis */
+function restOf(diagnosis) {
+  const { cautions, leads, rejected, untested, noise, unit } = diagnosis;
+  const levels = [
+    ["white", quantity(noise.levels.white, unit)],
+    ["flicker", quantity(noise.levels.flicker, unit)],
+    ["random walk", quantity(noise.levels.walk, unit)],
+  ];
+  return el(
+    "div",
+    { class: "grid two" },
+    cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "To be taken with care"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
+    leads.length > 0 &&
+      el(
+        "div",
+        { class: "card wide" },
+        el("h3", {}, "Leads"),
+        el("p", { class: "note" }, "What the rest follows best. A lead is no finding: it says where to look, not why."),
+        el("ul", { class: "scores" }, leads.map(({ follows, score }) => el("li", {}, el("span", {}, follows), el("span", { class: "score" }, `score ${number(score)}`)))),
+      ),
+    el(
+      "div",
+      { class: "card" },
+      el("h3", {}, "Tried and not chosen"),
+      rejected.length === 0
+        ? el("p", { class: "note" }, "Nothing else was tried.")
+        : [
+            el("p", { class: "note" }, "Each alone on the log; a score below 9 is chance. A high one that is not chosen is explained better by what is named above."),
+            el("ul", { class: "scores" }, rejected.map(({ effect, score }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect)), el("span", { class: "score" }, number(score))))),
+          ],
+    ),
+    el(
+      "div",
+      { class: "card" },
+      el("h3", {}, "Not tested"),
+      untested.length === 0
+        ? el("p", { class: "note" }, "The log has every column that the library asks for.")
+        : [el("p", { class: "note" }, "These need columns that the log does not have, or that never change."), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.map((column) => el("code", {}, column))))))],
+      el("h3", {}, "Noise"),
+      el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
+      el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
+    ),
+  );
+}

@@ -1,0 +1,56 @@
+// @ts-check
+// The stretches where the model does worst, as shading, buttons and words.
+
+import { el, replace } from "../dom.js";
+import { number, quantity, seconds } from "../format.js";
+
+/** @typedef {import("../studypage.js").Scene} Scene */
+/** @typedef {import("../studypage.js").Chosen} Chosen */
+
+/** Shading of the charts over time: the worst stretches, and another that was chosen. @param {Scene} scene @returns {import("../timechart.js").Shade[]} */
+export function shadesOf({ axis, chosen }) {
+  const worst = axis?.comparison?.worst ?? [];
+  const shades = worst.map(({ begin_s, end_s }, at) => ({ from: begin_s, to: end_s, mark: String(at + 1), chosen: isSame(chosen, begin_s, end_s) }));
+  if (chosen && !shades.some((shade) => shade.chosen)) shades.push({ from: chosen.from, to: chosen.to, mark: "•", chosen: true });
+  return shades;
+}
+
+/** @param {Chosen | null} chosen @param {number} from @param {number} to */
+const isSame = (chosen, from, to) => chosen !== null && chosen.from === from && chosen.to === to;
+
+/** @param {Chosen} chosen */
+export const wordsFor = ({ from, to, mark }) =>
+  `${mark && mark !== "•" ? `stretch ${mark}, ` : ""}${seconds(from, to - from < 10 ? 10 : 100)} to ${seconds(to, to - from < 10 ? 10 : 100)}`;
+
+/**
+ * The list of the worst stretches.
+ * @param {HTMLElement} list
+ * @param {Scene} scene
+ * @param {(chosen: Chosen | null) => void} choose
+ */
+export function drawStretches(list, { axis, chosen }, choose) {
+  const comparison = axis?.comparison;
+  if (!comparison) return replace(list);
+  const entry = (/** @type {import("../types.js").Stretch} */ stretch, /** @type {number} */ at) => {
+    const isChosen = isSame(chosen, stretch.begin_s, stretch.end_s);
+    return el(
+      "li",
+      {},
+      el(
+        "button",
+        {
+          type: "button",
+          class: "stretch",
+          "aria-pressed": isChosen ? "true" : "false",
+          "data-key": `stretch:${at}`,
+          onclick: () => choose(isChosen ? null : { from: stretch.begin_s, to: stretch.end_s, mark: String(at + 1) }),
+        },
+        el("b", { class: "mark" }, at + 1),
+        el("span", { class: "when" }, `${seconds(stretch.begin_s)} to ${seconds(stretch.end_s)}`),
+        el("span", { class: "size" }, `${quantity(stretch.rms, comparison.unit)} rms, ${number(stretch.ratio)} times the usual`),
+        stretch.special.length > 0 ? el("span", { class: "special" }, stretch.special.join("; ")) : null,
+      ),
+    );
+  };
+  replace(list, comparison.worst.map(entry));
+}

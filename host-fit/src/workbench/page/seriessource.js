@@ -1,0 +1,175 @@
+// @ts-check
+// The samples behind the charts over time: three windows' worth are kept around what is visible, so that panning
+// has something to draw while finer data are on their way.
+
+import { get, isAbort } from "./api.js";
+
+/** @typedef {import("./types.js").Series} Series */
+/** @typedef {import("./types.js").Trace} Trace */
+/** @typedef {import("./types.js").ViewName} ViewName */
+/** @typedef {{study: number, axis: string, view: ViewName, model: string}} Subject `model` tells one state of the model from the next */
+/** What is drawn: detail where it is known, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */
+
+/** Quiet time before finer data are asked for, ms. */
+const DEBOUNCE = 70;
+/** Rest after a request that failed, ms. */
+const RETRY = 2000;
+/** Buckets of the whole log. */
+const WHOLE_WIDTH = 1600;
+/** Buckets a pixel at least, before finer ones are asked for. */
+const COARSEST = 0.7;
+
+export class SeriesSource {
+  /** @type {import("./timewindow.js").TimeWindow} */
+  #time;
+  #width = 1000;
+  /** @type {Subject | null} */
+  #subject = null;
+  /** @type {Series | null} */
+  #whole = null;
+  /** @type {Series | null} */
+  #detail = null;
+  #request = new AbortController();
+  #timer = 0;
+  /** @type {Set<(drawn: Drawn | null) => void>} */
+  #listeners = new Set();
+  /** What to do with an error. @type {(error: unknown) => void} */
+  failed = () => {};
+
+  /** @param {import("./timewindow.js").TimeWindow} time */
+  constructor(time) {
+    this.#time = time;
+    time.onChange(() => this.#ask());
+  }
+
+  /** @param {(drawn: Drawn | null) => void} listener */
+  onData(listener) {
+    this.#listeners.add(listener);
+  }
+
+  /** @param {number} width of the plot, pixels */
+  setWidth(width) {
+    this.#width = Math.max(200, Math.round(width));
+    this.#ask();
+  }
+
+  /** Looks at another axis, view or model; the same again changes nothing. @param {Subject | null} subject */
+  look(subject) {
+    if (JSON.stringify(subject) === JSON.stringify(this.#subject)) return;
+    const before = this.#subject;
+    this.#subject = subject;
+    this.#request.abort();
+    clearTimeout(this.#timer);
+    this.#detail = null;
+    // a grown model redraws in place; another axis must not show the numbers of the one before
+    if (before?.axis !== subject?.axis || before?.study !== subject?.study) {
+      this.#whole = null;
+      this.#tell();
+    }
+    if (subject) void this.#readWhole(subject);
+  }
+
+  /** @param {Subject} subject */
+  async #readWhole(subject) {
+    this.#request = new AbortController();
+    const [from, to] = this.#time.whole;
+    const whole = await this.#read(subject, from, to, WHOLE_WIDTH);
+    if (!whole) {
+      // the next change of the study tries again
+      setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
+      return;
+    }
+    this.#whole = whole;
+    this.#tell();
+    this.#ask();
+  }
+
+  /**
+   * @param {Subject} subject
+   * @param {number} from @param {number} to @param {number} width
+   * @returns {Promise<Series | null>} null: stale or failed
+   */
+  async #read(subject, from, to, width) {
+    const { signal } = this.#request;
+    const query = new URLSearchParams({
+      axis: subject.axis,
+      view: subject.view,
+      from: String(from),
+      to: String(to),
+      width: String(width),
+    });
+    try {
+      const series = /** @type {Series} */ (await get(`/api/studies/${subject.study}/series?${query}`, signal));
+      return signal.aborted ? null : series;
+    } catch (error) {
+      if (!isAbort(error) && !signal.aborted) this.failed(error);
+      return null;
+    }
+  }
+
+  /** Asks for detail, once the window rests and what is known does not do. */
+  #ask() {
+    clearTimeout(this.#timer);
+    if (!this.#whole || this.#isEnough()) return;
+    this.#timer = window.setTimeout(() => void this.#readDetail(), DEBOUNCE);
+  }
+
+  #isEnough() {
+    const { shown, span, whole } = this.#time;
+    const known = this.#detail ?? this.#whole;
+    if (!known) return false;
+    // half a window is kept ready on either side
+    const from = Math.max(shown[0] - 0.5 * span, whole[0]);
+    const to = Math.min(shown[1] + 0.5 * span, whole[1]);
+    const covered = known.from_s <= from + 1e-9 && known.to_s >= to - 1e-9;
+    return covered && isFine(known, span, this.#width);
+  }
+
+  async #readDetail() {
+    const subject = this.#subject;
+    if (!subject) return;
+    this.#request.abort();
+    this.#request = new AbortController();
+    const { shown, span, whole } = this.#time;
+    const from = Math.max(shown[0] - span, whole[0]);
+    const to = Math.min(shown[1] + span, whole[1]);
+    const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span));
+    if (!detail) return;
+    // what was asked for is known, even where the log has nothing
+    this.#detail = { ...detail, from_s: Math.min(detail.from_s, from), to_s: Math.max(detail.to_s, to) };
+    this.#tell();
+    this.#ask();
+  }
+
+  #tell() {
+    const whole = this.#whole;
+    const drawn = whole ? { whole, shown: this.#detail ? spliced(whole, this.#detail) : whole } : null;
+    for (const listener of this.#listeners) listener(drawn);
+  }
+}
+
+/** @param {Series} series @param {number} span shown, s @param {number} width pixels */
+function isFine(series, span, width) {
+  if (series.exact) return true;
+  const buckets = (series.time_s.length / (series.to_s - series.from_s)) * span;
+  return buckets >= COARSEST * width;
+}
+
+/** The detail, with the whole log around it. @param {Series} whole @param {Series} detail @returns {Series} */
+function spliced(whole, detail) {
+  const before = whole.time_s.findIndex((time) => time >= detail.from_s);
+  const after = whole.time_s.findIndex((time) => time > detail.to_s);
+  const left = before < 0 ? whole.time_s.length : before;
+  const right = after < 0 ? whole.time_s.length : after;
+  /** @template T @param {T[]} all @param {T[]} middle */
+  const join = (all, middle) => all.slice(0, left).concat(middle, all.slice(right));
+  /** @param {Trace | null} all @param {Trace | null} middle */
+  const trace = (all, middle) => (all && middle ? { low: join(all.low, middle.low), high: join(all.high, middle.high) } : null);
+  return {
+    ...detail,
+    time_s: join(whole.time_s, detail.time_s),
+    measured: /** @type {Trace} */ (trace(whole.measured, detail.measured)),
+    predicted: trace(whole.predicted, detail.predicted),
+    left: trace(whole.left, detail.left),
+  };
+}

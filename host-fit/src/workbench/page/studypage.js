@@ -1,0 +1,230 @@
+// @ts-check
+// One study: its five parts in the order of thought, and what they share.
+
+import { messageOf, post } from "./api.js";
+import { el, icon, radioGroup, replace } from "./dom.js";
+import { follow } from "./follow.js";
+import { capitalised, count, duration, fileName, percent } from "./format.js";
+import { alertElement } from "./notices.js";
+import { failsPart } from "./parts/fails.js";
+import { fallsPart } from "./parts/falls.js";
+import { measuredPart } from "./parts/measured.js";
+import { missingPart } from "./parts/missing.js";
+import { takePart } from "./parts/take.js";
+import { SeriesSource } from "./seriessource.js";
+import { TimeWindow } from "./timewindow.js";
+import { VERDICTS } from "./verdict.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").AxisState} AxisState */
+/** @typedef {import("./types.js").ViewName} ViewName */
+/** A stretch that every panel shows; mark: its number among the worst. @typedef {{from: number, to: number, mark: string | null}} Chosen */
+/** What the parts draw. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName}} Scene */
+/** @typedef {{element: HTMLElement, update: (scene: Scene) => void}} Part */
+/**
+ * What the parts share.
+ * @typedef {object} Context
+ * @property {number} study
+ * @property {TimeWindow} time
+ * @property {SeriesSource} source
+ * @property {(chosen: Chosen | null) => void} choose
+ * @property {(view: ViewName) => void} setView
+ * @property {(path: string, body?: unknown) => Promise<boolean>} change asks the server for it; says what went wrong
+ * @property {(text: string) => void} announce
+ * @property {(part: number, focus?: boolean) => void} goTo
+ */
+/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Surroundings */
+
+const STEPS = ["Measured", "Fails", "Missing", "Falls", "Take"];
+
+export class StudyPage {
+  /** @type {number} */
+  id;
+  element;
+  #around;
+  #time = new TimeWindow();
+  #source = new SeriesSource(this.#time);
+  #head = el("div", { class: "study-head" });
+  #error = el("div", { class: "study-error" });
+  #bar = el("div", { class: "sub-bar" });
+  #said = el("p", { class: "unseen", role: "status", "aria-live": "polite" });
+  #reading = el("div", { class: "reading" });
+  #parts = el("div", { class: "parts" });
+  /** @type {Part[]} */
+  #all;
+  #following;
+  /** @type {State | null} */
+  #state = null;
+  /** @type {string | null} */
+  #axis = null;
+  /** @type {Chosen | null} */
+  #chosen = null;
+  /** @type {ViewName} */
+  #view = "slow";
+  #log = "";
+  /** @type {Map<string, string>} */
+  #drawn = new Map();
+
+  /** @param {number} id @param {Surroundings} around */
+  constructor(id, around) {
+    this.id = id;
+    this.#around = around;
+    this.#source.failed = (error) => around.notices.show(messageOf(error));
+    const context = this.#context();
+    this.#all = [measuredPart(context), failsPart(context), missingPart(context), fallsPart(context), takePart(context)];
+    this.#parts.append(...this.#all.map((part) => part.element));
+    this.element = el("div", { class: "study" }, this.#head, this.#error, this.#reading, this.#bar, this.#parts, this.#said);
+    this.#following = follow(id, { state: (state) => this.#update(state), connected: around.connected, gone: around.gone });
+    replace(this.#reading, waiting("Opening the study"));
+    this.#bar.hidden = true;
+    this.#parts.hidden = true;
+  }
+
+  close() {
+    this.#following.close();
+    this.#source.look(null);
+  }
+
+  /** @returns {Context} */
+  #context() {
+    return {
+      study: this.id,
+      time: this.#time,
+      source: this.#source,
+      choose: (chosen) => {
+        this.#chosen = chosen;
+        if (chosen) this.#time.showAround(chosen.from, chosen.to);
+        else this.#time.showAll();
+        this.#draw();
+      },
+      setView: (view) => {
+        this.#view = view;
+        this.#draw();
+      },
+      change: (path, body) => this.#change(path, body),
+      announce: (text) => (this.#said.textContent = text),
+      goTo: (part, focus = true) => this.#goTo(part, focus),
+    };
+  }
+
+  /** @param {string} path @param {unknown} [body] */
+  async #change(path, body) {
+    try {
+      await post(`/api/studies/${this.id}/${path}`, body);
+      await this.#following.refresh();
+      return true;
+    } catch (error) {
+      this.#around.notices.show(messageOf(error));
+      return false;
+    }
+  }
+
+  /** @param {number} part @param {boolean} focus */
+  #goTo(part, focus) {
+    const heading = this.#all[part - 1]?.element.querySelector("h2");
+    if (focus) heading?.focus({ preventScroll: true });
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    heading?.scrollIntoView({ behavior: calm ? "auto" : "smooth", block: "start" });
+  }
+
+  /** @param {State} state */
+  #update(state) {
+    this.#state = state;
+    const field = state.logs?.field;
+    const log = field ? `${field.sha256} ${field.from_s} ${field.to_s}` : "";
+    if (field && log !== this.#log) {
+      this.#log = log;
+      this.#time.reset([field.from_s, field.to_s], 1 / field.rate_hz);
+    }
+    this.#axis = state.axis ?? this.#axis ?? state.axes[0]?.column ?? null;
+    this.#around.changed(state);
+    this.#draw();
+  }
+
+  #draw() {
+    const state = this.#state;
+    if (!state) return;
+    const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
+    this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
+    // what was cancelled, failed or never begun is asked for by looking at the axis again
+    const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
+    this.#once("error", [state.error, canGoOn, axis?.column], () => {
+      const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
+      replace(this.#error, state.error ? alertElement(state.error) : null, canGoOn ? goOn : null);
+    });
+    this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.diagnosis?.verdict]), this.#axis], () => this.#drawBar(state));
+    const isRead = state.logs !== null;
+    this.#once("reading", [isRead, state.job?.what, state.error], () => {
+      replace(this.#reading, isRead || state.error ? null : waiting(capitalised(state.job?.what ?? "reading the logs")));
+    });
+    this.#bar.hidden = !isRead;
+    this.#parts.hidden = !isRead;
+    if (!isRead) return;
+    this.#source.look(axis ? { study: this.id, axis: axis.column, view: this.#view, model: modelKey(axis) } : null);
+    for (const part of this.#all) part.update({ state, axis, chosen: this.#chosen, view: this.#view });
+  }
+
+  /** Draws only what changed, so that nothing under the reader's hands is taken away. @param {string} name @param {unknown} data @param {() => void} draw */
+  #once(name, data, draw) {
+    const now = JSON.stringify(data);
+    if (this.#drawn.get(name) === now) return;
+    this.#drawn.set(name, now);
+    draw();
+  }
+
+  /** @param {State} state */
+  #drawBar(state) {
+    const axes = radioGroup({
+      legend: "Axis",
+      name: "axis",
+      class: "axes",
+      options: state.axes.map(({ column, label, diagnosis }) => ({
+        value: column,
+        text: label,
+        hint: diagnosis ? VERDICTS[diagnosis.verdict].word : undefined,
+        extra: diagnosis ? icon(diagnosis.verdict) : null,
+      })),
+      chosen: this.#axis,
+      choose: (column) => {
+        this.#axis = column;
+        this.#chosen = null;
+        if (state.axis !== column) void this.#change("axis", { axis: column });
+        this.#draw();
+      },
+    });
+    const step = (/** @type {string} */ name, /** @type {number} */ at) =>
+      el("li", {}, el("button", { type: "button", class: "quiet", "data-key": `step:${at}`, onclick: () => this.#goTo(at + 1, true) }, el("b", {}, at + 1), el("span", {}, name)));
+    replace(this.#bar, axes, el("nav", { "aria-label": "Parts" }, el("ol", { class: "steps" }, STEPS.map(step))));
+  }
+}
+
+/** Tells one state of an axis' model from the next. @param {AxisState} axis */
+export function modelKey(axis) {
+  return JSON.stringify([axis.model, axis.growth?.stairs.length ?? 0, axis.comparison?.errors ?? null]);
+}
+
+/** @param {string} what */
+function waiting(what) {
+  return el("div", { class: "waiting" }, el("p", {}, what), el("div", { class: "skeleton tall" }), el("div", { class: "skeleton" }));
+}
+
+/** @param {State} state */
+function studyHead({ name, logs }) {
+  if (!logs) return el("h1", {}, name);
+  const { field, quiet, judged } = logs;
+  const facts = [
+    `${duration(field.seconds)} at ${Number(field.rate_hz.toFixed(2))} Hz`,
+    `${count(field.rows)} rows`,
+    field.segments > 1 ? `${field.segments} pieces, ${count(field.missing)} samples missing` : field.missing > 0 ? `${count(field.missing)} samples missing` : "no gaps",
+    field.still_share === null ? null : `still for ${percent(field.still_share, 0)}`,
+  ].filter((fact) => fact !== null);
+  const other = (/** @type {string} */ role, /** @type {import("./types.js").Log | null} */ log) =>
+    log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
+  return [
+    el("h1", {}, name),
+    el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Quiet log", quiet), other("Judged on", judged)),
+    field.quality.length > 0
+      ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${field.quality.length === 1 ? "One remark" : `${field.quality.length} remarks`} on the data`), el("ul", {}, field.quality.map((text) => el("li", {}, text))))
+      : null,
+  ];
+}

@@ -1,0 +1,75 @@
+// @ts-check
+// Where an axis is marked, and with which texts.
+
+import { raised } from "./format.js";
+
+/** @typedef {{value: number, label: string}} Tick */
+
+/** An axis with fewer labels says little; so many are never asked for to get them. */
+const FEWEST = 3;
+const MOST = 24;
+
+/**
+ * Marks at even, round numbers, about `count` of them.
+ * @param {number} low @param {number} high @param {number} count
+ * @returns {Tick[]}
+ */
+export function linearTicks(low, high, count) {
+  const wanted = (high - low) / Math.max(count, 1);
+  if (!(wanted > 0) || !Number.isFinite(wanted)) return [];
+  const decade = 10 ** Math.floor(Math.log10(wanted));
+  const step = decade * ([1, 2, 5, 10].find((multiple) => multiple * decade >= wanted * 0.999) ?? 10);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  if (last - first < FEWEST - 1 && count < MOST) return linearTicks(low, high, 2 * count);
+  const write = evenLabels(step, Math.max(Math.abs(first * step), Math.abs(last * step)));
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, n) => ({ value: (first + n) * step, label: write((first + n) * step) }));
+}
+
+/** As many decimals as the step needs, and one power of ten for all. @param {number} step @param {number} largest */
+function evenLabels(step, largest) {
+  const power = largest > 0 ? Math.floor(Math.log10(largest) + 1e-9) : 0;
+  const isPlain = power >= -3 && power <= 5;
+  const shift = isPlain ? 0 : power;
+  const decimals = Math.max(0, shift - Math.floor(Math.log10(step) + 1e-9));
+  /** @param {number} value */
+  return (value) => {
+    if (Math.abs(value) < step / 2) return "0";
+    const mantissa = (value / 10 ** shift).toFixed(decimals).replace("-", "−");
+    return isPlain ? mantissa : `${mantissa}×${powerOfTen(power)}`;
+  };
+}
+
+/**
+ * Marks on a logarithmic axis: decades, with 2 and 5 where there is room, and even numbers where it is less than one.
+ * Marks without a text subdivide.
+ * @param {number} low @param {number} high @param {number} count
+ * @returns {Tick[]}
+ */
+export function logTicks(low, high, count) {
+  const decades = Math.log10(high / low);
+  if (!(decades > 0) || !Number.isFinite(decades)) return [];
+  if (decades < 0.8) return linearTicks(low, high, count).filter((tick) => tick.value > 0);
+  const labelled = decades * 3 <= count * 1.5 ? [1, 2, 5] : [1];
+  const every = Math.max(1, Math.ceil(decades / Math.max(count, 1)));
+  /** @type {Tick[]} */
+  const ticks = [];
+  for (let exponent = Math.floor(Math.log10(low)); exponent <= Math.ceil(Math.log10(high)); exponent += 1) {
+    for (let digit = 1; digit < 10; digit += 1) {
+      const value = Number(`${digit}e${exponent}`);
+      if (value < low * 0.999999 || value > high * 1.000001) continue;
+      const named = labelled.includes(digit) && exponent % every === 0;
+      if (named || decades < 3) ticks.push({ value, label: named ? powerLabel(digit, exponent) : "" });
+    }
+  }
+  return ticks;
+}
+
+/** @param {number} digit @param {number} exponent */
+function powerLabel(digit, exponent) {
+  if (exponent >= -2 && exponent <= 4) return String(Number(`${digit}e${exponent}`));
+  return digit === 1 ? powerOfTen(exponent) : `${digit}×${powerOfTen(exponent)}`;
+}
+
+/** @param {number} exponent */
+const powerOfTen = (exponent) => `10${raised(exponent)}`;

@@ -1,0 +1,332 @@
+// @ts-check
+// A chart over time: bands from the lowest to the highest sample, lines and dots where every sample is known.
+
+import uPlot from "./vendor/uplot.esm.js";
+import { el } from "./dom.js";
+import { capitalised, prefixed, quantity, seconds } from "./format.js";
+import { listenToHands, listenToKeys } from "./gestures.js";
+import { whileOnPage } from "./onpage.js";
+import { colour, faint, onTheme } from "./theme.js";
+import { linearTicks } from "./ticks.js";
+
+/** @typedef {import("./types.js").Series} Series */
+/** @typedef {{of: "measured" | "predicted" | "left", label: string, ink: string}} Drawn a trace, its name and its colour's custom property */
+/** @typedef {{from: number, to: number, mark: string, chosen: boolean}} Shade */
+/** @typedef {{label: string, traces: Drawn[], height: number, time: import("./timewindow.js").TimeWindow, click?: (shade: Shade | null) => void}} Options */
+
+/** Dots show from this many pixels a sample on. */
+const DOT_SPACE = 5;
+/** Room for the labels of the y axis, and on the right, pixels; the overview lines up with it. */
+export const Y_AXIS = 64;
+export const RIGHT = 12;
+const Y_LABELS = 45; // pixels between labels
+const X_LABELS = 110;
+/** Rows for the marks of stretches that lie close together. */
+const MARK_ROWS = 3;
+const FONT = "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif";
+
+export class TimeChart {
+  /** The chart with its legend. */
+  element;
+  /** @type {Options} */
+  #options;
+  /** @type {uPlot | null} */
+  #plot = null;
+  /** @type {Series | null} */
+  #series = null;
+  /** @type {Shade[]} */
+  #shades = [];
+  #host = el("div", { class: "plot" });
+  #label;
+  #legend = el("div", { class: "legend", "aria-hidden": "true" });
+  #yLabel = el("p", { class: "y-label" });
+  #picture = el("div", { role: "img" });
+  #focus;
+  /** Told whenever the plot gets another width. @type {(width: number) => void} */
+  resized = () => {};
+
+  /** @param {Options} options */
+  constructor(options) {
+    this.#options = options;
+    this.#label = options.label;
+    this.#picture.append(this.#host);
+    this.#focus = el(
+      "div",
+      {
+        class: "time-chart",
+        tabindex: 0,
+        role: "group",
+        "data-key": `chart:${options.label}`,
+        "aria-label": `${options.label}. Plus and minus zoom, arrows pan, Home shows the whole log.`,
+      },
+      this.#picture,
+    );
+    this.#focus.style.setProperty("--plot-height", `${options.height}px`);
+    this.element = el("div", {}, el("div", { class: "chart-head" }, this.#yLabel, this.#legend), this.#focus);
+    listenToKeys(this.#focus, options.time);
+    options.time.onChange(() => this.#move());
+    const forget = onTheme(() => this.#plot?.redraw(false));
+    const gone = () => {
+      forget();
+      this.#clear();
+    };
+    whileOnPage(this.#host, (width) => this.#resize(width), gone);
+  }
+
+  /** Draws these samples; null: none yet. @param {Series | null} series */
+  setData(series) {
+    this.#series = series;
+    if (!series) return this.#clear();
+    const drawn = this.#drawn(series);
+    if (this.#plot && this.#plot.series.length !== 1 + 2 * drawn.length) this.#clear();
+    const data = /** @type {uPlot.AlignedData} */ ([
+      series.time_s,
+      ...drawn.flatMap(({ of }) => [/** @type {import("./types.js").Trace} */ (series[of]).low, /** @type {import("./types.js").Trace} */ (series[of]).high]),
+    ]);
+    if (this.#plot) this.#plot.setData(data, false);
+    else this.#make(data, drawn);
+    this.#move();
+    this.#describe();
+  }
+
+  /** What the chart is of, as the axis is called. @param {string} label */
+  setLabel(label) {
+    this.#label = label;
+    this.#plot?.redraw(false, true);
+    this.#describe();
+  }
+
+  /** @param {Shade[]} shades */
+  setShades(shades) {
+    this.#shades = shades;
+    this.#plot?.redraw(false);
+  }
+
+  #clear() {
+    this.#plot?.destroy();
+    this.#plot = null;
+    this.#legend.replaceChildren();
+  }
+
+  /** Those traces that there are. @param {Series} series */
+  #drawn(series) {
+    return this.#options.traces.filter(({ of }) => series[of]);
+  }
+
+  /** @param {uPlot.AlignedData} data @param {Drawn[]} drawn */
+  #make(data, drawn) {
+    const { height, time, click } = this.#options;
+    const exact = () => Boolean(this.#series?.exact);
+    /** @type {(trace: Drawn) => uPlot.Series[]} */
+    const pair = ({ ink, label }) => {
+      const side = {
+        label,
+        stroke: () => (exact() ? colour(ink) : faint(ink, 0.75)),
+        width: 1,
+        points: { show: () => this.#hasDots(), size: 5, fill: () => colour(ink), stroke: () => colour(ink) },
+      };
+      return [side, { ...side }];
+    };
+    /** @type {(trace: Drawn, index: number) => uPlot.Band} */
+    const band = ({ ink }, index) => ({ series: [2 * index + 2, 2 * index + 1], fill: () => faint(ink, 0.32) });
+    this.#plot = new uPlot(
+      {
+        width: this.#host.clientWidth || 600,
+        height,
+        legend: { show: false },
+        cursor: {
+          drag: { x: false, y: false },
+          y: false,
+          points: { show: false },
+          sync: { key: "time" },
+          bind: { dblclick: () => null },
+        },
+        scales: {
+          x: { time: false, range: () => [time.shown[0], time.shown[1]] },
+          y: { range: (_, low, high) => padded(low, high) },
+        },
+        axes: [
+          { ...axisStyle(), size: 34, label: "Time (s)", labelSize: 20, labelFont: FONT, splits: (u, _, low, high) => split(linearTicks(low, high, plotWidth(u) / X_LABELS)), values: (u, at) => labels(at, u.scales.x, plotWidth(u) / X_LABELS) },
+          { ...axisStyle(), size: Y_AXIS, splits: (u, _, low, high) => this.#ySplits(low, high, u.height - 72), values: (u, at) => this.#yLabels(at, u.height - 72) },
+        ],
+        series: [{}, ...drawn.flatMap(pair)],
+        bands: drawn.map(band),
+        padding: [18, RIGHT, 0, 0],
+        hooks: {
+          drawClear: [(u) => this.#shade(u)],
+          draw: [(u) => this.#marks(u)],
+          setCursor: [(u) => this.#readOut(u)],
+        },
+      },
+      data,
+      this.#host,
+    );
+    listenToHands(this.#plot.over, time, (at, tolerance) => {
+      const hit = this.#shades.filter((shade) => at > shade.from - tolerance && at < shade.to + tolerance);
+      const distance = (/** @type {Shade} */ shade) => Math.abs(0.5 * (shade.from + shade.to) - at);
+      click?.(hit.sort((a, b) => distance(a) - distance(b))[0] ?? null);
+    });
+    this.resized(plotWidth(this.#plot));
+  }
+
+  /** @param {number} width */
+  #resize(width) {
+    if (!this.#plot || width === this.#plot.width) return;
+    this.#plot.setSize({ width, height: this.#options.height });
+    this.resized(plotWidth(this.#plot));
+  }
+
+  #move() {
+    const [min, max] = this.#options.time.shown;
+    this.#plot?.setScale("x", { min, max });
+  }
+
+  #hasDots() {
+    const { time } = this.#options;
+    const plot = this.#plot;
+    if (!plot || !this.#series?.exact) return false;
+    return plotWidth(plot) / (time.span / this.#series.period_s) >= DOT_SPACE;
+  }
+
+  /** Marks of the y axis, in the unit with its prefix. @param {number} low @param {number} high @param {number} height */
+  #yTicks(low, high, height) {
+    const suited = prefixed(Math.max(Math.abs(low), Math.abs(high)), this.#series?.unit ?? "");
+    return { ...suited, ticks: linearTicks(low / suited.scale, high / suited.scale, height / Y_LABELS) };
+  }
+
+  /** @param {number} low @param {number} high @param {number} height */
+  #ySplits(low, high, height) {
+    const { unit, scale, ticks } = this.#yTicks(low, high, height);
+    const text = `${capitalised(this.#label)} (${unit})`;
+    if (this.#yLabel.textContent !== text) this.#yLabel.textContent = text;
+    return ticks.map((tick) => tick.value * scale);
+  }
+
+  /** @param {number[]} at @param {number} height */
+  #yLabels(at, height) {
+    const { min, max } = this.#plot?.scales.y ?? {};
+    const { scale, ticks } = this.#yTicks(min ?? 0, max ?? 1, height);
+    return at.map((value) => ticks.find((tick) => tick.value * scale === value)?.label ?? "");
+  }
+
+  /** @param {uPlot} u */
+  #shade(u) {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    for (const shade of this.#shades) {
+      const { left, width } = this.#place(u, shade);
+      ctx.fillStyle = faint("--shade", shade.chosen ? 0.32 : 0.2);
+      ctx.fillRect(left, bbox.top, width, bbox.height);
+    }
+    ctx.restore();
+  }
+
+  /** A stretch too short to see is widened about its middle. @param {uPlot} u @param {Shade} shade */
+  #place(u, shade) {
+    const [from, to] = [u.valToPos(shade.from, "x", true), u.valToPos(shade.to, "x", true)];
+    const half = Math.max(0.5 * (to - from), 1.5 * uPlot.pxRatio);
+    return { left: 0.5 * (from + to) - half, width: 2 * half, middle: 0.5 * (from + to) };
+  }
+
+  /** Numbers at the top of the stretches; those that would touch go one row down. @param {uPlot} u */
+  #marks(u) {
+    const { ctx, bbox } = u;
+    const unit = uPlot.pxRatio;
+    const rows = Array(MARK_ROWS).fill(-Infinity);
+    ctx.save();
+    ctx.font = FONT.replace("12px", `600 ${12 * unit}px`);
+    ctx.textAlign = "center";
+    ctx.textBaseline = "middle";
+    const places = this.#shades.map((shade) => ({ shade, ...this.#place(u, shade) })).sort((a, b) => a.middle - b.middle);
+    for (const { shade, middle, left, width } of places) {
+      const [begin, end] = [bbox.left, bbox.left + bbox.width];
+      if (left > end || left + width < begin) continue;
+      const at = Math.min(Math.max(middle, begin + 8 * unit), end - 8 * unit);
+      const free = rows.findIndex((last) => at - last > 18 * unit);
+      const row = free < 0 ? MARK_ROWS - 1 : free;
+      rows[row] = at;
+      const y = bbox.top + (row * 18 - 8) * unit;
+      ctx.fillStyle = shade.chosen ? colour("--shade-mark") : colour("--surface");
+      ctx.strokeStyle = colour("--shade-mark");
+      ctx.lineWidth = unit;
+      ctx.beginPath();
+      ctx.arc(at, y, 8 * unit, 0, 2 * Math.PI);
+      ctx.fill();
+      ctx.stroke();
+      ctx.fillStyle = shade.chosen ? colour("--surface") : colour("--shade-mark");
+      ctx.fillText(shade.mark, at, y + 0.5 * unit);
+    }
+    ctx.restore();
+  }
+
+  /** Legend, with the values under the cursor. @param {uPlot} [u] */
+  #readOut(u) {
+    const series = this.#series;
+    if (!series) return;
+    const index = u?.cursor.idx;
+    const at = typeof index === "number" && (u?.cursor.left ?? -1) >= 0 ? index : null;
+    const entries = this.#drawn(series).map(({ of, label, ink }) => {
+      const trace = /** @type {import("./types.js").Trace} */ (series[of]);
+      const low = at === null ? null : trace.low[at];
+      const high = at === null ? null : trace.high[at];
+      const value = at === null ? "" : low === high ? quantity(low, series.unit) : `${quantity(low, series.unit)} … ${quantity(high, series.unit)}`;
+      return el("span", { class: `entry ${ink.replace("--ink", "ink")}` }, el("i", { class: series.exact ? "swatch line" : "swatch band" }), label, el("span", { class: "value" }, value));
+    });
+    const time = at === null ? null : el("span", { class: "value" }, seconds(Number(series.time_s[at]), this.#options.time.span));
+    this.#legend.replaceChildren(...(time ? [time] : []), ...entries);
+  }
+
+  #describe() {
+    const series = this.#series;
+    if (!series) return;
+    this.#readOut();
+    const parts = this.#drawn(series).map(({ of, label }) => {
+      const { low, high } = /** @type {import("./types.js").Trace} */ (series[of]);
+      return `${label} from ${quantity(extreme(low, Math.min), series.unit)} to ${quantity(extreme(high, Math.max), series.unit)}`;
+    });
+    const [from, to] = this.#options.time.whole;
+    this.#picture.setAttribute("aria-label", `${capitalised(this.#label)} over time, ${seconds(from)} to ${seconds(to)}: ${parts.join("; ")}.`);
+  }
+}
+
+/** @param {import("./types.js").Values} values @param {(a: number, b: number) => number} of */
+export function extreme(values, of) {
+  /** @type {number | null} */
+  let found = null;
+  for (const value of values) if (value !== null) found = found === null ? value : of(found, value);
+  return found;
+}
+
+/** @param {number | null} low @param {number | null} high @returns {[number, number]} */
+export function padded(low, high) {
+  if (low === null || high === null) return [0, 1];
+  const room = 0.06 * (high - low) || Math.abs(high) || 1;
+  return [low - room, high + room];
+}
+
+/** What all axes look like. @returns {uPlot.Axis} */
+export function axisStyle() {
+  return {
+    font: FONT,
+    stroke: () => colour("--text-2"),
+    grid: { stroke: () => colour("--grid"), width: 1 },
+    ticks: { stroke: () => colour("--axis"), width: 1, size: 5 },
+    border: { show: true, stroke: () => colour("--axis"), width: 1 },
+    gap: 6,
+  };
+}
+
+/** Between the axes, pixels; known before the chart is laid out. @param {uPlot} u */
+const plotWidth = (u) => u.width - Y_AXIS - RIGHT;
+
+/** @param {import("./ticks.js").Tick[]} ticks */
+const split = (ticks) => ticks.map((tick) => tick.value);
+
+/** @param {number[]} at @param {uPlot.Scale | undefined} scale @param {number} count */
+function labels(at, scale, count) {
+  const ticks = linearTicks(scale?.min ?? 0, scale?.max ?? 1, count);
+  return at.map((value) => ticks.find((tick) => tick.value === value)?.label ?? "");
+}

@@ -1,0 +1,72 @@
+// @ts-check
+// The stretch of time that all charts over time show, in one place, so that they stay linked.
+
+/** @typedef {[number, number]} Span */
+
+export class TimeWindow {
+  /** @type {Set<() => void>} */
+  #listeners = new Set();
+  #scheduled = false;
+  /** From first to last second of the log. @type {Span} */
+  whole = [0, 1];
+  /** What is shown. @type {Span} */
+  shown = [0, 1];
+  /** Shortest stretch that makes sense, s: a few samples. */
+  shortest = 0.02;
+
+  /** Calls `listener` once a frame while the window moves. @param {() => void} listener */
+  onChange(listener) {
+    this.#listeners.add(listener);
+  }
+
+  /** A log of its own: shows all of it. @param {Span} whole @param {number} period sample period, s */
+  reset(whole, period) {
+    this.whole = whole;
+    this.shortest = 8 * period;
+    this.showAll();
+  }
+
+  get isWhole() {
+    return this.shown[0] <= this.whole[0] && this.shown[1] >= this.whole[1];
+  }
+
+  get span() {
+    return this.shown[1] - this.shown[0];
+  }
+
+  showAll() {
+    this.show(this.whole[0], this.whole[1]);
+  }
+
+  /** Shows from here to there, kept inside the log. @param {number} from @param {number} to */
+  show(from, to) {
+    const [first, last] = this.whole;
+    const span = Math.min(Math.max(to - from, this.shortest), last - first);
+    const middle = 0.5 * (from + to);
+    const left = Math.min(Math.max(middle - 0.5 * span, first), last - span);
+    this.shown = [left, left + span];
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    requestAnimationFrame(() => {
+      this.#scheduled = false;
+      for (const listener of this.#listeners) listener();
+    });
+  }
+
+  /** A stretch with as much again on either side. @param {number} from @param {number} to */
+  showAround(from, to) {
+    this.show(from - 1.5 * (to - from), to + 1.5 * (to - from));
+  }
+
+  /** @param {number} factor below 1: closer @param {number} [at] stays where it is, s */
+  zoom(factor, at = 0.5 * (this.shown[0] + this.shown[1])) {
+    const span = Math.min(Math.max(this.span * factor, this.shortest), this.whole[1] - this.whole[0]);
+    const share = (at - this.shown[0]) / this.span;
+    this.show(at - share * span, at + (1 - share) * span);
+  }
+
+  /** @param {number} share of what is shown */
+  pan(share) {
+    this.show(this.shown[0] + share * this.span, this.shown[1] + share * this.span);
+  }
+}

@@ -1,0 +1,221 @@
+//! What a job does: each task from what is known to what it changes.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::example;
+use super::job::Job;
+use super::study::{Change, Read, Snapshot, Summaries};
+use crate::compare::study_of;
+use crate::effects::Library;
+use crate::examine::{examine, file_name};
+use crate::fit::{FitOptions, fit_axis};
+use crate::grow::{Growth, Logs};
+use crate::plots::in_words;
+use crate::recording::{ColumnMap, LoadOptions, Recording, load};
+use crate::report::{AxisSection, LogSummary};
+use crate::rest;
+
+/// A piece of work on one study.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Task {
+    /// Read the logs.
+    Read(Open),
+    /// Fit an axis.
+    Fit(String),
+    /// Hold its model against the field log.
+    Examine(String),
+    /// Say what is missing from it.
+    Diagnose(String),
+    /// Add an effect to it.
+    Add {
+        /// The axis.
+        column: String,
+        /// The effect.
+        effect: String,
+    },
+    /// Take effects back.
+    Undo {
+        /// The axis.
+        column: String,
+        /// So many are kept.
+        keep: usize,
+    },
+}
+
+/// Which logs a study is of.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Open {
+    /// The built-in example, written to this folder.
+    Example(std::path::PathBuf),
+    /// Logs of the user's.
+    Logs {
+        /// Where the model fails.
+        field: String,
+        /// A quiet log.
+        quiet: Option<String>,
+        /// A log to judge on.
+        judged: Option<String>,
+        /// Column map specifications.
+        columns: Vec<String>,
+        /// Nominal sample rate, Hz.
+        rate_hz: Option<f64>,
+    },
+}
+
+impl Open {
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Example(_) => "Example".to_owned(),
+            Self::Logs { field, .. } => file_name(field),
+        }
+    }
+}
+
+impl Task {
+    pub(super) fn in_words(&self) -> String {
+        match self {
+            Self::Read(Open::Example(_)) => "simulating the example".to_owned(),
+            Self::Read(open) => format!("reading {}", open.name()),
+            Self::Fit(column) => format!("fitting {}", in_words(column)),
+            Self::Examine(column) => format!("comparing {}", in_words(column)),
+            Self::Diagnose(column) => format!("looking for what is missing from {}", in_words(column)),
+            Self::Add { column, effect } => format!("adding {effect} to {}", in_words(column)),
+            Self::Undo { column, .. } => format!("taking effects of {} back", in_words(column)),
+        }
+    }
+
+    /// Whether somebody waits for it: a new error takes the place of the old one.
+    pub(super) fn is_asked_for(&self) -> bool {
+        !matches!(self, Self::Fit(_))
+    }
+}
+
+/// Does a task.
+///
+/// # Errors
+///
+/// In words, with what to do about it.
+pub(super) fn run(
+    task: &Task,
+    known: &Snapshot,
+    library: &Library,
+    progress: &dyn Fn(Job),
+) -> Result<Change, String> {
+    match task {
+        Task::Read(open) => read(open, progress),
+        Task::Fit(column) => fit(column, known, library),
+        Task::Examine(column) => compare(column, known, progress),
+        Task::Diagnose(column) => diagnose(column, known, library),
+        Task::Add { column, effect } => add(column, effect, known, library),
+        Task::Undo { column, keep } => undo(column, *keep, known),
+    }
+}
+
+fn in_text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
+    let (logs, first) = match open {
+        Open::Example(folder) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
+        Open::Logs { field, quiet, judged, columns, rate_hz } => {
+            let map = ColumnMap::from_specs(columns).map_err(in_text)?;
+            let options = LoadOptions { columns: map, rate_hz: *rate_hz, strict: false };
+            let wanted = [Some(field), quiet.as_ref(), judged.as_ref()].into_iter().flatten().count();
+            let mut done = 0;
+            let mut read = |path: &String| -> Result<Recording, String> {
+                progress(Job::step(format!("reading {}", file_name(path)), done, wanted));
+                done += 1;
+                load(Path::new(path), &options).map_err(in_text)
+            };
+            let logs = Logs {
+                field: read(field)?,
+                quiet: quiet.as_ref().map(&mut read).transpose()?,
+                judged: judged.as_ref().map(&mut read).transpose()?,
+                columns: columns.clone(),
+                rate_hz: *rate_hz,
+            };
+            (logs, None)
+        }
+    };
+    let axes = logs.field.axes().map_err(in_text)?;
+    // the gyros first: their error integrates twice as fast
+    let first = first.or_else(|| axes.iter().find(|axis| axis.ends_with("_rads")).or(axes.first()).cloned());
+    let summaries = Summaries {
+        field: LogSummary::of(&logs.field),
+        quiet: logs.quiet.as_ref().map(LogSummary::of),
+        judged: logs.judged.as_ref().map(LogSummary::of),
+    };
+    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes }), first })
+}
+
+fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
+    let logs = &known.read()?.logs;
+    let own = logs.quiet.as_ref().unwrap_or(&logs.field);
+    let rest = rest::find(own);
+    let options = FitOptions::default();
+    let fitted = fit_axis(own, &rest, column, &options).map_err(in_text)?;
+    let (study, ..) =
+        study_of(own, &rest, vec![fitted], options, logs.columns.clone(), |_| {}).map_err(in_text)?;
+    let ground = logs.ground(library);
+    let growth = ground.begin(&study, column, logs.named(ground.fitted_rows())).map_err(in_text)?;
+    let section = AxisSection::of(&study, &growth);
+    Ok(change(column, move |axis| {
+        (axis.fitted, axis.growth, axis.section) = (Some(Arc::new(study)), Some(growth), section);
+    }))
+}
+
+fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Change, String> {
+    let (study, growth) = known.fitted(column)?;
+    let mut done = 0;
+    let judged = |what: &str| {
+        progress(Job::step(format!("comparing {}: {what}", in_words(column)), done, 4));
+        done += 1;
+    };
+    let examination = examine(study, growth, &known.read()?.logs, judged).map_err(in_text)?;
+    Ok(change(column, move |axis| {
+        axis.section = axis.section.clone().examined(&examination);
+        axis.examination = Some(Arc::new(examination));
+    }))
+}
+
+fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
+    let (study, growth) = known.fitted(column)?;
+    let section = AxisSection::of(study, growth);
+    let found = section.diagnosed(growth, &known.read()?.logs, library).map_err(in_text)?;
+    Ok(change(column, move |axis| {
+        (axis.section.diagnosis, axis.section.offers) = (found.diagnosis, found.offers);
+    }))
+}
+
+fn add(column: &str, effect: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
+    let (study, growth) = known.fitted(column)?;
+    let ground = known.read()?.logs.ground(library);
+    let stair = ground.add(growth, library.get(effect).map_err(in_text)?).map_err(in_text)?;
+    let mut grown = growth.clone();
+    grown.stairs.push(stair);
+    Ok(regrown(study, grown))
+}
+
+fn undo(column: &str, keep: usize, known: &Snapshot) -> Result<Change, String> {
+    let (study, growth) = known.fitted(column)?;
+    let mut kept = growth.clone();
+    // the first stair is the state before anything was added
+    kept.stairs.truncate(keep.saturating_add(1));
+    Ok(regrown(study, kept))
+}
+
+/// An axis with another growth: what was known of the model before no longer holds.
+fn regrown(study: &crate::study::Study, growth: Growth) -> Change {
+    let section = AxisSection::of(study, &growth);
+    change(&growth.column.clone(), move |axis| {
+        // the picture of the model before stays until the new one is there
+        let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
+        (axis.growth, axis.section) = (Some(growth), AxisSection { comparison, judged_s, ..section });
+    })
+}
+
+fn change(column: &str, edit: impl FnOnce(&mut super::study::KnownAxis) + Send + 'static) -> Change {
+    Change::Axis { column: column.to_owned(), edit: Box::new(edit) }
+}

@@ -1,0 +1,299 @@
+//! The server as a browser, and as a foreign page, meets it.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::body::{Body, to_bytes};
+use axum::http::{Request, StatusCode};
+use axum::response::Response;
+use serde_json::{Value, json};
+use tower::ServiceExt;
+
+use super::desk::Desk;
+use super::folders::Folders;
+use super::guard::{Names, OWN_HEADER};
+use super::server::router;
+use crate::effects::Library;
+use crate::recording::write_columns;
+use crate::simulate::{Simulation, simulate};
+
+const PORT: u16 = 4180;
+
+/// A workbench over a folder of its own.
+struct Bench {
+    folder: tempfile::TempDir,
+    desk: Arc<Desk>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let readable = folder.path().join("logs");
+        std::fs::create_dir_all(&readable).unwrap();
+        let folders = Folders::new(&[readable], &folder.path().join("own")).unwrap();
+        Self { folder, desk: Arc::new(Desk::new(folders, Library::built_in())) }
+    }
+
+    fn logs(&self) -> std::path::PathBuf {
+        self.folder.path().join("logs")
+    }
+
+    async fn ask(&self, request: Request<Body>) -> Response {
+        let names = Names::of(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT);
+        router(Arc::clone(&self.desk), names).oneshot(request).await.unwrap()
+    }
+
+    async fn get(&self, path: &str) -> (StatusCode, Value) {
+        read(self.ask(page("GET", path).body(Body::empty()).unwrap()).await).await
+    }
+
+    async fn post(&self, path: &str, body: Value) -> (StatusCode, Value) {
+        let request = page("POST", path).header("content-type", "application/json");
+        read(self.ask(request.body(Body::from(body.to_string())).unwrap()).await).await
+    }
+
+    /// Waits until a study does nothing any more; its state.
+    async fn settled(&self, id: u64) -> Value {
+        let began = Instant::now();
+        loop {
+            let (_, entries) = self.get("/api/studies").await;
+            let entry = entries.as_array().unwrap().iter().find(|entry| entry["id"] == id).unwrap().clone();
+            if entry["working"] == false {
+                return self.get(&format!("/api/studies/{id}")).await.1;
+            }
+            assert!(began.elapsed() < Duration::from_secs(300), "still working: {entry}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    }
+}
+
+/// A request as the workbench's own page makes it.
+fn page(method: &str, path: &str) -> axum::http::request::Builder {
+    Request::builder()
+        .method(method)
+        .uri(path)
+        .header("host", format!("127.0.0.1:{PORT}"))
+        .header("sec-fetch-site", "same-origin")
+        .header(OWN_HEADER, "1")
+}
+
+async fn read(response: Response) -> (StatusCode, Value) {
+    let status = response.status();
+    let bytes = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+    (status, serde_json::from_slice(&bytes).unwrap_or(Value::Null))
+}
+
+/// A short log of a simulated unit.
+fn write_log(path: &Path, minutes: f64) {
+    let log = simulate(&Simulation { duration_s: 60.0 * minutes, ..Simulation::default() });
+    let mut columns: Vec<(&str, &[f64])> =
+        log.columns.iter().map(|(name, values)| (name.as_ref(), values.as_slice())).collect();
+    // it changes, so that it is tested and drawn like every other channel
+    let hostile: Vec<f64> = (0..columns[0].1.len()).map(|row| (row as f64 / 5000.0).sin()).collect();
+    columns.push((HOSTILE, &hostile));
+    write_columns(path, &columns).unwrap();
+}
+
+/// A name, of a log or a column, that would run in a page that takes it at its word.
+const HOSTILE: &str = "<img src=x onerror=alert(1)>";
+
+#[tokio::test]
+async fn a_foreign_page_can_neither_read_nor_change_anything() {
+    let bench = Bench::new();
+    let own = format!("127.0.0.1:{PORT}");
+    let foreign: [&[(&str, &str)]; 7] = [
+        // a foreign name that leads to this machine
+        &[("host", "evil.example"), (OWN_HEADER, "1")],
+        &[("host", "evil.example:4180"), ("origin", "http://evil.example:4180"), (OWN_HEADER, "1")],
+        // another port of this machine
+        &[("host", "127.0.0.1:80"), (OWN_HEADER, "1")],
+        &[("host", &own), ("origin", "http://evil.example"), (OWN_HEADER, "1")],
+        &[("host", &own), ("origin", "null"), (OWN_HEADER, "1")],
+        &[("host", &own), ("sec-fetch-site", "cross-site"), (OWN_HEADER, "1")],
+        // opened as a page of its own by a link from elsewhere
+        &[
+            ("host", &own),
+            ("sec-fetch-site", "cross-site"),
+            ("sec-fetch-mode", "navigate"),
+            (OWN_HEADER, "1"),
+        ],
+    ];
+    for headers in foreign {
+        for (method, path) in [("GET", "/api/studies"), ("GET", "/api/logs"), ("POST", "/api/studies")] {
+            let request = headers
+                .iter()
+                .fold(Request::builder().method(method).uri(path), |request, (name, value)| {
+                    request.header(*name, *value)
+                })
+                .header("content-type", "application/json");
+            let response = bench.ask(request.body(Body::from(r#"{"example": true}"#)).unwrap()).await;
+            assert_eq!(response.status(), StatusCode::FORBIDDEN, "{method} {path} {headers:?}");
+            assert!(response.headers().get("access-control-allow-origin").is_none());
+        }
+    }
+    assert_eq!(bench.get("/api/studies").await, (StatusCode::OK, json!([])), "nothing was opened");
+}
+
+#[tokio::test]
+async fn what_changes_something_needs_the_header_that_a_form_cannot_send() {
+    let bench = Bench::new();
+    for (method, path) in
+        [("POST", "/api/studies"), ("DELETE", "/api/studies/1"), ("POST", "/api/uploads?name=a.csv")]
+    {
+        let request = Request::builder().method(method).uri(path).header("host", format!("localhost:{PORT}"));
+        let request = request.header("content-type", "application/json").body(Body::from("{}")).unwrap();
+        assert_eq!(bench.ask(request).await.status(), StatusCode::FORBIDDEN, "{method} {path}");
+    }
+}
+
+#[tokio::test]
+async fn the_page_is_held_to_its_own_files() {
+    let bench = Bench::new();
+    let response = bench.ask(page("GET", "/").body(Body::empty()).unwrap()).await;
+    assert_eq!(response.status(), StatusCode::OK);
+    let policy = response.headers()["content-security-policy"].to_str().unwrap();
+    assert!(policy.contains("default-src 'none'") && policy.contains("frame-ancestors 'none'"));
+    assert_eq!(response.headers()["x-content-type-options"], "nosniff");
+    for path in ["/../Cargo.toml", "/%2e%2e/%2e%2e/mod.rs", "/../../../../etc/passwd", "/none.js"] {
+        let response = bench.ask(page("GET", path).body(Body::empty()).unwrap()).await;
+        assert_eq!(response.status(), StatusCode::NOT_FOUND, "{path}");
+    }
+}
+
+#[tokio::test]
+async fn only_logs_in_the_folders_that_were_named_are_read() {
+    let bench = Bench::new();
+    let outside = bench.folder.path().join("outside.csv");
+    std::fs::write(&outside, "t_s,gx_rads\n0,1\n1,2\n").unwrap();
+    let outside = outside.display().to_string();
+    for path in [outside.as_str(), "/etc/passwd", "../../etc/passwd"] {
+        for (at, body) in [
+            ("/api/studies", json!({ "field": path })),
+            ("/api/studies", json!({ "field": "logs/a.csv", "quiet": path })),
+            ("/api/preview", json!({ "path": path })),
+        ] {
+            let (status, answer) = bench.post(at, body).await;
+            assert_eq!(status, StatusCode::FORBIDDEN, "{at} {path}");
+            assert!(answer["error"].as_str().unwrap().contains("help:"), "{answer}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn an_oversized_request_is_refused_and_an_upload_goes_to_its_folder() {
+    let bench = Bench::new();
+    let (status, _) = bench.post("/api/studies", json!({ "field": "x".repeat(100_000) })).await;
+    assert_eq!(status, StatusCode::PAYLOAD_TOO_LARGE);
+    let large = "t_s,gx_rads\n".to_owned() + &"0.005,1e-3\n".repeat(50_000);
+    let request = page("POST", "/api/uploads?name=..%2F..%2Funit.csv").body(Body::from(large.clone()));
+    let (status, answer) = read(bench.ask(request.unwrap()).await).await;
+    assert_eq!(status, StatusCode::OK);
+    let path = answer["path"].as_str().unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), large);
+    assert!(Path::new(path).starts_with(bench.folder.path().join("own")));
+}
+
+#[tokio::test]
+async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
+    let bench = Bench::new();
+    let broken = bench.logs().join("broken.csv");
+    std::fs::write(&broken, "t_s,gx_rads\n0,1\n0.005,oops\n0.010,2\n0.015,3\n").unwrap();
+    let (status, answer) = bench.post("/api/preview", json!({ "path": broken.display().to_string() })).await;
+    assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY);
+    let message = answer["error"].as_str().unwrap();
+    assert!(message.contains("broken.csv") && message.contains("3:2"), "file, line and cell: {message}");
+    let (_, opened) = bench.post("/api/studies", json!({ "field": broken.display().to_string() })).await;
+    let state = bench.settled(opened["id"].as_u64().unwrap()).await;
+    assert_eq!(state["logs"], Value::Null);
+    assert!(state["error"].as_str().unwrap().contains("broken.csv"), "{}", state["error"]);
+    let (status, _) = bench.get("/api/studies/77").await;
+    assert_eq!(status, StatusCode::NOT_FOUND);
+}
+
+#[tokio::test]
+async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
+    let bench = Bench::new();
+    let log = bench.logs().join(format!("{HOSTILE}.csv"));
+    write_log(&log, 4.0);
+    let (status, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    assert_eq!(status, StatusCode::OK);
+    let id = opened["id"].as_u64().unwrap();
+    let state = bench.settled(id).await;
+    assert_eq!(state["error"], Value::Null, "{}", state["error"]);
+    assert_eq!(state["axis"], "gx_rads");
+    assert!(state["axes"].as_array().unwrap().iter().all(|axis| axis["model"]["terms"].as_u64() > Some(0)));
+    let gyro = state["axes"].as_array().unwrap().iter().find(|axis| axis["column"] == "gx_rads").unwrap();
+    assert!(gyro["comparison"]["errors"].as_array().unwrap().len() > 1);
+    assert!(gyro["diagnosis"]["verdict"].is_string());
+    let at = |what: &str| format!("/api/studies/{id}/{what}");
+    let (status, series) = bench.get(&at("series?axis=gx_rads&view=coast&from=0&to=240&width=500")).await;
+    assert_eq!(status, StatusCode::OK);
+    assert_eq!(series["time_s"].as_array().unwrap().len(), 500);
+    assert!(series["left"]["low"].as_array().unwrap().iter().any(Value::is_number));
+    for stretch in ["", "&from=150&to=180"] {
+        let (status, figures) = bench.get(&at(&format!("figures?axis=gx_rads{stretch}"))).await;
+        assert_eq!(status, StatusCode::OK, "{figures}");
+        let names: Vec<&str> =
+            figures.as_array().unwrap().iter().map(|figure| figure["name"].as_str().unwrap()).collect();
+        for name in ["residual", "spectrum", "autocorrelation", "allan", "against:temp_c"] {
+            assert!(names.contains(&name), "{name} of {stretch:?}: {names:?}");
+        }
+    }
+    for format in ["image", "rust", "c", "study", "report.html", "report.md"] {
+        let response =
+            bench.ask(page("GET", &at(&format!("export/{format}"))).body(Body::empty()).unwrap()).await;
+        if response.status() != StatusCode::OK {
+            panic!("{format}: {:?}", read(response).await);
+        }
+        assert!(response.headers()["content-disposition"].to_str().unwrap().starts_with("attachment"));
+        let content = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+        let text = String::from_utf8_lossy(&content);
+        assert!(!content.is_empty());
+        if format.starts_with("report") {
+            assert!(text.contains("alert(1)"), "the log's name is in {format}");
+        }
+        if format == "report.html" {
+            assert!(!text.contains("<img"), "and stays text");
+            assert!(text.contains("default-src 'none'; style-src 'unsafe-inline'"));
+            for loads in ["src=\"", "@import", "url(", "<link", "<script"] {
+                assert!(!text.contains(loads), "{loads} would load something");
+            }
+        }
+    }
+    let (status, replay) = bench.get(&at("replay")).await;
+    assert_eq!(status, StatusCode::OK);
+    assert_eq!(replay["summary"]["axes"].as_array().unwrap().len(), 6);
+    let (_, commands) = (status, &state["commands"]);
+    assert!(commands[0].as_str().unwrap().starts_with("host-fit fit "), "{commands}");
+}
+
+#[tokio::test]
+async fn a_job_ends_when_asked_and_what_is_known_stays() {
+    let bench = Bench::new();
+    let log = bench.logs().join("unit.csv");
+    write_log(&log, 4.0);
+    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let id = opened["id"].as_u64().unwrap();
+    let began = Instant::now();
+    loop {
+        let (_, state) = bench.get(&format!("/api/studies/{id}")).await;
+        if state["logs"].is_object() {
+            break;
+        }
+        assert!(began.elapsed() < Duration::from_secs(60));
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    bench.post(&format!("/api/studies/{id}/cancel"), json!({})).await;
+    let state = bench.settled(id).await;
+    assert!(state["logs"].is_object(), "what was read is still there");
+    assert!(state["error"].as_str().unwrap().contains("stopped"), "{}", state["error"]);
+    assert!(state["axes"].as_array().unwrap().iter().any(|axis| axis["model"].is_null()));
+    // looking at an axis goes on where it stopped
+    bench.post(&format!("/api/studies/{id}/axis"), json!({ "axis": "gx_rads" })).await;
+    let state = bench.settled(id).await;
+    assert_eq!(state["error"], Value::Null, "{}", state["error"]);
+    let gyro = state["axes"].as_array().unwrap().iter().find(|axis| axis["column"] == "gx_rads").unwrap();
+    assert!(gyro["diagnosis"].is_object());
+}

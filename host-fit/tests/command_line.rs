@@ -1,0 +1,58 @@
+//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal is.
+
+mod session;
+
+use session::{done, fails};
+
+/// The subcommands that the help lists.
+fn subcommands() -> Vec<String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let help = done(folder.path(), &["--help"]);
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let listed = listed.take_while(|line| line.starts_with("  "));
+    let names =
+        listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+    let names: Vec<String> = names.filter(|name| *name != "help").map(str::to_owned).collect();
+    assert!(names.len() >= 20, "{names:?}");
+    names
+}
+
+#[test]
+fn every_subcommand_has_an_example_and_speaks_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in subcommands() {
+        let help = done(folder.path(), &[&name, "--help"]);
+        assert!(help.contains("Example: ") && help.contains(&format!("host-fit {name}")), "{name}: {help}");
+        // a script for a shell and a server have nothing to say in JSON
+        let has_none = ["completions", "serve"].contains(&name.as_str());
+        assert_eq!(help.contains("--json"), !has_none, "{name}");
+    }
+    let told = done(folder.path(), &["simulate", "unit.csv", "--minutes", "0.1", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
+    assert_eq!(told[0]["path"], "unit.csv");
+}
+
+#[test]
+fn every_subcommand_has_a_manual_page_and_is_completed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    done(folder.path(), &["man", "pages"]);
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = done(folder.path(), &["completions", shell]);
+        for name in subcommands() {
+            assert!(script.contains(&name), "{shell}: {name}");
+        }
+    }
+    for name in subcommands() {
+        let page = folder.path().join(format!("pages/host-fit-{name}.1"));
+        let page = std::fs::read_to_string(page).expect("written");
+        assert!(page.contains("Example: host\\-fit"), "{name}: {page}");
+    }
+}
+
+#[test]
+fn nothing_is_coloured_where_no_terminal_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = fails(folder.path(), 1, &["diagnose", "none.csv", "--axis", "gx"]);
+    assert!(said.starts_with("error: none.csv: cannot open it"), "{said:?}");
+    assert!(!said.contains('\u{1b}'), "{said:?}");
+}

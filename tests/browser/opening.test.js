@@ -1,0 +1,101 @@
+// @ts-check
+// Logs of one's own: columns of any name, files that are no logs, and the way out of a long fit.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { SLOW, assertAccessible, assertNoOverflow, atRest, closePage, csvFile, openExample, openPage, startBrowser, startServer, unusualCsv } from "./workbench.js";
+
+/** @type {import("./workbench.js").Server} */
+let server;
+/** @type {import("playwright-core").Browser} */
+let browser;
+before(async () => {
+  server = await startServer();
+  browser = await startBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** Drops files where the panel asks for them. @param {import("playwright-core").Page} page @param {{name: string, buffer: Buffer}[]} files */
+async function drop(page, files) {
+  const given = await page.evaluateHandle((all) => {
+    const transfer = new DataTransfer();
+    for (const { name, text } of all) transfer.items.add(new File([text], name, { type: "text/csv" }));
+    return transfer;
+  }, files.map(({ name, buffer }) => ({ name, text: buffer.toString() })));
+  await page.dispatchEvent(".drop", "drop", { dataTransfer: given });
+}
+
+test("columns in mdps and g are guessed, shown and read", { timeout: SLOW }, async () => {
+  const page = await openPage(browser, server);
+  await drop(page, [csvFile("unit.csv", unusualCsv())]);
+  await page.waitForSelector(".mapping table");
+  const guess = async (/** @type {string} */ column) => {
+    const row = page.locator(`[data-column="${column}"]`);
+    const selects = row.locator("select");
+    return [await selects.nth(0).inputValue(), await selects.nth(1).inputValue()];
+  };
+  assert.deepEqual(await guess("gyro_x"), ["gx_rads", "mdps"]);
+  assert.deepEqual(await guess("acc_z"), ["az_mps2", "g"]);
+  assert.equal((await guess("time_ms"))[0], "t_s");
+  assert.ok((await page.locator('[data-column="gyro_x"] .why').innerText()).length > 3, "the reason is told");
+  await assertAccessible(page, "the mapping");
+  await page.getByRole("button", { name: "Read the log" }).click();
+  await page.waitForSelector(".time-chart canvas", { timeout: SLOW });
+  await page.waitForFunction(() => document.querySelector(".study-head")?.textContent?.includes("unit.csv"));
+  await closePage(page);
+});
+
+test("a broken log is told of in full, and nothing else is lost", { timeout: 2 * SLOW }, async () => {
+  const page = await openPage(browser, server);
+  await openExample(page);
+  const study = page.url();
+  await page.locator('[data-key="tab:new"]').click();
+  await page.waitForSelector(".opening");
+  await drop(page, [csvFile("broken.csv", "t_s,gx_rads\n0.000,0.1\n0.005\n0.010,abc\n")]);
+  const alert = page.locator('.alert[role="alert"]');
+  const read = page.getByRole("button", { name: "Read the log" });
+  // some files only show when they are read that they are none
+  await alert.or(read).first().waitFor();
+  if (await read.isVisible()) await read.click();
+  await alert.first().waitFor({ timeout: SLOW });
+  const text = await alert.first().innerText();
+  assert.match(text, /broken\.csv/);
+  assert.ok(text.split("\n").filter((line) => line.trim()).length >= 2, `what is wrong, and what to do: ${text}`);
+  await page.locator(`.tabs a[href="${study.replace(/^[^#]*/, "")}"]`).click();
+  await atRest(page);
+  assert.equal(await page.locator(".finding").first().getAttribute("data-effect"), "thermal_lag");
+  await closePage(page);
+});
+
+test("what is computed can be cancelled, and gone on with", { timeout: 2 * SLOW }, async () => {
+  const page = await openPage(browser, server);
+  await openExample(page, "logs");
+  const cancel = page.getByRole("button", { name: "Cancel" });
+  await cancel.waitFor();
+  await cancel.click();
+  await page.waitForSelector('.job[data-state="rests"]', { timeout: 20_000 });
+  await page.waitForSelector(".study-error .alert");
+  assert.equal(await page.locator(".time-chart canvas").first().isVisible(), true, "the log is still shown");
+  await page.locator('[data-key="go-on"]').click();
+  await atRest(page);
+  await closePage(page);
+});
+
+for (const theme of /** @type {const} */ (["light", "dark"])) {
+  test(`the opening panel is accessible, and nothing overflows: ${theme}`, { timeout: SLOW }, async () => {
+    const page = await openPage(browser, server, { theme });
+    await assertAccessible(page, "the opening panel");
+    const columns = "time,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z,temp,something";
+    await drop(page, [csvFile("one.csv", `${columns}\n0,1,2,3,0.01,0.02,0.99,21,7\n5,1,2,3,0.01,0.02,0.99,21,7\n10,1,2,3,0.01,0.02,0.99,21,7\n`)]);
+    await page.waitForSelector(".mapping table");
+    await assertAccessible(page, "the mapping");
+    for (const width of [1440, 1024, 768]) {
+      await page.setViewportSize({ width, height: 900 });
+      await assertNoOverflow(page, `the mapping, ${width} px`);
+    }
+    await closePage(page);
+  });
+}
