@@ -191,6 +191,25 @@ test("a reload keeps the study, and two windows follow it", { timeout: 2 * SLOW 
   await closePage(second);
 });
 
+test("several studies stand side by side", { timeout: 2 * SLOW }, async () => {
+  const page = await openPage(browser, server);
+  for (let study = 0; study < 2; study += 1) {
+    await page.goto(`${server.url}#/open`);
+    await openExample(page);
+  }
+  await add(page, "thermal_lag");
+  const id = /#\/study\/(\d+)$/.exec(page.url())?.[1];
+  await page.locator('[data-key="tab:new"]').click();
+  await page.waitForSelector(".beside tbody tr");
+  assert.ok((await page.locator(".beside tbody tr").count()) >= 2);
+  const cells = await page.locator(`.beside [data-study="${id}"] td`).allInnerTexts();
+  assert.deepEqual([cells[0], cells[2]], ["gyro x", "thermal_lag"], cells.join(" | "));
+  assert.ok(Number(numbersIn(cells[5] ?? "")[0]) > 90, cells.join(" | "));
+  await assertAccessible(page, "studies side by side");
+  await assertNoOverflow(page, "studies side by side");
+  await closePage(page);
+});
+
 for (const theme of /** @type {const} */ (["light", "dark"])) {
   test(`a whole study is accessible, and nothing overflows: ${theme}`, { timeout: 2 * SLOW }, async () => {
     const page = await openPage(browser, server, { theme });

@@ -16,7 +16,7 @@ use super::tasks::{self, Open, Task};
 use crate::diagnose::Verdict;
 use crate::effects::Library;
 use crate::examine::{Examination, command_lines};
-use crate::grow::{Growth, Logs};
+use crate::grow::{Growth, Logs, Stair};
 use crate::interrupt::{Interrupted, Stop, interruptible};
 use crate::replay::{self, Summary};
 use crate::report::{AxisSection, LogSummary};
@@ -86,6 +86,38 @@ pub(super) struct Entry {
     name: String,
     verdict: Option<Verdict>,
     working: bool,
+    /// The axis that is looked at, with what is known of it: what studies are held side by side by.
+    axis: Option<AxisEntry>,
+}
+
+/// An axis in a list.
+#[derive(Debug, Clone, Serialize)]
+struct AxisEntry {
+    column: String,
+    label: String,
+    unit: String,
+    sentence: Option<String>,
+    /// Effects that were added, in order.
+    added: Vec<String>,
+    /// Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the unit.
+    slow_before: Option<f64>,
+    slow_now: Option<f64>,
+}
+
+impl AxisEntry {
+    fn of(axis: &KnownAxis) -> Self {
+        let stairs = axis.growth.as_ref().map_or(&[][..], |growth| &growth.stairs);
+        let slow = |stair: Option<&Stair>| stair.map(|stair| stair.left.slow.sqrt());
+        Self {
+            column: axis.section.column.clone(),
+            label: axis.section.label.clone(),
+            unit: axis.section.unit.clone(),
+            sentence: axis.section.diagnosis.as_ref().map(|found| found.sentence.clone()),
+            added: axis.growth.iter().flat_map(Growth::added).map(|added| added.effect.id.clone()).collect(),
+            slow_before: slow(stairs.first()),
+            slow_now: slow(stairs.last()),
+        }
+    }
 }
 
 /// All that a page shows of a study, but for what is drawn sample by sample.
@@ -279,6 +311,7 @@ impl Study {
             name: inner.name.clone(),
             verdict: looked_at.and_then(|axis| axis.section.diagnosis.as_ref()).map(|found| found.verdict),
             working: inner.running.is_some() || !inner.tasks.is_empty(),
+            axis: looked_at.map(AxisEntry::of),
         }
     }
 

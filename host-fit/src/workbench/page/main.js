@@ -6,6 +6,7 @@ import { el, icon, replace } from "./dom.js";
 import { JobStatus } from "./jobstatus.js";
 import { Notices } from "./notices.js";
 import { OpenPanel } from "./openpanel.js";
+import { sideBySide } from "./sidebyside.js";
 import { StudyPage } from "./studypage.js";
 import { themeSwitch } from "./theme.js";
 import { VERDICTS } from "./verdict.js";
@@ -15,6 +16,7 @@ import { VERDICTS } from "./verdict.js";
 const notices = new Notices();
 const job = new JobStatus((error) => notices.show(messageOf(error)));
 const tabs = el("nav", { class: "tabs", "aria-label": "Studies" });
+const beside = el("div");
 const main = el("main", { id: "main", tabindex: -1 });
 
 document.body.append(
@@ -47,6 +49,7 @@ async function listStudies() {
   try {
     studies = await get("/api/studies");
     drawTabs();
+    replace(beside, sideBySide(studies));
   } catch (error) {
     notices.show(messageOf(error));
   }
@@ -97,7 +100,8 @@ function route() {
   if (id === null) {
     opening ??= new OpenPanel(opened);
     opening.refresh();
-    main.replaceChildren(opening.element);
+    main.replaceChildren(opening.element, beside);
+    void listStudies();
     document.title = "fos workbench";
   } else if (!page) {
     page = new StudyPage(id, {

@@ -2,7 +2,8 @@
 // The shapes that the server answers with. Nothing here runs; every other module names these types.
 
 /** @typedef {"missing" | "nothing_missing" | "unexplained"} Verdict */
-/** @typedef {{id: number, name: string, verdict: Verdict | null, working: boolean}} StudyEntry */
+/** @typedef {{column: string, label: string, unit: string, sentence: string | null, added: string[], slow_before: number | null, slow_now: number | null}} AxisEntry */
+/** @typedef {{id: number, name: string, verdict: Verdict | null, working: boolean, axis?: AxisEntry | null}} StudyEntry */
 /** @typedef {{what: string, done: number | null, of: number | null}} Job */
 /** @typedef {{name: string, unit: string}} Column */
 /**
