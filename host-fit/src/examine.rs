@@ -1,7 +1,5 @@
 //! One axis examined on the log where its model fails: the model as it is now against the measurements.
 
-use std::path::Path;
-
 use serde::Serialize;
 
 use crate::compare::{AxisComparison, CompareError, compare};
@@ -9,7 +7,7 @@ use crate::dependence::Trained;
 use crate::evaluate::Trace;
 use crate::grow::{Growth, Logs};
 use crate::model::UnitModel;
-use crate::recording::Recording;
+use crate::recording::{Recording, Source};
 use crate::rest;
 use crate::study::Study;
 
@@ -66,13 +64,17 @@ pub fn examine(
     Ok(Examination { judged_s, comparison, trace })
 }
 
-/// The command lines that do the same as was done to `study` with these logs, looking at `columns`.
-pub fn command_lines(study: &Study, logs: &Logs, columns: &[&str]) -> Vec<String> {
+/// The command lines that do the same as was done with these logs: fitted to `fitted`, looking at axes, each as it has grown.
+pub fn command_lines<'a>(
+    fitted: &[Source],
+    logs: &Logs,
+    axes: impl IntoIterator<Item = (&'a str, Option<&'a Growth>)>,
+) -> Vec<String> {
     let path = |log: &Recording| quoted(&log.paths());
     let maps: String = logs.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
     let rate = logs.rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
     let read = format!("{maps}{rate}");
-    let fitted: Vec<String> = study.data.sources.iter().map(|source| quoted(&source.path)).collect();
+    let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
     let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
     let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
@@ -80,10 +82,10 @@ pub fn command_lines(study: &Study, logs: &Logs, columns: &[&str]) -> Vec<String
         format!("host-fit fit {} --axis all{read} -o unit.json", fitted.join(" ")),
         format!("host-fit compare unit.json {field}{read} --figures figures"),
     ];
-    for column in columns {
+    for (column, growth) in axes {
         let on = format!("--axis {column} --from {field}{quiet}{judge}{read}");
         lines.push(format!("host-fit diagnose unit.json {on}"));
-        for added in study.growth_of(column).into_iter().flat_map(Growth::added) {
+        for added in growth.into_iter().flat_map(Growth::added) {
             lines.push(format!("host-fit add unit.json {} {on}", added.effect.id));
         }
     }
@@ -100,9 +102,4 @@ pub(crate) fn quoted(text: &str) -> String {
         return text.to_owned();
     }
     format!("'{}'", text.replace('\'', r"'\''"))
-}
-
-/// The name of a file without its folders.
-pub(crate) fn file_name(path: &str) -> String {
-    Path::new(path).file_name().map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
 }

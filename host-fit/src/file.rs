@@ -18,6 +18,11 @@ pub struct FileError {
     pub source: io::Error,
 }
 
+/// The name of a file without its folders.
+pub(crate) fn name_of(path: &str) -> String {
+    Path::new(path).file_name().map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
 /// Writes `path` by way of a temporary file in the same folder.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
 use crate::grow::Growth;
-use crate::recording::Recording;
+use crate::recording::{Recording, pieces};
 use crate::signal::allan::{allan_deviation, averaging_times};
 use crate::signal::autocorrelation::autocorrelation;
 use crate::signal::blocks::{Envelope, envelope};
@@ -255,18 +255,7 @@ impl View<'_> {
         let left = &self.series().coast;
         let rows_per_block =
             (self.trace.rows.len() / DOTS).max((MEAN_S / self.trace.period_s) as usize).max(1);
-        let blocks: Vec<Range<usize>> = self
-            .trace
-            .stretches
-            .iter()
-            .flat_map(|stretch| {
-                let end = stretch.end;
-                stretch
-                    .clone()
-                    .step_by(rows_per_block)
-                    .map(move |start| start..(start + rows_per_block).min(end))
-            })
-            .collect();
+        let blocks = pieces(&self.trace.stretches, rows_per_block);
         let of_trace =
             |block: &Range<usize>| block.start - self.trace.rows.start..block.end - self.trace.rows.start;
         let errors: Vec<f64> = blocks.iter().map(|block| mean_of(&left[of_trace(block)])).collect();

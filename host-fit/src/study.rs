@@ -169,12 +169,11 @@ impl Study {
 
     /// In a few lines: where the model comes from.
     pub fn provenance(&self) -> String {
-        let data = self.data.sources.iter().map(|Source { path, sha256, .. }| {
-            let file = Path::new(path)
-                .file_name()
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            format!("data {file}, sha256 {sha256}")
-        });
+        let data = self
+            .data
+            .sources
+            .iter()
+            .map(|Source { path, sha256, .. }| format!("data {}, sha256 {sha256}", file::name_of(path)));
         let data = data.collect::<Vec<_>>().join("\n");
         format!(
             "{} {}\n{data}\nfitted to {} of {} rows at {:.3} Hz",

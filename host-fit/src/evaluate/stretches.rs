@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::trace::Trace;
-use crate::recording::Recording;
+use crate::recording::{Recording, pieces};
 
 /// Stretches that are named.
 const NAMED: usize = 5;
@@ -44,18 +44,8 @@ pub struct Stretch {
 pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
-    let places: Vec<Range<usize>> = trace
-        .stretches
-        .iter()
-        .flat_map(|stretch| {
-            let end = stretch.end;
-            stretch
-                .clone()
-                .step_by(length)
-                .map(move |start| start..start + length)
-                .filter(move |p| p.end <= end)
-        })
-        .collect();
+    let mut places = pieces(&trace.stretches, length);
+    places.retain(|place| place.len() == length);
     let left = |place: &Range<usize>| {
         &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start]
     };

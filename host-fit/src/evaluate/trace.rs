@@ -7,6 +7,7 @@ use fos_core::{ModelError, Real};
 use crate::feed::Feed;
 use crate::interrupt;
 use crate::model::{HostPredictor, UnitModel};
+use crate::recording::pieces;
 
 /// Horizons of the coast error, s.
 pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
@@ -212,13 +213,7 @@ impl Origins {
             same
         });
         let block = ((BLOCK_S / period_s).round() as usize).max(1);
-        let blocks = stretches
-            .iter()
-            .flat_map(|stretch| {
-                let end = stretch.end;
-                stretch.clone().step_by(block).map(move |start| start..(start + block).min(end))
-            })
-            .collect();
+        let blocks = pieces(&stretches, block);
         Self { ticks, reaches, blocks }
     }
 

@@ -1,7 +1,7 @@
 //! The figure of what is left against everything that is logged.
 
 use super::compare::{Subject, capitalised};
-use super::{Axis, Figure, Ink, Panel, Series, Shape};
+use super::{Axis, Figure, Ink, Panel, Series, Shape, with_unit};
 use crate::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
 
 /// Channels that are drawn: those that it depends on and all temperatures, at least the likeliest, at most so many.
@@ -115,10 +115,6 @@ fn map(power: &PowerMap) -> Panel {
         series,
         ..Panel::default()
     }
-}
-
-fn with_unit(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 fn probability(p: f64) -> String {

@@ -158,8 +158,9 @@ pub struct ShadedRange {
 
 /// A column with its unit, as under an axis.
 fn named_with_unit(column: &str) -> String {
-    match crate::model::unit_of(column) {
-        "" => column.to_owned(),
-        unit => format!("{column} ({unit})"),
-    }
+    with_unit(column, crate::model::unit_of(column))
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }

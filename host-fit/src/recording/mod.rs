@@ -173,6 +173,15 @@ impl Recording {
     }
 }
 
+/// Ranges cut into pieces of `length`, each from the begin of its own; the last of each may be shorter.
+pub(crate) fn pieces(ranges: &[Range<usize>], length: usize) -> Vec<Range<usize>> {
+    let of = |range: &Range<usize>| {
+        let end = range.end;
+        range.clone().step_by(length).map(move |start| start..(start + length).min(end))
+    };
+    ranges.iter().flat_map(of).collect()
+}
+
 /// The longest ranges within `rows` in which `holds` for every row, in order.
 pub(crate) fn runs(rows: Range<usize>, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();

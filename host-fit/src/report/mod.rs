@@ -88,17 +88,16 @@ impl Report {
         mut progress: impl FnMut(&str),
     ) -> Result<Self, ReportError> {
         let ground = logs.ground(library);
-        let mut study = study.clone();
         let mut axes = Vec::new();
         for column in columns {
             let growth = match study.growth_of(column) {
                 Some(growth) => growth.clone(),
-                None => ground.begin(&study, column, logs.named(ground.fitted_rows()))?,
+                None => ground.begin(study, column, logs.named(ground.fitted_rows()))?,
             };
             progress(&format!("{column}: comparing"));
-            let examination = examine(&study, &growth, logs, |_| {})?;
+            let examination = examine(study, &growth, logs, |_| {})?;
             progress(&format!("{column}: what is missing"));
-            let section = AxisSection::of(&study, &growth).examined(&examination);
+            let section = AxisSection::of(study, &growth).examined(&examination);
             let section = section.diagnosed(&growth, logs, library)?;
             let view = View {
                 axis: &examination.comparison,
@@ -107,22 +106,22 @@ impl Report {
                 recording: &logs.field,
             };
             axes.push(ReportAxis { section, figures: view.all() });
-            study.keep(growth);
         }
-        Ok(Self::put_together(&study, axes, logs))
+        Ok(Self::put_together(study, axes, logs))
     }
 
     /// A report of axes that were examined before.
     pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs) -> Self {
-        let columns: Vec<&str> = axes.iter().map(|axis| axis.section.column.as_str()).collect();
+        let grown = axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.growth.as_ref()));
+        let commands = command_lines(&study.data.sources, logs, grown);
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),
             field: LogSummary::of(&logs.field),
             quiet: logs.quiet.as_ref().map(LogSummary::of),
             judged: logs.judged.as_ref().map(LogSummary::of),
-            commands: command_lines(study, logs, &columns),
             axes,
+            commands,
             settings: serde_json::to_value(&study.settings).unwrap_or_default(),
         }
     }

@@ -224,14 +224,6 @@ impl Study {
         self.beat.send_replace(beat);
     }
 
-    /// Lets the study do tasks, after what it does now.
-    fn ask(&self, tasks: impl IntoIterator<Item = Task>) {
-        let mut inner = self.lock();
-        inner.ask(tasks);
-        self.publish(inner);
-        self.wake.notify_one();
-    }
-
     /// Looks at an axis: what is not known of it is computed next.
     ///
     /// # Errors
@@ -254,11 +246,7 @@ impl Study {
     ///
     /// There is no such axis, or no model of it yet.
     pub(super) fn add(&self, column: &str, effect: &str) -> Result<(), String> {
-        self.with_model(column)?;
-        let column = column.to_owned();
-        let add = Task::Add { column: column.clone(), effect: effect.to_owned() };
-        self.ask([add, Task::Examine(column.clone()), Task::Diagnose(column)]);
-        Ok(())
+        self.regrow(column, Task::Add { column: column.to_owned(), effect: effect.to_owned() })
     }
 
     /// Keeps the first `keep` effects of an axis.
@@ -267,18 +255,19 @@ impl Study {
     ///
     /// There is no such axis, or no model of it yet.
     pub(super) fn undo(&self, column: &str, keep: usize) -> Result<(), String> {
-        self.with_model(column)?;
-        let column = column.to_owned();
-        let undo = Task::Undo { column: column.clone(), keep };
-        self.ask([undo, Task::Examine(column.clone()), Task::Diagnose(column)]);
-        Ok(())
+        self.regrow(column, Task::Undo { column: column.to_owned(), keep })
     }
 
-    fn with_model(&self, column: &str) -> Result<(), String> {
-        match self.lock().known(column)?.growth {
-            Some(_) => Ok(()),
-            None => Err(format!("{column} has no model yet\nhelp: wait until it is fitted")),
+    /// A task that changes the model of an axis, then all that is said of it anew.
+    fn regrow(&self, column: &str, task: Task) -> Result<(), String> {
+        let mut inner = self.lock();
+        if inner.known(column)?.growth.is_none() {
+            return Err(format!("{column} has no model yet\nhelp: wait until it is fitted"));
         }
+        inner.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
+        self.publish(inner);
+        self.wake.notify_one();
+        Ok(())
     }
 
     /// Ends what is being done, and what should come after it.
@@ -316,12 +305,12 @@ impl Study {
     }
 
     pub(super) fn state(&self) -> State {
-        let file = self.file();
         let inner = self.lock();
+        let fitted = inner.axes.iter().find_map(|axis| axis.fitted.as_deref());
         let seen = inner.axes.iter().filter(|axis| axis.examination.is_some());
-        let seen: Vec<&str> = seen.map(|axis| axis.section.column.as_str()).collect();
-        let commands = match (&file, &inner.read) {
-            (Ok(file), Some(read)) => command_lines(file, &read.logs, &seen),
+        let grown = seen.map(|axis| (axis.section.column.as_str(), axis.growth.as_ref()));
+        let commands = match (fitted, &inner.read) {
+            (Some(fitted), Some(read)) => command_lines(&fitted.data.sources, &read.logs, grown),
             _ => Vec::new(),
         };
         State {

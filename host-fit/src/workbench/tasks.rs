@@ -8,7 +8,8 @@ use super::job::Job;
 use super::study::{Change, Read, Snapshot, Summaries};
 use crate::compare::study_of;
 use crate::effects::Library;
-use crate::examine::{examine, file_name};
+use crate::examine::examine;
+use crate::file::name_of;
 use crate::fit::{FitOptions, fit_axis};
 use crate::grow::{Growth, Logs};
 use crate::plots::in_words;
@@ -67,7 +68,7 @@ impl Open {
     pub(super) fn name(&self) -> String {
         match self {
             Self::Example(_) => "Example".to_owned(),
-            Self::Logs { field, .. } => file_name(field),
+            Self::Logs { field, .. } => name_of(field),
         }
     }
 }
@@ -125,7 +126,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
             let wanted = [Some(field), quiet.as_ref(), judged.as_ref()].into_iter().flatten().count();
             let mut done = 0;
             let mut read = |path: &String| -> Result<Recording, String> {
-                progress(Job::step(format!("reading {}", file_name(path)), done, wanted));
+                progress(Job::step(format!("reading {}", name_of(path)), done, wanted));
                 done += 1;
                 load(Path::new(path), &options).map_err(in_text)
             };
