@@ -53,7 +53,7 @@ pub(super) struct Band {
 }
 
 impl Band {
-    fn push(&mut self, low: f64, high: f64) {
+    fn push(&mut self, (low, high): (f64, f64)) {
         // a bucket without a finite value has a low above its high
         let known = low <= high;
         self.low.push(known.then_some(low as f32));
@@ -114,42 +114,60 @@ pub(super) fn series(rows: Rows<'_>, kind: ViewKind, from_s: f64, to_s: f64, wid
         for entry in &entries {
             // a break between two pieces, so that no line is drawn across
             if let Some(before) = before.filter(|before| before.segment != entry.segment) {
-                shown.push(0.5 * (before.time_s + entry.time_s), &[]);
+                shown.push(0.5 * (before.time_s + entry.time_s), &Bucket::EMPTY);
             }
-            shown.push(entry.time_s, std::slice::from_ref(entry));
+            shown.push(entry.time_s, &Bucket::EMPTY.with(entry));
             before = Some(entry);
         }
         return shown;
     }
     // buckets of equal time, each entry in exactly one
     let length = (to_s - from_s) / width as f64;
-    let mut buckets: Vec<Vec<Entry>> = vec![Vec::new(); width];
-    for entry in entries {
-        let bucket = ((entry.time_s - from_s) / length) as usize;
-        buckets[bucket.min(width - 1)].push(entry);
+    let mut buckets = vec![Bucket::EMPTY; width];
+    for entry in &entries {
+        let place = (((entry.time_s - from_s) / length) as usize).min(width - 1);
+        buckets[place] = buckets[place].with(entry);
     }
-    for (bucket, entries) in buckets.iter().enumerate() {
-        shown.push(from_s + (bucket as f64 + 0.5) * length, entries);
+    for (place, bucket) in buckets.iter().enumerate() {
+        shown.push(from_s + (place as f64 + 0.5) * length, bucket);
     }
     shown
 }
 
 impl Series {
-    fn push(&mut self, time_s: f64, entries: &[Entry]) {
+    fn push(&mut self, time_s: f64, bucket: &Bucket) {
         self.time_s.push(time_s);
-        let extremes = |value: fn(&Entry) -> f64| {
-            let finite = entries.iter().map(value).filter(|value| value.is_finite());
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-        };
-        let (low, high) = extremes(|entry| entry.measured);
-        self.measured.push(low, high);
+        self.measured.push(bucket.measured);
         if let Some(predicted) = &mut self.predicted {
-            let (low, high) = extremes(|entry| entry.measured - entry.left);
-            predicted.push(low, high);
+            predicted.push(bucket.predicted);
         }
         if let Some(left) = &mut self.left {
-            let (low, high) = extremes(|entry| entry.left);
-            left.push(low, high);
+            left.push(bucket.left);
+        }
+    }
+}
+
+/// The lowest and highest finite value of each; above one another where there is none.
+#[derive(Debug, Clone, Copy)]
+struct Bucket {
+    measured: (f64, f64),
+    predicted: (f64, f64),
+    left: (f64, f64),
+}
+
+impl Bucket {
+    const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+    const EMPTY: Self = Self { measured: Self::NOTHING, predicted: Self::NOTHING, left: Self::NOTHING };
+
+    fn with(self, entry: &Entry) -> Self {
+        let wider = |(low, high): (f64, f64), value: f64| match value.is_finite() {
+            true => (low.min(value), high.max(value)),
+            false => (low, high),
+        };
+        Self {
+            measured: wider(self.measured, entry.measured),
+            predicted: wider(self.predicted, entry.measured - entry.left),
+            left: wider(self.left, entry.left),
         }
     }
 }
