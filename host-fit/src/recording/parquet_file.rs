@@ -3,31 +3,42 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, StringArray};
-use arrow_cast::cast;
-use arrow_schema::{ArrowError, DataType, TimeUnit};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use half::f16;
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{ByteArray, DataType, FixedLenByteArray};
 use parquet::errors::ParquetError;
-use parquet::file::reader::ChunkReader;
+use parquet::file::reader::{ChunkReader, FileReader};
+use parquet::file::serialized_reader::SerializedFileReader;
+use parquet::schema::types::ColumnDescriptor;
 
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::table::{Column, Table, check_names, column_name, must_be_numeric};
 
-/// Rows decoded at once: enough to be quick, little beside the data.
-const BATCH_ROWS: usize = 65_536;
+/// Cells decoded at once: enough to be quick, little beside the data.
+const BATCH_CELLS: usize = 65_536;
 
-/// How a column becomes numbers.
+/// What the cells of a column mean.
 enum Kind {
-    Numbers,
-    /// An instant or a duration: seconds since the first one, taken as integers so that no digit is lost.
-    Seconds {
-        per_second: f64,
-        first: Option<i64>,
-    },
+    /// Numbers, flags; integers are divided by `divisor`, which is a power of ten for decimals.
+    Numbers { unsigned: bool, divisor: f64 },
+    /// Numbers of 16 bits.
+    Halves,
+    /// Instants: seconds since the first one, taken as integers so that no digit is lost.
+    Seconds { per_second: f64, first: Option<i64> },
     /// Each different content gets a number, in order of appearance.
-    Labels(HashMap<String, f64>),
+    Labels(HashMap<Vec<u8>, f64>),
+}
+
+/// A column of the file that is read.
+struct Selected {
+    /// Its place among the columns of the file.
+    index: usize,
+    /// Cells may be empty.
+    optional: bool,
+    kind: Kind,
+    empty: u64,
 }
 
 /// Reads a whole file, or its first `rows`.
@@ -38,156 +49,290 @@ pub(super) fn read(
     rows: Option<usize>,
 ) -> Result<Table, RecordingError> {
     let failed = |source: ParquetError| RecordingError::Parquet { path: path.to_owned(), source };
-    let builder = ParquetRecordBatchReaderBuilder::try_new(input).map_err(failed)?;
-    let fields = builder.schema().fields().clone();
+    let reader = SerializedFileReader::new(input).map_err(failed)?;
+    let schema = reader.metadata().file_metadata().schema_descr();
+    let fields = schema.root_schema().get_fields();
     let names: Vec<String> =
         fields.iter().enumerate().map(|(i, field)| column_name(field.name(), i)).collect();
     check_names(path, &names)?;
 
     let mut table = Table::default();
-    let mut kinds = Vec::new();
-    let mut selected = Vec::new();
-    let n_rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0);
+    let mut selected: Vec<Selected> = Vec::new();
+    let mut index = 0;
     for (i, (field, name)) in fields.iter().zip(&names).enumerate() {
+        // a field with fields of its own has more columns than one, and is no number
+        let first = index;
+        while index < schema.num_columns() && schema.get_column_root_idx(index) == i {
+            index += 1;
+        }
         if map.ignores(name) {
             continue;
         }
-        let Some(kind) = kind_of(field.data_type(), name == map.column_of("segment")) else {
+        let kind = match field.is_primitive() && index == first + 1 {
+            true => kind_of(&schema.column(first), name == map.column_of("segment")),
+            false => None,
+        };
+        let Some(kind) = kind else {
             if must_be_numeric(name, map) {
                 return Err(RecordingError::TextColumn { path: path.to_owned(), column: name.clone() });
             }
             table.quality.text_columns.push(name.clone());
             continue;
         };
-        kinds.push(kind);
-        selected.push(i);
-        table.columns.push(Column { name: name.clone(), values: Vec::with_capacity(n_rows) });
+        let optional = schema.column(first).max_def_level() > 0;
+        selected.push(Selected { index: first, optional, kind, empty: 0 });
+        table.columns.push(Column { name: name.clone(), values: Vec::new() });
     }
     if selected.is_empty() {
         let problem = "no column holds numbers".into();
         return Err(RecordingError::NotALog { path: path.to_owned(), problem });
     }
 
-    // columns that are left out are not even decoded
-    let projection = ProjectionMask::roots(builder.parquet_schema(), selected);
-    let builder = builder.with_projection(projection).with_batch_size(BATCH_ROWS);
-    let builder = match rows {
-        Some(rows) => builder.with_limit(rows),
-        None => builder,
-    };
-    let reader = builder.build().map_err(failed)?;
-    let mut empty = vec![0; table.columns.len()];
-    for batch in reader {
-        crate::interrupt::check();
-        let batch = batch.map_err(|error| failed(error.into()))?;
-        for (i, array) in batch.columns().iter().enumerate() {
-            append(array, &mut kinds[i], &mut table.columns[i].values)
-                .map_err(|error| failed(error.into()))?;
-            empty[i] += array.null_count() as u64;
+    let most = rows.unwrap_or(usize::MAX);
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group).map_err(failed)?;
+        let start = table.n_rows();
+        let stated = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        let rows = stated.min(most - start);
+        if rows == 0 {
+            continue;
+        }
+        // columns that are left out are not even decoded
+        for (column, selected) in table.columns.iter_mut().zip(&mut selected) {
+            let cells = group.get_column_reader(selected.index).map_err(failed)?;
+            append(cells, selected, &mut column.values, rows).map_err(failed)?;
+            let found = column.values.len() - start;
+            if found != rows {
+                let text =
+                    format!("column \"{}\" has {found} cells where the file tells of {rows}", column.name);
+                return Err(failed(ParquetError::General(text)));
+            }
         }
     }
     table.quality.rows_in_file = table.n_rows() as u64;
-    for (i, empty) in empty.into_iter().enumerate() {
-        table.note_missing_cells(i, empty);
+    for (i, selected) in selected.iter().enumerate() {
+        table.note_missing_cells(i, selected.empty);
     }
     Ok(table)
 }
 
-/// How to read a column of this type; `None` if it holds nothing that is a number.
-fn kind_of(data_type: &DataType, is_segment: bool) -> Option<Kind> {
-    let seconds = |unit: &TimeUnit| {
-        let per_second = match unit {
-            TimeUnit::Second => 1.0,
-            TimeUnit::Millisecond => 1e3,
-            TimeUnit::Microsecond => 1e6,
-            TimeUnit::Nanosecond => 1e9,
-        };
-        Kind::Seconds { per_second, first: None }
-    };
-    match data_type {
-        DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(seconds(unit)),
-        DataType::Dictionary(_, values) => kind_of(values, is_segment),
-        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View if is_segment => {
-            Some(Kind::Labels(HashMap::new()))
+/// How to read a column; `None` if it holds nothing that is a number.
+///
+/// Writers of today say by the logical type what a column means, older ones by the converted type alone.
+fn kind_of(column: &ColumnDescriptor, is_segment: bool) -> Option<Kind> {
+    use ConvertedType as Old;
+    if column.max_rep_level() > 0 {
+        return None;
+    }
+    let seconds = |per_second| Some(Kind::Seconds { per_second, first: None });
+    let integers = |unsigned| Some(Kind::Numbers { unsigned, divisor: 1.0 });
+    let decimals = |scale: i32| Some(Kind::Numbers { unsigned: false, divisor: 10.0_f64.powi(scale) });
+    let physical = column.physical_type();
+    match physical {
+        Physical::BOOLEAN | Physical::FLOAT | Physical::DOUBLE => integers(false),
+        Physical::INT96 => seconds(1e9),
+        Physical::INT32 | Physical::INT64 => match (column.logical_type_ref(), column.converted_type()) {
+            (Some(LogicalType::Timestamp(stamp)), _) => match stamp.unit {
+                TimeUnit::MILLIS => seconds(1e3),
+                TimeUnit::MICROS => seconds(1e6),
+                TimeUnit::NANOS => seconds(1e9),
+            },
+            (Some(LogicalType::Integer(integer)), _) => integers(!integer.is_signed),
+            (Some(LogicalType::Decimal(decimal)), _) => decimals(decimal.scale),
+            (None, Old::TIMESTAMP_MILLIS) => seconds(1e3),
+            (None, Old::TIMESTAMP_MICROS) => seconds(1e6),
+            (None, Old::UINT_8 | Old::UINT_16 | Old::UINT_32 | Old::UINT_64) => integers(true),
+            (None, Old::DECIMAL) => decimals(column.type_scale()),
+            (None, Old::NONE | Old::INT_8 | Old::INT_16 | Old::INT_32 | Old::INT_64) => integers(false),
+            // a date, a time of the day
+            _ => None,
+        },
+        Physical::FIXED_LEN_BYTE_ARRAY => match column.logical_type_ref() {
+            Some(LogicalType::Float16) if column.type_length() == 2 => Some(Kind::Halves),
+            Some(LogicalType::Decimal(decimal)) if column.type_length() <= 16 => decimals(decimal.scale),
+            _ => None,
+        },
+        Physical::BYTE_ARRAY => {
+            let is_text = matches!(column.logical_type_ref(), Some(LogicalType::String))
+                || column.converted_type() == Old::UTF8;
+            (is_segment && is_text).then(|| Kind::Labels(HashMap::new()))
         }
-        number if number.is_numeric() || *number == DataType::Boolean => Some(Kind::Numbers),
-        _ => None,
     }
 }
 
-/// Adds the cells of `array` to `values`; null becomes NaN.
-fn append(array: &ArrayRef, kind: &mut Kind, values: &mut Vec<f64>) -> Result<(), ArrowError> {
-    match kind {
-        Kind::Numbers => {
-            let numbers = cast(array, &DataType::Float64)?;
-            let numbers: &Float64Array = downcast(&numbers)?;
-            if numbers.null_count() == 0 {
-                values.extend_from_slice(numbers.values());
+/// Adds the first `rows` cells of a column to `values`; empty ones become NaN.
+fn append(
+    cells: ColumnReader,
+    selected: &mut Selected,
+    values: &mut Vec<f64>,
+    rows: usize,
+) -> Result<(), ParquetError> {
+    let Selected { optional, kind, empty, .. } = selected;
+    let into = Into { values, rows, optional: *optional, empty };
+    match cells {
+        ColumnReader::BoolColumnReader(cells) => into.read(cells, |&cell| f64::from(u8::from(cell))),
+        ColumnReader::Int32ColumnReader(cells) => {
+            into.read(cells, |&cell| kind.integer(cell.into(), cell.cast_unsigned().into()))
+        }
+        ColumnReader::Int64ColumnReader(cells) => {
+            into.read(cells, |&cell| kind.integer(cell, cell.cast_unsigned()))
+        }
+        ColumnReader::Int96ColumnReader(cells) => into.read(cells, |cell| kind.integer(cell.to_nanos(), 0)),
+        ColumnReader::FloatColumnReader(cells) => into.read(cells, |&cell| f64::from(cell)),
+        ColumnReader::DoubleColumnReader(cells) => into.read(cells, |&cell| cell),
+        ColumnReader::ByteArrayColumnReader(cells) => {
+            into.read(cells, |cell: &ByteArray| kind.bytes(cell.data()))
+        }
+        ColumnReader::FixedLenByteArrayColumnReader(cells) => {
+            into.read(cells, |cell: &FixedLenByteArray| kind.bytes(cell.data()))
+        }
+    }
+}
+
+impl Kind {
+    /// The value of an integer, given as what it is with a sign and without.
+    fn integer(&mut self, cell: i64, unsigned_cell: u64) -> f64 {
+        match self {
+            Self::Numbers { unsigned: true, divisor } => unsigned_cell as f64 / *divisor,
+            Self::Numbers { unsigned: false, divisor } => cell as f64 / *divisor,
+            Self::Seconds { per_second, first } => {
+                // in i128, since the span of two i64 may not fit in one
+                let since = i128::from(cell) - i128::from(*first.get_or_insert(cell));
+                since as f64 / *per_second
+            }
+            Self::Halves | Self::Labels(_) => f64::NAN,
+        }
+    }
+
+    /// The value of bytes: a label, half a number, or a decimal, whose most significant byte is first.
+    fn bytes(&mut self, cell: &[u8]) -> f64 {
+        match self {
+            Self::Labels(labels) => {
+                let next = labels.len() as f64;
+                // most cells say what the cell before them said
+                match labels.get(cell) {
+                    Some(&label) => label,
+                    None => *labels.entry(cell.to_vec()).or_insert(next),
+                }
+            }
+            Self::Halves => cell.try_into().map_or(f64::NAN, |bytes| f16::from_le_bytes(bytes).to_f64()),
+            Self::Numbers { divisor, .. } => {
+                let sign = cell.first().map_or(0, |&byte| i128::from(byte.cast_signed() >> 7));
+                let whole = cell.iter().fold(sign, |whole, &byte| (whole << 8) | i128::from(byte));
+                whole as f64 / *divisor
+            }
+            Self::Seconds { .. } => f64::NAN,
+        }
+    }
+}
+
+/// Where the cells of a column go.
+struct Into<'a> {
+    values: &'a mut Vec<f64>,
+    rows: usize,
+    optional: bool,
+    empty: &'a mut u64,
+}
+
+impl Into<'_> {
+    fn read<T: DataType>(
+        self,
+        mut cells: ColumnReaderImpl<T>,
+        mut number: impl FnMut(&T::T) -> f64,
+    ) -> Result<(), ParquetError> {
+        let mut left = self.rows;
+        let (mut found, mut levels) = (Vec::new(), Vec::new());
+        while left > 0 {
+            crate::interrupt::check();
+            found.clear();
+            levels.clear();
+            let (read, ..) = cells.read_records(
+                left.min(BATCH_CELLS),
+                self.optional.then_some(&mut levels),
+                None,
+                &mut found,
+            )?;
+            if read == 0 {
+                break;
+            }
+            left -= read;
+            if self.optional {
+                // a level for every cell, a value only for those that are not empty
+                let mut found = found.iter();
+                for &level in &levels {
+                    let cell = if level > 0 { found.next() } else { None };
+                    *self.empty += u64::from(cell.is_none());
+                    self.values.push(cell.map_or(f64::NAN, &mut number));
+                }
             } else {
-                values.extend(numbers.iter().map(|cell| cell.unwrap_or(f64::NAN)));
+                self.values.extend(found.iter().map(&mut number));
             }
         }
-        Kind::Seconds { per_second, first } => {
-            let ticks = cast(array, &DataType::Int64)?;
-            let ticks: &Int64Array = downcast(&ticks)?;
-            values.extend(ticks.iter().map(|cell| {
-                cell.map_or(f64::NAN, |tick| {
-                    // in i128, since the span of two i64 may not fit in one
-                    let since = i128::from(tick) - i128::from(*first.get_or_insert(tick));
-                    since as f64 / *per_second
-                })
-            }));
-        }
-        Kind::Labels(labels) => {
-            let texts = cast(array, &DataType::Utf8)?;
-            let texts: &StringArray = downcast(&texts)?;
-            values.extend(texts.iter().map(|cell| {
-                cell.map_or(f64::NAN, |text| {
-                    let next = labels.len() as f64;
-                    *labels.entry(text.to_owned()).or_insert(next)
-                })
-            }));
-        }
+        Ok(())
     }
-    Ok(())
-}
-
-fn downcast<T: 'static>(array: &ArrayRef) -> Result<&T, ArrowError> {
-    array.as_any().downcast_ref().ok_or_else(|| {
-        ArrowError::CastError(format!("a column of type {} did not convert", array.data_type()))
-    })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
     use std::sync::Arc;
 
-    use arrow_array::{BooleanArray, Float32Array, Int16Array, RecordBatch, TimestampNanosecondArray};
-    use parquet::arrow::ArrowWriter;
+    use parquet::data_type::{
+        BoolType, ByteArrayType, DoubleType, FixedLenByteArrayType, FloatType, Int32Type, Int64Type,
+    };
+    use parquet::file::properties::WriterProperties;
+    use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+    use parquet::schema::parser::parse_message_type;
 
     use super::super::{Boundary, LoadOptions, Unit, load};
     use super::*;
+
+    /// One row group with columns in the order of the schema.
+    fn file(schema: &str, write: impl FnOnce(&mut SerializedRowGroupWriter<'_, File>)) -> tempfile::TempPath {
+        let path = tempfile::Builder::new().suffix(".parquet").tempfile().unwrap();
+        let schema = Arc::new(parse_message_type(schema).unwrap());
+        let properties = Arc::new(WriterProperties::default());
+        let mut writer = SerializedFileWriter::new(path.reopen().unwrap(), schema, properties).unwrap();
+        let mut group = writer.next_row_group().unwrap();
+        write(&mut group);
+        group.close().unwrap();
+        writer.close().unwrap();
+        path.into_temp_path()
+    }
+
+    /// The next column; `None` is an empty cell.
+    fn put<T: DataType>(group: &mut SerializedRowGroupWriter<'_, File>, cells: &[Option<T::T>]) {
+        let mut column = group.next_column().unwrap().unwrap();
+        let levels: Vec<i16> = cells.iter().map(|cell| i16::from(cell.is_some())).collect();
+        let values: Vec<T::T> = cells.iter().flatten().cloned().collect();
+        column.typed::<T>().write_batch(&values, Some(&levels), None).unwrap();
+        column.close().unwrap();
+    }
+
+    fn all<T: Clone>(cells: &[T]) -> Vec<Option<T>> {
+        cells.iter().cloned().map(Some).collect()
+    }
 
     #[test]
     fn instants_flags_integers_labels_and_nulls_are_understood() {
         // 2023-11-14 in ns, where f64 would round stamps to 256 ns
         let instants: Vec<i64> = (0..6).map(|i| 1_700_000_000_000_000_001 + i * 5_000_000).collect();
-        let batch = RecordBatch::try_from_iter([
-            ("time", Arc::new(TimestampNanosecondArray::from(instants)) as ArrayRef),
-            ("gx", Arc::new(Int16Array::from(vec![Some(100), None, Some(-3), Some(4), Some(5), Some(6)]))),
-            ("temp_c", Arc::new(Float32Array::from(vec![0.1_f32; 6]))),
-            ("still", Arc::new(BooleanArray::from(vec![true, true, true, false, false, true]))),
-            ("segment", Arc::new(StringArray::from(vec!["a", "a", "b", "b", "b", "b"]))),
-            ("note", Arc::new(StringArray::from(vec!["x"; 6]))),
-        ])
-        .unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("log.parquet");
-        let mut writer =
-            ArrowWriter::try_new(std::fs::File::create(&path).unwrap(), batch.schema(), None).unwrap();
-        writer.write(&batch).unwrap();
-        writer.close().unwrap();
-
+        let schema = "message log {
+            required int64 time (TIMESTAMP(NANOS, true));
+            optional int32 gx (INTEGER(16, true));
+            required float temp_c;
+            required boolean still;
+            required binary segment (STRING);
+            required binary note (STRING);
+        }";
+        let path = file(schema, |group| {
+            put::<Int64Type>(group, &all(&instants));
+            put::<Int32Type>(group, &[Some(100), None, Some(-3), Some(4), Some(5), Some(6)]);
+            put::<FloatType>(group, &all(&[0.1; 6]));
+            put::<BoolType>(group, &all(&[true, true, true, false, false, true]));
+            put::<ByteArrayType>(group, &all(&["a", "a", "b", "b", "b", "b"].map(ByteArray::from)));
+            put::<ByteArrayType>(group, &all(&["x"; 6].map(ByteArray::from)));
+        });
         let columns = ColumnMap::from_specs(["t_s=time", "gx_rads=gx:/131:dps"]).unwrap();
         let log = load(&path, &LoadOptions { columns, ..LoadOptions::default() }).unwrap();
         assert_eq!(log.time_s, [0.0, 0.005, 0.01, 0.015, 0.02, 0.025]);
@@ -199,5 +344,58 @@ mod tests {
         assert!((rate.values[0] - (100.0_f64 / 131.0).to_radians()).abs() < 1e-15);
         assert_eq!(log.channel("temp_c").unwrap().values[0], f64::from(0.1_f32));
         assert_eq!(log.quality.missing_cells[0].empty, 1);
+    }
+
+    #[test]
+    fn numbers_of_every_kind_keep_their_value_and_what_is_no_number_is_left_out() {
+        let schema = "message log {
+            required int64 old_stamp (TIMESTAMP_MICROS);
+            required int32 small (UINT_32);
+            required int64 large (INTEGER(64, false));
+            required int32 cents (DECIMAL(9, 2));
+            required fixed_len_byte_array(3) mills (DECIMAL(6, 3));
+            required fixed_len_byte_array(2) half (FLOAT16);
+            required int32 day (DATE);
+            required group point { required double x; required double y; }
+            repeated double list;
+            required double last;
+        }";
+        let bytes = |bytes: &[u8]| FixedLenByteArray::from(bytes.to_vec());
+        let path = file(schema, |group| {
+            put::<Int64Type>(group, &all(&[5_000_000, 4_000_000]));
+            put::<Int32Type>(group, &all(&[7, -1]));
+            put::<Int64Type>(group, &all(&[7, -1]));
+            put::<Int32Type>(group, &all(&[1234, -50]));
+            put::<FixedLenByteArrayType>(group, &all(&[bytes(&[0, 1, 0]), bytes(&[0xff, 0xff, 0xfe])]));
+            put::<FixedLenByteArrayType>(
+                group,
+                &all(&[f16::from_f64(-1.5), f16::MAX].map(|half| bytes(&half.to_le_bytes()))),
+            );
+            put::<Int32Type>(group, &all(&[1, 2]));
+            put::<DoubleType>(group, &all(&[1.0, 2.0]));
+            put::<DoubleType>(group, &all(&[1.0, 2.0]));
+            let mut list = group.next_column().unwrap().unwrap();
+            list.typed::<DoubleType>()
+                .write_batch(&[1.0, 2.0, 3.0], Some(&[1; 3]), Some(&[0, 1, 0]))
+                .unwrap();
+            list.close().unwrap();
+            put::<DoubleType>(group, &all(&[3.0, 4.0]));
+        });
+        let table = read(&path, File::open(&path).unwrap(), &ColumnMap::default(), None).unwrap();
+        let found: Vec<_> =
+            table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
+        let expected: [(&str, &[f64]); 7] = [
+            ("old_stamp", &[0.0, -1.0]),
+            ("small", &[7.0, 4_294_967_295.0]),
+            ("large", &[7.0, 18_446_744_073_709_551_615.0]),
+            ("cents", &[12.34, -0.5]),
+            ("mills", &[0.256, -0.002]),
+            ("half", &[-1.5, 65_504.0]),
+            ("last", &[3.0, 4.0]),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(table.quality.text_columns, ["day", "point", "list"]);
+        let first = read(&path, File::open(&path).unwrap(), &ColumnMap::default(), Some(1)).unwrap();
+        assert_eq!(first.columns[1].values, [7.0]);
     }
 }

@@ -8,17 +8,17 @@ use std::sync::Arc;
 use super::error::RecordingError;
 use super::table::check_names;
 use crate::file::replace;
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{ArrowError, DataType, Field, Schema};
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression as ParquetCompression, ZstdLevel};
+use parquet::basic::{Compression as ParquetCompression, Repetition, Type as Physical, ZstdLevel};
+use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
 
-/// Rows encoded at once.
-const BATCH_ROWS: usize = 65_536;
+/// Rows that are encoded together.
+const ROW_GROUP: usize = 1 << 20;
 
 /// Writes columns of one length, in the format the file's name ends in: `.csv`, `.csv.gz` or `.parquet`.
 ///
@@ -98,22 +98,25 @@ fn write_csv(out: &mut impl Write, columns: &[(&str, &[f64])]) -> io::Result<()>
 }
 
 fn write_parquet(file: &File, columns: &[(&str, &[f64])]) -> Result<(), ParquetError> {
-    let fields: Vec<Field> =
-        columns.iter().map(|(name, _)| Field::new(*name, DataType::Float64, false)).collect();
-    let schema = Arc::new(Schema::new(fields));
+    let field = |name: &str| {
+        let field = Type::primitive_type_builder(name, Physical::DOUBLE);
+        field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+    };
+    let fields = columns.iter().map(|(name, _)| field(name)).collect::<Result<_, _>>()?;
+    let schema = Type::group_type_builder("log").with_fields(fields).build()?;
     let properties =
         WriterProperties::builder().set_compression(ParquetCompression::ZSTD(ZstdLevel::default())).build();
-    let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
     let n_rows = columns.first().map_or(0, |(_, values)| values.len());
-    for start in (0..n_rows).step_by(BATCH_ROWS) {
-        let end = (start + BATCH_ROWS).min(n_rows);
-        let arrays: Vec<ArrayRef> = columns
-            .iter()
-            .map(|(_, values)| Arc::new(Float64Array::from(values[start..end].to_vec())) as ArrayRef)
-            .collect();
-        let batch =
-            RecordBatch::try_new(schema.clone(), arrays).map_err(|e: ArrowError| ParquetError::from(e))?;
-        writer.write(&batch)?;
+    for start in (0..n_rows).step_by(ROW_GROUP) {
+        let rows = start..(start + ROW_GROUP).min(n_rows);
+        let mut group = writer.next_row_group()?;
+        for (_, values) in columns {
+            let Some(mut column) = group.next_column()? else { break };
+            column.typed::<DoubleType>().write_batch(&values[rows.clone()], None, None)?;
+            column.close()?;
+        }
+        group.close()?;
     }
     writer.close().map(drop)
 }
