@@ -144,9 +144,9 @@ impl<R: Real> RunningAxis<R> {
         self.last_measured = R::from_f64(f64::NAN);
     }
 
-    /// Forgets the history: the axis warms up again.
+    /// Too many samples are missing. Forgets the history: the axis warms up again.
     pub(crate) fn restart(&mut self) {
-        self.measured_run = 0;
+        (self.measured_run, self.missing) = (0, self.gap_limit);
         self.ready = self.depth == 0;
         (self.remainder, self.known, self.steady) = (R::ZERO, false, false);
         (self.coasted, self.gain) = (0, R::ONE);
@@ -157,8 +157,8 @@ impl<R: Real> RunningAxis<R> {
         u32::from(self.depth.max(u16::from(self.gap_limit)))
     }
 
-    /// r(n − 1), limited; none where it is not known: before the first sample, and after a restart until the next
-    /// measured one.
+    /// r(n − 1), limited; none where it is not known: before the first sample, while more are missing than may be, and
+    /// after that until the history is full again.
     pub(crate) fn remainder(&self) -> Option<R> {
         self.known.then_some(self.remainder)
     }
@@ -237,12 +237,15 @@ impl<R: Real> RunningAxis<R> {
     /// There is no sample that could be used, for the given reason.
     fn lose(&mut self, measured: R, reason: Validity, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
-        if self.missing < self.gap_limit {
+        let coasts = self.missing < self.gap_limit;
+        if coasts {
             self.missing += 1;
         } else {
             self.restart();
         }
         self.extrapolate(stochastic, measured, validity | reason, correction);
+        // also where the model looks back at no output: what remembers the remainder must not live on predictions
+        self.known = self.known && coasts;
     }
 
     /// y − p, scaled.

@@ -6,8 +6,9 @@
 mod function;
 
 use function::exp_m1;
+use proptest::prelude::*;
 
-use fos_core::{Channel, Correction, Input, Sample, Source, Term, Transform, Validity};
+use fos_core::{AxisParameters, Channel, Correction, Input, Sample, Source, Term, Transform, Validity};
 
 use crate::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy};
 
@@ -49,6 +50,53 @@ impl Event {
             }
         }
     }
+}
+
+/// What happens to a predictor: mostly samples at rest without a fault.
+pub fn events() -> impl Strategy<Value = Vec<Event>> {
+    let values = prop::collection::vec(-1.5..1.5, 6);
+    let reading =
+        prop_oneof![20 => -1.5..1.5, 1 => Just(f64::NAN), 1 => Just(50.0), 1 => Just(f64::INFINITY)];
+    let measured = prop::collection::vec(reading, 0..=6);
+    let quantity = prop_oneof![20 => -2.5..2.5, 1 => Just(f64::NAN)];
+    let quantities = prop::collection::vec(quantity, 0..=3);
+    let one = prop_oneof![
+        12 => (measured.clone(), quantities.clone())
+            .prop_map(|(measured, quantities)| Event::Track { measured, quantities }),
+        // no fault: otherwise a history is hardly ever full
+        40 => (values.clone(), prop::collection::vec(-2.5..2.5, 3))
+            .prop_map(|(measured, quantities)| Event::Track { measured, quantities }),
+        6 => (values.clone(), quantities.clone(), prop::collection::vec(prop_oneof![9 => -1.0..1.0, 1 => Just(f64::NAN)], 0..=6)).prop_map(
+            |(measured, quantities, reference)| Event::TrackAgainst { measured, quantities, reference }),
+        12 => (measured, quantities).prop_map(|(measured, quantities)| Event::Coast { measured, quantities }),
+        1 => (1_u32..30).prop_map(Event::Skip),
+        1 => (257_u32..2000).prop_map(Event::Skip),
+        1 => (values, 2_usize..9).prop_map(|(measured, times)| Event::Repeat { measured, times }),
+    ];
+    prop::collection::vec(one, 0..250)
+}
+
+/// Runs the predictor and its twin over the events; a `tolerance` of 0 asks for equal bits. The error says where they differ.
+pub fn compare(model: &OwnedModel<f64>, events: &[Event], tolerance: f64) -> Result<(), String> {
+    let mut predictor = model.predictor().map_err(|error| error.to_string())?;
+    let mut twin = Twin::new(model);
+    let same = |a: f64, b: f64| if tolerance == 0.0 { a == b } else { (a - b).abs() <= tolerance };
+    for (index, event) in events.iter().enumerate() {
+        let (found, expected) = (event.run(&mut predictor, model), twin.run(event));
+        let agree = |(found, expected): (&Correction<f64>, &Correction<f64>)| {
+            same(found.predicted, expected.predicted)
+                && same(found.corrected, expected.corrected)
+                && found.validity == expected.validity
+                && match (found.innovation, expected.innovation) {
+                    (Some(found), Some(expected)) => same(found, expected),
+                    (found, expected) => found == expected,
+                }
+        };
+        if found.len() != expected.len() || !found.iter().zip(&expected).all(agree) {
+            return Err(format!("event {index}, {event:?}: {found:?}, expected {expected:?}"));
+        }
+    }
+    Ok(())
 }
 
 enum Reading {
@@ -153,7 +201,13 @@ impl Twin {
             let reading = |index: usize| match measured.get(index) {
                 Some(&measured) => {
                     let fitted = model.axes[index].parameters.reference;
-                    Reading::Still(measured, *reference.get(index).unwrap_or(&fitted))
+                    let reference = *reference.get(index).unwrap_or(&fitted);
+                    // a true value that is not a number is not known
+                    if reference.is_finite() {
+                        Reading::Still(measured, reference)
+                    } else {
+                        Reading::Moving(measured)
+                    }
                 }
                 None => Reading::Missing,
             };
@@ -176,8 +230,8 @@ impl Twin {
             Event::Skip(ticks) => {
                 if *ticks > self.reach() + 1 {
                     // longer than any axis coasts or remembers: all is lost from the start
-                    for axis in &mut self.axes {
-                        axis.restart();
+                    for (axis, parts) in self.axes.iter_mut().zip(&self.model.axes) {
+                        axis.restart(&parts.parameters);
                     }
                 }
                 let missing: Vec<Reading> = self.axes.iter().map(|_| Reading::Missing).collect();
@@ -264,7 +318,8 @@ impl Twin {
 }
 
 impl TwinAxis {
-    fn restart(&mut self) {
+    fn restart(&mut self, parameters: &AxisParameters<f64>) {
+        self.missing = u32::from(parameters.gap_limit);
         if let Some(last) = self.kept.last_mut() {
             *last = Kept::Restart;
         }
@@ -368,7 +423,7 @@ impl TwinAxis {
                 self.gain = 0.0;
             }
         }
-        let goes_on = if restarted { depth == 0 } else { ready };
+        let goes_on = ready && !restarted;
         if goes_on && depth > 0 {
             validity |= Validity::OWN_HISTORY;
         }
