@@ -1,0 +1,197 @@
+//! Every function of the C interface, in any order, with NULL, misaligned and impossible arguments among good ones. Memory is
+//! allocated to the byte, so that the address sanitizer sees any step beyond it.
+#![no_main]
+
+use core::ffi::CStr;
+use core::mem::MaybeUninit;
+use core::ptr::{null, null_mut};
+
+use fos_embedded::c_api::*;
+use fos_fuzz::{sealed_image, split};
+use libfuzzer_sys::fuzz_target;
+
+/// Numbers, one after the other, zeros at the end.
+struct Numbers<'a>(&'a [u8]);
+
+impl Numbers<'_> {
+    fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        let mut taken = [0; N];
+        let length = N.min(self.0.len());
+        taken[..length].copy_from_slice(&self.0[..length]);
+        self.0 = &self.0[length..];
+        taken
+    }
+
+    fn byte(&mut self) -> u8 {
+        self.bytes::<1>()[0]
+    }
+
+    fn float(&mut self) -> f32 {
+        f32::from_le_bytes(self.bytes())
+    }
+
+    /// Mostly `good`; else NULL or, of what is aligned, a byte beside.
+    fn pointer<T>(&mut self, good: *mut T) -> *mut T {
+        match self.byte() {
+            0 => null_mut(),
+            1 => good.wrapping_byte_add(1),
+            _ => good,
+        }
+    }
+
+    fn is_there<T>(pointer: *const T) -> bool {
+        !pointer.is_null() && pointer.is_aligned()
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let (information, rest) = split(bytes);
+    let (body, rest) = split(rest);
+    let images = [sealed_image(body, information), body.to_vec()];
+    let mut numbers = Numbers(rest);
+    let mut memory = vec![MaybeUninit::<u64>::uninit(); fos_hub_size().div_ceil(8)];
+    let mut scales = fos_scales {
+        accel_mps2: 0.001,
+        gyro_rads: 0.001,
+        temperature_k: 0.01,
+        temperature_zero_c: 25.0,
+        period_s: 0.005,
+        values: 0,
+    };
+    let mut hub = null_mut();
+    // SAFETY: the memory is as large as said
+    let made = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &scales, &mut hub) };
+    assert_eq!(made, fos_status::Ok);
+    while !numbers.0.is_empty() {
+        // SAFETY: what is neither NULL nor misaligned leads to memory of the size that is said; a hub is only used
+        // after a good fos_hub_init
+        unsafe { call(&mut numbers, &mut memory, &mut scales, hub, &images) };
+    }
+});
+
+/// # Safety
+///
+/// `hub` is a hub in `memory`.
+unsafe fn call(
+    numbers: &mut Numbers<'_>,
+    memory: &mut [MaybeUninit<u64>],
+    scales: &mut fos_scales,
+    good: *mut fos_hub,
+    images: &[Vec<u8>; 2],
+) {
+    let which = numbers.byte() % 16;
+    let hub = numbers.pointer(good);
+    let there = Numbers::is_there(hub);
+    // SAFETY: as the caller promised
+    unsafe {
+        match which {
+            0 => {
+                let mut made = null_mut();
+                let size = if numbers.byte() > 200 { usize::from(numbers.byte()) } else { 8 * memory.len() };
+                let place = numbers.pointer(memory.as_mut_ptr()).cast();
+                let out = numbers.pointer(&raw mut made);
+                let status = fos_hub_init(place, size, numbers.pointer(scales), out);
+                assert!(!Numbers::is_there(out) || made.is_null() == (status != fos_status::Ok));
+            }
+            1 => {
+                scales.accel_mps2 = numbers.float();
+                scales.gyro_rads = numbers.float();
+                scales.temperature_k = numbers.float();
+                scales.temperature_zero_c = numbers.float();
+                scales.period_s = f64::from_le_bytes(numbers.bytes());
+                scales.values = numbers.byte();
+            }
+            2 => {
+                let image = &images[usize::from(numbers.byte() & 1)];
+                let length = if numbers.byte() == 0 { usize::MAX } else { image.len() };
+                let image = numbers.pointer(image.as_ptr().cast_mut());
+                // a byte beside is no misalignment of bytes
+                if image.is_null()
+                    || length == usize::MAX
+                    || image.cast_const() == images[0].as_ptr()
+                    || image.cast_const() == images[1].as_ptr()
+                {
+                    let _ = fos_hub_load(hub, image, length);
+                }
+            }
+            3..=7 => {
+                for _ in 0..=numbers.byte() % 16 {
+                    let codes: [u8; 12] = numbers.bytes();
+                    let code = |k: usize| i16::from_le_bytes([codes[2 * k], codes[2 * k + 1]]);
+                    let sample = fos_raw_sample {
+                        skipped: if numbers.byte() == 1 { u32::from_le_bytes(numbers.bytes()) } else { 0 },
+                        accel: [code(0), code(1), code(2)],
+                        gyro: [code(3), code(4), code(5)],
+                        temperature: i16::from_le_bytes(numbers.bytes()),
+                        faults: u16::from(numbers.byte()),
+                        has_temperature: numbers.byte(),
+                    };
+                    let mut output = Box::new(MaybeUninit::<fos_output>::uninit());
+                    let place = numbers.pointer(output.as_mut_ptr());
+                    let status = fos_hub_update(hub, numbers.pointer((&raw const sample).cast_mut()), place);
+                    if status == fos_status::Ok {
+                        let output = output.assume_init();
+                        // a huge scale may measure an infinity: then it must say so
+                        for axis in 0..FOS_AXES {
+                            let fine = output.corrected[axis].is_finite()
+                                || output.validity[axis] != FOS_VALIDITY_VALID;
+                            assert!(fine, "{:?}", output.corrected);
+                        }
+                    }
+                }
+            }
+            8 => {
+                let _ = fos_hub_give(hub, numbers.byte().into(), numbers.float());
+                let _ = fos_hub_give_application(hub, numbers.byte().into(), numbers.float());
+            }
+            9 => {
+                let _ = fos_hub_set_motion(hub, numbers.byte().into());
+            }
+            10 => {
+                let _ = fos_hub_clock(hub, u64::from_le_bytes(numbers.bytes()));
+            }
+            11 => {
+                let mut rate = Box::new(0.0);
+                let _ = fos_hub_rate_hz(hub, numbers.pointer(&raw mut *rate));
+            }
+            12 => {
+                let mut drift = Box::new(0);
+                let place = if numbers.byte() == 0 { null_mut() } else { &raw mut *drift };
+                let _ = fos_hub_drift(hub, numbers.byte().into(), place);
+            }
+            13 => {
+                let _ = fos_hub_restart_watch(hub);
+            }
+            14 => {
+                let mut buffer = vec![0; usize::from(numbers.byte()) * 4];
+                let mut used = Box::new(0);
+                let place = numbers.pointer(&raw mut *used);
+                let start = if numbers.byte() == 0 { null_mut() } else { buffer.as_mut_ptr() };
+                let capacity = if numbers.byte() == 0 { usize::MAX } else { buffer.len() };
+                // the promise of the caller: as many bytes as said, unless that is impossible
+                let status = if numbers.byte() & 1 == 0 {
+                    let (image, length) = match numbers.byte() {
+                        0 => (null(), 0),
+                        1 => (null(), 3),
+                        n => (images[usize::from(n & 1)].as_ptr(), images[usize::from(n & 1)].len()),
+                    };
+                    fos_telemetry_start(hub, image, length, start, capacity, place)
+                } else {
+                    fos_telemetry_sample(hub, start, capacity, place)
+                };
+                assert!(!Numbers::is_there(place) || *used <= buffer.len());
+                assert!(status != fos_status::Ok || (there && *used > 0 && buffer[*used - 1] == 0));
+            }
+            _ => {
+                for text in [
+                    fos_version(),
+                    fos_status_text(i32::from_le_bytes(numbers.bytes())),
+                    fos_validity_text(u16::from_le_bytes(numbers.bytes())),
+                ] {
+                    assert!(CStr::from_ptr(text).to_str().is_ok());
+                }
+                assert!(fos_api_version() == FOS_API_VERSION && fos_hub_align() <= FOS_HUB_ALIGN);
+            }
+        }
+    }
+}

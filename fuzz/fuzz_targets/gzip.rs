@@ -1,0 +1,26 @@
+//! Any bytes as a compressed log, and any text well compressed, cut off or followed by something else.
+#![no_main]
+
+use std::io::Write;
+use std::sync::LazyLock;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use fos_fuzz::{log, split};
+use libfuzzer_sys::fuzz_target;
+use tempfile::TempDir;
+
+static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
+
+fuzz_target!(|bytes: &[u8]| {
+    log::read(&FOLDER, "log.csv.gz", bytes);
+    let (tail, text) = split(bytes);
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(text).expect("into memory");
+    let mut packed = packed.finish().expect("into memory");
+    match tail.first() {
+        Some(1) => packed.truncate(packed.len().saturating_sub(tail.len())),
+        _ => packed.extend(tail),
+    }
+    log::read(&FOLDER, "log.csv.gz", &packed);
+});

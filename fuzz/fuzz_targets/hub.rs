@@ -1,0 +1,244 @@
+//! The hub against what it is documented to do: the same bits as a predictor driven by hand, and near to a naive twin in f64.
+#![no_main]
+
+use fos_core::image::encode;
+use fos_core::{
+    Correction, FittedOn, Info, Quantity, Sample, Source, StillnessDetector, StillnessLimits, Transform,
+    Validity,
+};
+use fos_embedded::hub::{Hub, Motion, OTHER_POSE, SIX};
+use fos_embedded::raw::{Faults, RawSample, Scales};
+use fos_fuzz::draw;
+use fos_fuzz::models::{Draw, OwnedModel, Roomy, models};
+use fos_fuzz::twin::{Event, Twin};
+use libfuzzer_sys::fuzz_target;
+use proptest::prelude::*;
+
+/// Codes of the thermometer are exact in f32, so that a rate does not magnify their rounding.
+const SCALES: Scales = Scales {
+    accel_mps2: 0.001,
+    gyro_rads: 0.001,
+    temperature_k: 1.0 / 16_384.0,
+    temperature_zero_c: 0.0,
+    period_s: 0.005,
+    values: FittedOn::Raw,
+};
+
+/// f32 against f64, in the axis' unit: 6e-8 of inputs up to 3.3, a hundredfold in a rate over 10 ms, times up to 90 in a product of
+/// three, in eight terms, fed back with 0.8, times a scale of 2.
+const TOLERANCE: f64 = 0.05;
+
+#[derive(Debug, Clone)]
+enum Happens {
+    /// Measured values in scaled units; beyond the codes they are at full scale.
+    Sample {
+        measured: [f64; 6],
+        temperature: Option<i16>,
+        skipped: u32,
+        faults: u16,
+    },
+    Motion(Option<bool>),
+    Give(f32, f32),
+    Clock(u64),
+    Load,
+}
+
+fn events() -> impl Strategy<Value = Vec<Happens>> {
+    let usual = prop::array::uniform6(-1.5..1.5);
+    let any_value = prop::array::uniform6(prop_oneof![4 => -1.5..1.5, 1 => -60.0..60.0_f64]);
+    let skipped = prop_oneof![20 => Just(0_u32), 2 => 1_u32..30, 1 => any::<u32>()];
+    let faults = prop_oneof![9 => Just(0_u16), 1 => any::<u16>()];
+    let one = prop_oneof![
+        30 => (usual, any::<i16>()).prop_map(|(measured, code)| Happens::Sample { measured, temperature: Some(code), skipped: 0, faults: 0 }),
+        8 => (any_value, any::<Option<i16>>(), skipped, faults)
+            .prop_map(|(measured, temperature, skipped, faults)| Happens::Sample { measured, temperature, skipped, faults }),
+        2 => any::<Option<bool>>().prop_map(Happens::Motion),
+        2 => (any::<f32>(), -2.5_f32..2.5).prop_map(|(supply, load)| Happens::Give(supply, load)),
+        1 => any::<u64>().prop_map(Happens::Clock),
+        1 => Just(Happens::Load),
+    ];
+    prop::collection::vec(one, 0..250)
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let stillness = prop::option::of(Just(StillnessLimits {
+        window: 10,
+        accel_variance: 20.0,
+        gyro_variance: 20.0,
+        gyro_at_rest: [0.0; 3],
+        gyro_deviation: 10.0,
+    }));
+    let drawn = draw((models(Draw::Contracting), stillness, events()).boxed(), bytes);
+    let Some((mut model, stillness, events)) = drawn else { return };
+    for (axis, name) in model.axes.iter_mut().zip(SIX) {
+        axis.parameters.axis = name;
+    }
+    let mut single = model.convert::<f32>();
+    single.stillness = stillness;
+    let mut buffer = vec![0; 1 << 16];
+    let image = single.borrow(|model| encode(model, &Info::default(), &mut buffer).expect("room").to_vec());
+    let mut expected = Expected::new(&single);
+    let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
+    hub.load(&image).expect("a model that the predictor takes");
+    for event in events {
+        match event {
+            Happens::Sample { measured, temperature, skipped, faults } => {
+                let code = |axis: usize| expected.code(axis, measured[axis]);
+                let raw = RawSample {
+                    skipped,
+                    accel: [code(0), code(1), code(2)],
+                    gyro: [code(3), code(4), code(5)],
+                    temperature,
+                    faults: Faults::from_bits_truncate(faults),
+                };
+                let output = *hub.update(&raw);
+                assert!(output.corrected.iter().all(|value| value.is_finite()));
+                let (still, corrections) = expected.sample(&raw);
+                assert_eq!(output.still, still);
+                for (axis, correction) in corrections.iter().enumerate() {
+                    let mut validity = correction.validity;
+                    validity |=
+                        if raw.faults.contains(Faults::STUCK) { Validity::STUCK } else { Validity::VALID };
+                    assert_eq!(
+                        output.corrected[axis].to_bits(),
+                        correction.corrected.to_bits(),
+                        "axis {axis}"
+                    );
+                    assert_eq!(output.validity[axis], validity, "axis {axis}");
+                    let innovation = Some(output.innovation[axis]).filter(|value| !value.is_nan());
+                    assert_eq!(innovation, correction.innovation, "axis {axis}");
+                }
+            }
+            Happens::Motion(still) => {
+                let motion = still.map(|still| if still { Motion::Still } else { Motion::Moving });
+                hub.set_motion(motion);
+                expected.motion = motion;
+            }
+            Happens::Give(supply, load) => {
+                hub.give(Quantity::Supply, supply);
+                hub.give(Quantity::Load, load);
+                expected.given = [supply, load];
+            }
+            Happens::Clock(now_us) => {
+                hub.clock(now_us);
+                assert!(hub.rate_hz().is_none_or(f32::is_finite));
+            }
+            Happens::Load => {
+                hub.load(&image).expect("as before");
+                let motion = expected.motion;
+                expected = Expected::new(&single);
+                expected.motion = motion;
+            }
+        }
+    }
+});
+
+/// What a hub must say.
+struct Expected {
+    model: OwnedModel<f32>,
+    predictor: Roomy<f32>,
+    /// None where rounding may grow: behind a steep transform of what is fed back.
+    twin: Option<Twin>,
+    detector: Option<StillnessDetector<f32>>,
+    motion: Option<Motion>,
+    given: [f32; 2],
+    in_pose: Vec<bool>,
+}
+
+impl Expected {
+    fn new(model: &OwnedModel<f32>) -> Self {
+        let steep = model.inputs.iter().any(|input| {
+            matches!(input.source, Source::Remainder(_))
+                && matches!(input.transform, Transform::Rate { .. } | Transform::Variance { .. })
+        });
+        Self {
+            predictor: model.predictor().expect("a model"),
+            twin: (!steep).then(|| Twin::new(&model.convert())),
+            detector: model.stillness.and_then(|limits| StillnessDetector::new(limits).ok()),
+            motion: None,
+            given: [f32::NAN; 2],
+            // where an accelerometer lies is not known yet; a gyro has no pose
+            in_pose: (0..model.axes.len()).map(|axis| axis >= 3).collect(),
+            model: model.clone(),
+        }
+    }
+
+    /// The code of a measured value in scaled units.
+    fn code(&self, axis: usize, scaled: f64) -> i16 {
+        let (at, scale) = self.model.axes.get(axis).map_or((0.0, 1.0), |axis| {
+            (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale)
+        });
+        ((f64::from(at) + scaled * f64::from(scale)) / 0.001).round() as i16
+    }
+
+    fn sample(&mut self, raw: &RawSample) -> (bool, Vec<Correction<f32>>) {
+        if raw.skipped > 0 {
+            let _ = self.predictor.skip(raw.skipped);
+            match &mut self.twin {
+                // a twin walks every step
+                Some(twin) if raw.skipped < 3000 => {
+                    twin.run(&Event::Skip(raw.skipped));
+                }
+                twin => *twin = None,
+            }
+            if let Some(detector) = &mut self.detector {
+                detector.disturbed();
+            }
+        }
+        let measured = SCALES.measured(raw);
+        let [ax, ay, az, gx, gy, gz] = measured;
+        let still = !raw.faults.contains(Faults::STUCK)
+            && match (self.motion, &mut self.detector) {
+                (Some(motion), _) => motion == Motion::Still,
+                (None, Some(detector)) => detector.update([ax, ay, az], [gx, gy, gz]),
+                (None, None) => false,
+            };
+        let quantities = [SCALES.temperature_c(raw), self.given[0], self.given[1]];
+        let sample = Sample { measured: &measured[..self.model.axes.len()], quantities: &quantities };
+        let bits =
+            self.in_pose.iter().rev().fold(0, |bits, &in_pose| bits << 1 | u32::from(in_pose && still));
+        let corrections = self.predictor.track_some(&sample, bits).to_vec();
+        self.hold_against_twin(&measured, &quantities, bits, &corrections);
+        self.in_pose = self
+            .model
+            .axes
+            .iter()
+            .zip(&corrections)
+            .enumerate()
+            .map(|(index, (axis, correction))| {
+                let limit = OTHER_POSE as f32 * axis.parameters.scale;
+                index >= 3 || (correction.corrected - axis.parameters.reference).abs() <= limit
+            })
+            .collect();
+        (still, corrections)
+    }
+
+    fn hold_against_twin(
+        &mut self,
+        measured: &[f32],
+        quantities: &[f32],
+        tracked: u32,
+        corrections: &[Correction<f32>],
+    ) {
+        let Some(twin) = &mut self.twin else { return };
+        let axes = self.model.axes.iter().zip(measured).enumerate();
+        let (measured, reference) = axes
+            .map(|(index, (axis, &measured))| {
+                let [at, offset, scale] =
+                    [axis.parameters.reference, axis.parameters.offset, axis.parameters.scale].map(f64::from);
+                let known = tracked >> index & 1 == 1;
+                ((f64::from(measured) - at - offset) / scale, if known { at } else { f64::NAN })
+            })
+            .unzip();
+        let quantities = quantities.iter().map(|&value| f64::from(value)).collect();
+        let expected = twin.run(&Event::TrackAgainst { measured, quantities, reference });
+        // on which side of a limit a value falls may differ by a rounding
+        let limits = Validity::INPUT_OUT_OF_RANGE | Validity::OUTPUT_OUT_OF_RANGE;
+        for (found, expected) in corrections.iter().zip(&expected) {
+            let off = (f64::from(found.predicted) - expected.predicted).abs();
+            assert!(off <= TOLERANCE, "{found:?}, expected {expected:?}");
+            let bits = |validity: Validity| validity.bits() & !limits.bits();
+            assert_eq!(bits(found.validity), bits(expected.validity), "{found:?}, expected {expected:?}");
+        }
+    }
+}

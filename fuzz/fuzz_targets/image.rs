@@ -1,0 +1,54 @@
+//! Any bytes as a model image: refused, or a model whose every output is finite and bounded.
+#![no_main]
+
+use fos_core::{Image, Predictor, Sample};
+use fos_fuzz::{sealed_image, split};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    run(bytes);
+    let (information, body) = split(bytes);
+    run(&sealed_image(body, information));
+});
+
+fn run(bytes: &[u8]) {
+    let Ok(image) = Image::parse(bytes) else { return };
+    let _ = (
+        image.info(),
+        image.stillness(),
+        image.fitted_on(),
+        image.quantities().count(),
+        image.inputs().count(),
+    );
+    for axis in image.axes() {
+        let _ = (axis.physical.count(), axis.stochastic.count());
+    }
+    let Ok(mut predictor) = image.predictor::<f32, 6, 32, 256, 1024>() else { return };
+    // as bad as it gets, and quiet in between
+    let hostile =
+        [0.0, 1.0, f32::NAN, -f32::MAX, f32::INFINITY, 1e-40, 9.81, f32::MAX, -0.0, f32::NEG_INFINITY];
+    for n in 0..400_usize {
+        let value = |k: usize| {
+            if n % 50 < 25 { 0.01 * ((n * 7 + k) % 13) as f32 } else { hostile[(n + k) % hostile.len()] }
+        };
+        let (measured, quantities) = ([0, 1, 2, 3, 4, 5].map(value), [6, 7, 8, 9].map(value));
+        let sample = Sample { measured: &measured, quantities: &quantities };
+        let found = match n % 7 {
+            0..4 => predictor.track(&sample),
+            4 => predictor.coast(&sample),
+            5 => predictor.track_against(&sample, &quantities),
+            _ => predictor.skip(n as u32 * 5),
+        };
+        for axis in found {
+            // what a model is refused for that could pass it
+            assert!(axis.predicted.abs() <= 1e30, "{n}: {axis:?}");
+            assert!(
+                axis.corrected.is_finite() && axis.innovation.is_none_or(f32::is_finite),
+                "{n}: {axis:?}"
+            );
+        }
+    }
+    predictor.reset();
+    let mut other: Predictor<f32, 1, 1, 1, 2> = Predictor::empty();
+    let _ = image.load(&mut other);
+}

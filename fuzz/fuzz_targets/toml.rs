@@ -1,0 +1,28 @@
+//! Any text as a map of columns, as effects, as a case to simulate.
+#![no_main]
+
+use host_fit::effects::{Effect, Library};
+use host_fit::recording::ColumnMap;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    if let Ok(map) = ColumnMap::from_toml(text) {
+        for target in ["t_s", "gx_rads", "temp_c"] {
+            let _ = (map.column_of(target), map.ignores(target));
+        }
+    }
+    let _ = ColumnMap::from_specs(text.lines());
+    if let Ok(effect) = Effect::parse("own.toml", text) {
+        let _ = effect.follows_clock_alone();
+        for target in ["ax_mps2", "gz_rads", "pressure"] {
+            for value in [None, Some(0.0), Some(1.0), Some(f64::MAX)] {
+                let _ = effect.regressors(target, value);
+            }
+            let _ = effect.unit(0, target);
+        }
+        let mut library = Library::built_in();
+        let id = effect.id.clone();
+        library.add(effect);
+        assert!(library.get(&id).is_ok());
+    }
+});

@@ -1,0 +1,88 @@
+//! Any requests to the workbench over the wire, with a study open: an answer to every one, none of them an error of the program.
+//!
+//! Requests are separated by zero bytes: method and path, a line feed, the body.
+#![no_main]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
+use std::sync::LazyLock;
+use std::time::Duration;
+
+use fos_fuzz::log;
+use host_fit::effects::Library;
+use host_fit::recording::write_columns;
+use host_fit::simulate::{Simulation, simulate};
+use host_fit::workbench::{Folders, Server};
+use libfuzzer_sys::fuzz_target;
+use tempfile::TempDir;
+use tokio::runtime::Runtime;
+
+/// A workbench that listens as long as the program runs.
+struct Bench {
+    address: SocketAddr,
+    log: String,
+    _folder: TempDir,
+    _runtime: Runtime,
+}
+
+static BENCH: LazyLock<Bench> = LazyLock::new(|| {
+    let folder = log::folder();
+    let logs = folder.path().join("logs");
+    std::fs::create_dir(&logs).expect("a folder");
+    let path = logs.join("log.parquet");
+    let simulated = simulate(&Simulation { duration_s: 60.0, ..Simulation::default() });
+    let columns: Vec<(&str, &[f64])> =
+        simulated.columns.iter().map(|(name, values)| (name.as_ref(), values.as_slice())).collect();
+    write_columns(&path, &columns).expect("a log");
+    let folders = Folders::new(&[logs], &folder.path().join("own")).expect("folders");
+    let runtime = Runtime::new().expect("a runtime");
+    let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let server = runtime.block_on(Server::bind(loopback, 0, folders, Library::built_in())).expect("a port");
+    let address = server.address();
+    runtime.spawn(server.run(std::future::pending()));
+    Bench { address, log: path.display().to_string(), _folder: folder, _runtime: runtime }
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    let open = format!("{{\"field\":{:?}}}", BENCH.log);
+    if !ask("GET", "/api/studies", b"").1.contains("\"id\"") {
+        ask("POST", "/api/studies", open.as_bytes());
+    }
+    for request in bytes.split(|&byte| byte == 0).take(8) {
+        let (head, body) =
+            request.split_at(request.iter().position(|&byte| byte == b'\n').unwrap_or(request.len()));
+        let body = body.strip_prefix(b"\n").unwrap_or(body);
+        let head = String::from_utf8_lossy(head);
+        let (method, path) = head.split_once(' ').unwrap_or(("GET", &head));
+        // a stream of events never ends
+        if path.contains("events") {
+            continue;
+        }
+        let body = String::from_utf8_lossy(body).replace("LOG", &BENCH.log);
+        let (status, answer) = ask(method, path, body.as_bytes());
+        assert_ne!(status, 500, "{head}: {answer}");
+    }
+});
+
+/// Status and body of the answer. 0 where the server took the request for none and closed.
+fn ask(method: &str, path: &str, body: &[u8]) -> (u16, String) {
+    let mut stream = TcpStream::connect(BENCH.address).expect("the server listens");
+    // what is computed meanwhile may take a while
+    stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a limit");
+    let head = format!(
+        "{method} {path} HTTP/1.1\r\nhost: {}\r\nx-fos-workbench: 1\r\ncontent-type: application/json\r\nconnection: close\r\ncontent-length: {}\r\n\r\n",
+        BENCH.address,
+        body.len()
+    );
+    // it may close before it has read all
+    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
+    let mut answer = BufReader::new(stream);
+    let mut line = String::new();
+    if answer.read_line(&mut line).is_err() || line.is_empty() {
+        return (0, line);
+    }
+    let status = line.split(' ').nth(1).and_then(|status| status.parse().ok()).unwrap_or(0);
+    let mut rest = Vec::new();
+    let _ = answer.read_to_end(&mut rest);
+    (status, String::from_utf8_lossy(&rest).into_owned())
+}

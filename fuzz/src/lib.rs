@@ -1,0 +1,58 @@
+//! What the fuzz targets share.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+#[path = "../../fos-core/tests/models/mod.rs"]
+pub mod models;
+#[path = "../../fos-core/tests/prediction/twin.rs"]
+pub mod twin;
+
+#[cfg(feature = "host")]
+pub mod log;
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// What a strategy of the property tests makes of these bytes instead of random ones.
+pub fn draw<S: Strategy>(strategy: S, bytes: &[u8]) -> Option<S::Value> {
+    let random = TestRng::from_seed(RngAlgorithm::PassThrough, bytes);
+    let mut runner = TestRunner::new_with_rng(Config::default(), random);
+    strategy.new_tree(&mut runner).ok().map(|tree| tree.current())
+}
+
+/// An image around a body and information that a fuzzer made up: its header and checksum are right, or nothing behind
+/// them would ever be reached.
+pub fn sealed_image(body: &[u8], information: &[u8]) -> Vec<u8> {
+    let mut image = Vec::with_capacity(HEADER_LENGTH + body.len() + information.len());
+    image.extend(MAGIC);
+    image.extend(VERSION.to_le_bytes());
+    image.extend([0; 2]);
+    for part in [body, information] {
+        image.extend((part.len() as u32).to_le_bytes());
+    }
+    let mut digest = CRC.digest();
+    digest.update(&image);
+    digest.update(body);
+    digest.update(information);
+    image.extend(digest.finalize().to_le_bytes());
+    image.extend(body);
+    image.extend(information);
+    image
+}
+
+/// A frame of telemetry around bytes that a fuzzer made up: checksum, stuffing and delimiter are right.
+pub fn sealed_frame(payload: &[u8]) -> Vec<u8> {
+    let mut frame = payload.to_vec();
+    frame.extend(CRC.checksum(payload).to_le_bytes());
+    let mut stuffed = cobs::encode_vec(&frame);
+    stuffed.push(0);
+    stuffed
+}
+
+/// Splits at a zero byte: before it and after it.
+pub fn split(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let at = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    (&bytes[..at], bytes.get(at + 1..).unwrap_or(&[]))
+}

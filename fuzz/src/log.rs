@@ -1,0 +1,39 @@
+//! Files of logs.
+
+use std::path::Path;
+
+use host_fit::recording::{ColumnMap, LoadOptions, load, preview};
+use tempfile::TempDir;
+
+/// A folder in memory, where there is one.
+pub fn folder() -> TempDir {
+    let memory = Path::new("/dev/shm");
+    let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+    made.expect("a folder for the inputs")
+}
+
+/// Reads a file of these bytes in every way there is. What is accepted must be usable: columns of one length, finite
+/// ascending time, segments inside; what is refused must say of which file.
+pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("the input is written");
+    let mapped = ColumnMap::from_specs(["t_s=time", "gx_rads=1:dps"]).expect("a map");
+    for columns in [ColumnMap::default(), mapped] {
+        match load(&path, &LoadOptions { columns, ..LoadOptions::default() }) {
+            Ok(log) => {
+                let rows = log.n_rows();
+                assert!(log.channels().iter().all(|channel| channel.values.len() == rows));
+                assert!(log.time_s.iter().all(|time| time.is_finite()));
+                for segment in &log.segments {
+                    assert!(segment.rows.start < segment.rows.end && segment.rows.end <= rows);
+                    assert!(log.time_s[segment.rows.clone()].is_sorted());
+                }
+                let _ = log.still_rows();
+            }
+            Err(error) => assert!(error.to_string().contains(name), "{error}"),
+        }
+    }
+    if let Err(error) = preview(&path) {
+        assert!(error.to_string().contains(name), "{error}");
+    }
+}
