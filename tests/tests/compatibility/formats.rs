@@ -272,6 +272,9 @@ fn of_study(bytes: &[u8]) -> Result<String, String> {
             }
             if let Some(added) = added {
                 let _ = writeln!(outputs, "{name}: realised fall {:?}", added.realised_fall);
+                for part in &added.finding.correction {
+                    let _ = writeln!(outputs, "{name}: {} times {:?}", part.regressor, part.coefficient);
+                }
             }
         }
     }
