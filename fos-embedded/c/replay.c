@@ -147,8 +147,10 @@ int main(int argc, char **argv)
 
     file = open(argv[2]);
     uint8_t header[HEADER];
-    if (fread(header, 1, HEADER, file) != HEADER || memcmp(header, "FOSH", 4) != 0 || u16_at(header + 4) != 1)
-        fail(argv[2], "not a log of raw codes, version 1");
+    if (fread(header, 1, HEADER, file) != HEADER || memcmp(header, "FOSH", 4) != 0)
+        fail(argv[2], "not a log of raw codes");
+    if (u16_at(header + 4) != 1)
+        fail(argv[2], "a log of raw codes of another version; this program reads version 1");
     size_t n_given = header[6];
     fos_hub *hub = start(header, image_length);
     /* the model takes as many quantities as the log gives, and no more */

@@ -69,12 +69,14 @@ fn run() {
     let mut bytes = [0; MAX_IMAGE];
     let length = File::open(path(1, &mut [0; 1024])).read(&mut bytes);
     let bytes = &bytes[..length];
-    let mut log = File::open(path(2, &mut [0; 1024]));
+    let mut name = [0; 1024];
+    let name = path(2, &mut name);
+    let mut log = File::open(name);
     let mut start = [0; HEADER_LENGTH];
     let length = log.read(&mut start);
     let header = match Header::decode(&start[..length]) {
         Ok(header) => header,
-        Err(error) => fail(format_args!("log: {error}")),
+        Err(error) => fail(format_args!("{name:?}: {error}")),
     };
 
     let mut instructions = Instructions::start();

@@ -8,11 +8,14 @@ use crate::diagnose::DataSheet;
 use crate::file::{self, FileError};
 use crate::recording::{LoadOptions, Recording, RecordingError, load};
 
+/// The schema that this program writes, and the only one it reads.
+pub const SCHEMA: &str = "fos-case/1";
+
 /// `meta.json` of a case folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseMeta {
-    /// `fos-case/1`.
-    #[serde(default)]
+    /// [`SCHEMA`]; a description that somebody wrote by hand may leave it out.
+    #[serde(default = "this_schema")]
     pub schema: String,
     /// Name of the case.
     pub case: String,
@@ -103,6 +106,16 @@ pub enum CaseError {
         /// What the reader said.
         reason: String,
     },
+    /// Another version.
+    #[error(
+        "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
+    )]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        found: String,
+    },
     /// There is no log to explain.
     #[error("{}: \"files\" names no \"field\": there is no log to explain", path.display())]
     NoField {
@@ -135,21 +148,36 @@ pub struct Case {
     pub eval: Option<Recording>,
 }
 
+fn this_schema() -> String {
+    SCHEMA.to_owned()
+}
+
 impl CaseMeta {
     /// Reads `meta.json` of a case folder.
     ///
     /// # Errors
     ///
-    /// It is not there or not the description of a case.
+    /// It is not there, not the description of a case, or one of another schema.
     pub fn read(folder: &Path) -> Result<Self, CaseError> {
         let path = folder.join("meta.json");
         let bytes = file::read(&path)?;
-        serde_json::from_slice(&bytes).map_err(|error| CaseError::Meta {
-            path,
+        let not_a_case = |error: serde_json::Error| CaseError::Meta {
+            path: path.clone(),
             line: error.line(),
             column: error.column(),
             reason: error.to_string(),
-        })
+        };
+        // the schema first: a description of another one need not have the fields of this one
+        #[derive(Deserialize)]
+        struct Schema {
+            #[serde(default = "this_schema")]
+            schema: String,
+        }
+        let Schema { schema } = serde_json::from_slice(&bytes).map_err(not_a_case)?;
+        if schema != SCHEMA {
+            return Err(CaseError::Schema { path, found: schema });
+        }
+        serde_json::from_slice(&bytes).map_err(not_a_case)
     }
 
     /// The target is a gyro.

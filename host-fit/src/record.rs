@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead};
 
-use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, decode};
+use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
 use serde::Serialize;
 
 /// Frames longer than this are no frames: a stream of something else.
@@ -19,7 +19,7 @@ pub enum RecordError {
     Read(#[from] io::Error),
     /// Another version.
     #[error(
-        "the device sends telemetry of version {found}; this program reads {VERSION}\nhelp: use the host-fit that came with the firmware"
+        "the device sends telemetry of version {found}; this program reads version {VERSION}\nhelp: use the host-fit that came with the firmware"
     )]
     Version {
         /// What it sends.
@@ -86,6 +86,7 @@ pub fn record(
             match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
                 Ok(Frame::Start(start)) => log.start(&start)?,
                 Ok(Frame::Sample(sample)) => log.sample(&sample),
+                Err(TelemetryError::OtherVersion(found)) => return Err(RecordError::Version { found }),
                 // who joins late hears the end of a frame first
                 Err(_) if !joined => {}
                 Err(_) => log.report.damaged += 1,

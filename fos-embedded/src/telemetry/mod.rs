@@ -107,6 +107,8 @@ pub enum TelemetryError<E> {
     TooLong,
     /// It is damaged: a byte was lost or changed.
     Damaged,
+    /// A start frame of another version, which this one cannot read on.
+    OtherVersion(u16),
     /// The stream takes nothing more.
     Closed,
     /// The stream failed.
@@ -118,6 +120,9 @@ impl<E: fmt::Display> fmt::Display for TelemetryError<E> {
         match self {
             Self::TooLong => f.write_str("the frame does not fit the buffer"),
             Self::Damaged => f.write_str("the frame is damaged"),
+            Self::OtherVersion(version) => {
+                write!(f, "telemetry version {version}; this program reads version {VERSION}")
+            }
             Self::Closed => f.write_str("the stream takes nothing more"),
             Self::Stream(error) => write!(f, "the stream failed: {error}"),
         }
@@ -220,14 +225,57 @@ pub fn encode<'b>(frame: &Borrowed<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]
 ///
 /// # Errors
 ///
-/// [`TelemetryError::Damaged`].
+/// [`TelemetryError::Damaged`]; [`TelemetryError::OtherVersion`] of a start frame that is whole but goes on in another way.
 pub fn decode<'b, F: Deserialize<'b>>(
     bytes: &'b mut [u8],
 ) -> Result<F, TelemetryError<core::convert::Infallible>> {
-    let damaged = |_| TelemetryError::Damaged;
     let length = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
     let frame = bytes.get_mut(..length).ok_or(TelemetryError::Damaged)?;
     let decoded = cobs::decode_in_place(frame).map_err(|_| TelemetryError::Damaged)?;
     let decoded: &'b [u8] = frame.get(..decoded).ok_or(TelemetryError::Damaged)?;
-    postcard::from_bytes_crc32(decoded, CRC.digest()).map_err(damaged)
+    postcard::from_bytes_crc32(decoded, CRC.digest())
+        .map_err(|_| other_version(decoded).map_or(TelemetryError::Damaged, TelemetryError::OtherVersion))
+}
+
+/// The version of a whole start frame of another one. In every version a frame begins with its kind, a start frame goes on
+/// with its version, and the checksum ends it: so much can be said of a frame whose content is not known.
+fn other_version(frame: &[u8]) -> Option<u16> {
+    let (content, checksum) = frame.split_last_chunk()?;
+    let (kind, version): (u8, u16) = postcard::from_bytes(content).ok()?;
+    let is_start = kind == 0 && CRC.checksum(content) == u32::from_le_bytes(*checksum);
+    (is_start && version != VERSION).then_some(version)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a later version may send.
+    fn later(kind: u8, version: u16) -> ([u8; 64], usize) {
+        let mut buffer = [0; 64];
+        let frame = (kind, version, "a field more", 0.005_f64);
+        let stuffing = Stuffing::new(&mut buffer).expect("room");
+        let length = postcard::serialize_with_flavor(&frame, CrcModifier::new(stuffing, CRC.digest()))
+            .expect("room")
+            .len();
+        (buffer, length)
+    }
+
+    fn said(bytes: &mut [u8]) -> Option<TelemetryError<core::convert::Infallible>> {
+        decode::<Frame<&str, (), ()>>(bytes).err()
+    }
+
+    #[test]
+    fn a_start_frame_of_another_version_is_told_from_damage() {
+        let (mut frame, length) = later(0, 300);
+        let whole = frame;
+        assert_eq!(said(&mut frame[..length]), Some(TelemetryError::OtherVersion(300)));
+        for place in 0..length - 1 {
+            let mut damaged = whole;
+            damaged[place] ^= 1;
+            assert_eq!(said(&mut damaged[..length]), Some(TelemetryError::Damaged), "at {place}");
+        }
+        let (mut no_start, length) = later(7, 300);
+        assert_eq!(said(&mut no_start[..length]), Some(TelemetryError::Damaged));
+    }
 }

@@ -37,7 +37,8 @@ impl Record {
             ),
         };
         let until = self.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.max(0.0)));
-        let recorded = record(BufReader::new(stream), |_| until.is_none_or(|until| Instant::now() < until))?;
+        let recorded = record(BufReader::new(stream), |_| until.is_none_or(|until| Instant::now() < until))
+            .map_err(|error| format!("{}: {error}", self.stream.display()))?;
         let columns: Vec<(&str, &[f64])> =
             recorded.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
         write_columns(&self.output, &columns)?;

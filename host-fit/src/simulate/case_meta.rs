@@ -3,12 +3,12 @@
 use super::axis::Axis;
 use super::part::Part;
 use super::plan::{CasePlan, NOMINAL_RATE_HZ};
-use crate::case::{CaseFiles, CaseMeta, Datasheet};
+use crate::case::{CaseFiles, CaseMeta, Datasheet, SCHEMA};
 
 /// Tells nothing of what is planted.
 pub(super) fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
     CaseMeta {
-        schema: "fos-case/1".to_owned(),
+        schema: SCHEMA.to_owned(),
         case: "case".to_owned(),
         target: plan.target.column().to_owned(),
         device: format!("{}-like", part.name),

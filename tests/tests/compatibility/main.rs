@@ -1,0 +1,196 @@
+//! What was written once is read for ever: a file of every version of every format, with what it must come to.
+//!
+//! `tests/fixtures/README.md` says what the files are and how those of a new version are made.
+
+mod digest;
+mod flash;
+mod formats;
+mod make;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formats::{FORMATS, Format};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
+}
+
+/// `NAME_vVERSION.EXTENSION`.
+fn file_of(format: &Format, version: u32) -> PathBuf {
+    folder().join(format!("{}_v{version}.{}", format.name, format.extension))
+}
+
+/// Every fixture by the name of its format, with its version.
+fn fixtures() -> BTreeMap<&'static str, Vec<u32>> {
+    let mut found: BTreeMap<_, Vec<u32>> = BTreeMap::new();
+    for format in FORMATS {
+        let mut versions: Vec<u32> =
+            (0..=format.version).filter(|version| file_of(format, *version).exists()).collect();
+        versions.sort_unstable();
+        found.insert(format.name, versions);
+    }
+    found
+}
+
+fn read(path: &Path) -> Vec<u8> {
+    fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// What it must come to stands beside a fixture, in a file of its name with `.txt` behind it.
+fn recorded(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".txt");
+    name.into()
+}
+
+#[test]
+fn every_fixture_still_reads_and_comes_to_what_it_came_to() {
+    println!("| format | read | written | fixtures, bytes |\n|---|---|---|---|");
+    for format in FORMATS {
+        let versions = &fixtures()[format.name];
+        assert!(!versions.is_empty(), "there is no fixture of a {}", format.name);
+        let mut sizes = Vec::new();
+        for version in versions {
+            let path = file_of(format, *version);
+            let bytes = read(&path);
+            let outputs =
+                (format.outputs)(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            let expected = String::from_utf8(read(&recorded(&path))).expect("UTF-8");
+            assert!(outputs == expected, "{}: it now comes to\n{outputs}", path.display());
+            sizes.push(bytes.len().to_string());
+        }
+        let versions: Vec<String> = versions.iter().map(u32::to_string).collect();
+        println!(
+            "| {} | {} | {} | {} |",
+            format.title,
+            versions.join(", "),
+            format.version,
+            sizes.join(", ")
+        );
+    }
+}
+
+#[test]
+fn what_is_written_today_is_among_the_fixtures() {
+    for format in FORMATS {
+        let path = file_of(format, format.version);
+        assert!(
+            path.exists() && recorded(&path).exists(),
+            "{} of version {} has no fixture {}; tests/fixtures/README.md says how to make it",
+            format.title,
+            format.version,
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
+    let mut known: Vec<PathBuf> = vec![folder().join("README.md"), folder().join("c_api_v1.h")];
+    for format in FORMATS {
+        for version in &fixtures()[format.name] {
+            let path = file_of(format, *version);
+            known.extend([recorded(&path), path]);
+        }
+    }
+    for entry in fs::read_dir(folder()).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        assert!(known.contains(&path), "{}: of no format, or newer than this program", path.display());
+    }
+}
+
+#[test]
+fn another_version_is_refused_by_its_number() {
+    for format in FORMATS {
+        let Some(as_version) = format.as_version else { continue };
+        let bytes = read(&file_of(format, format.version));
+        for version in [format.version + 1, 999] {
+            let said = (format.outputs)(&as_version(&bytes, version)).expect_err("it is refused");
+            for word in [version.to_string(), "this program reads".to_owned(), format.version.to_string()] {
+                assert!(said.contains(&word), "{}: {word:?} is not in: {said}", format.title);
+            }
+        }
+    }
+}
+
+/// The counter-check: the outputs see what changes.
+#[test]
+fn every_changed_byte_is_refused_or_comes_to_something_else() {
+    for format in FORMATS {
+        for version in &fixtures()[format.name] {
+            let path = file_of(format, *version);
+            let (bytes, expected) = (read(&path), (format.outputs)(&read(&path)));
+            let (mut refused, mut differs) = (0, 0);
+            for place in (format.payload)(&bytes) {
+                let mut changed = bytes.clone();
+                changed[place] ^= 1;
+                match (format.outputs)(&changed) {
+                    Err(_) => refused += 1,
+                    outputs if outputs != expected => differs += 1,
+                    _ => panic!("{}: a change of byte {place} is not noticed", path.display()),
+                }
+            }
+            assert!(refused + differs > 10, "{}: {refused} + {differs} bytes", path.display());
+            println!(
+                "control: {}, {} bytes changed: {refused} refused, {differs} came to something else, 0 unnoticed",
+                format.title,
+                refused + differs
+            );
+        }
+    }
+}
+
+/// Everything that `header` declares, without comments, one declaration an item.
+fn declarations(header: &str) -> Vec<String> {
+    let mut code = String::new();
+    let mut rest = header;
+    while let Some((before, after)) = rest.split_once("/*") {
+        code.push_str(before);
+        rest = after.split_once("*/").map_or("", |(_, after)| after);
+    }
+    code.push_str(rest);
+    let mut declarations = vec![String::new()];
+    let mut depth = 0_u32;
+    for line in code.lines().map(|line| line.split("//").next().unwrap_or("").trim_end()) {
+        // what C++ needs around everything is not a body
+        if line != "extern \"C\" {" {
+            depth += line.matches('{').count() as u32;
+            depth = depth.saturating_sub(line.matches('}').count() as u32);
+        }
+        // an empty line outside of a body ends a declaration
+        match (line.is_empty(), declarations.last_mut()) {
+            (false, Some(last)) => last.push_str(&format!("{line}\n")),
+            (true, _) if depth > 0 => {}
+            _ => declarations.push(String::new()),
+        }
+    }
+    declarations.retain(|declaration| !declaration.is_empty());
+    declarations
+}
+
+#[test]
+fn what_a_program_in_c_was_compiled_with_is_still_declared() {
+    let header = |path: &Path| String::from_utf8(read(path)).expect("UTF-8");
+    let today = header(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../fos-embedded/include/fos.h"));
+    let today = declarations(&today);
+    let version = today.iter().find_map(|line| line.strip_prefix("#define FOS_API_VERSION "));
+    let version = version.expect("the header says its version").trim();
+    let path = folder().join(format!("c_api_v{version}.h"));
+    let then = declarations(&header(&path));
+    assert!(then.len() > 40, "{} declarations", then.len());
+    let missing = |today: &[String]| -> Vec<String> {
+        then.iter().filter(|declaration| !today.contains(declaration)).cloned().collect()
+    };
+    assert_eq!(missing(&today), [""; 0], "gone or changed, with the version of the interface left as it was");
+    println!("| C interface | {version} | {version} | {} declarations |", then.len());
+    // the counter-check: any one of them that is changed is missed
+    for place in 0..today.len() {
+        let mut changed = today.clone();
+        changed[place].insert(0, 'x');
+        let only_one = today.iter().filter(|declaration| **declaration == today[place]).count() == 1;
+        let must_be_missed = only_one && then.contains(&today[place]);
+        assert_eq!(missing(&changed).len(), usize::from(must_be_missed), "{}", today[place]);
+    }
+}
