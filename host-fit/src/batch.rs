@@ -79,7 +79,7 @@ pub enum BatchError {
     /// There is no case.
     #[error("{}: no folder in it has a meta.json\nhelp: `host-fit simulate --suite 20 {}` writes some", .0.display(), .0.display())]
     NoCases(PathBuf),
-    /// The folder cannot be listed or made.
+    /// The folder cannot be listed.
     #[error("{}: {source}", path.display())]
     Folder {
         /// The folder.
@@ -103,7 +103,7 @@ pub fn run(
 ) -> Result<Answers, BatchError> {
     let cases = case_folders(folder)?;
     for path in [output.join("corr"), output.join("done")] {
-        std::fs::create_dir_all(&path).map_err(|source| BatchError::Folder { path, source })?;
+        file::make_folder(&path)?;
     }
     let done = AtomicUsize::new(0);
     let answers: Vec<Answer> = cases

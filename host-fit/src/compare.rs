@@ -89,22 +89,30 @@ pub fn compare(
     if !rows.clone().any(|row| feed.is_still(row)) {
         return Err(CompareError::NothingLeft { trained: rows.start });
     }
-    progress(MODEL);
-    let own = trace::<f64>(model, &feed, rows.clone(), |_| {})?;
-    let floors: Vec<Option<NoiseFloor>> =
-        own.axes.iter().map(|axis| noise_floor(&own.stretches_of(&axis.measured))).collect();
+    let mut floors: Vec<Option<NoiseFloor>> = Vec::new();
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); model.axes.len()];
     let mut add = |name: &str, trace: &Trace| {
+        // what is measured is the same with every model
+        if floors.is_empty() {
+            floors = trace.axes.iter().map(|axis| noise_floor(&trace.stretches_of(&axis.measured))).collect();
+        }
         for (axis, errors) in errors.iter_mut().enumerate() {
             errors.push(ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref()));
         }
     };
+    // a trace may be as large as the log, and so may be what is looked at for dependences: one at a time
     for kind in Rival::ALL {
         progress(kind.name());
         add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &feed, rows.clone(), |_| {})?);
     }
-    add(MODEL, &own);
+    progress(MODEL);
     let dependences = dependence(model, recording, rest, rows.clone(), trained)?;
+    let mut own = trace::<f64>(model, &feed, rows.clone(), |_| {})?;
+    add(MODEL, &own);
+    for axis in &mut own.axes {
+        // its error is in the comparison; nothing shows it row by row
+        axis.coast_whole = Vec::new();
+    }
     let axes = model
         .axes
         .iter()

@@ -54,11 +54,6 @@ pub fn examine(
     let (comparison, trace) =
         compare(model, &lag_1, &logs.field, &field_rest, rows, trained.as_ref(), progress)?;
     let judged_s = comparison.judged_s;
-    let mut trace = trace;
-    for axis in &mut trace.axes {
-        // its error is in the comparison; nothing shows it row by row
-        axis.coast_whole = Vec::new();
-    }
     // a growth is of one axis
     let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;
     Ok(Examination { judged_s, comparison, trace })

@@ -37,6 +37,7 @@ pub mod signal;
 pub mod simulate;
 pub mod study;
 mod text;
+pub mod unchanged;
 pub mod workbench;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! [`figures`]: crate::figures
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::compare::{AxisComparison, Comparison};
 use crate::effects::Band;
@@ -14,6 +14,7 @@ use crate::figures::compare::{
 use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
+use crate::file::{FileError, make_folder};
 use crate::grow::Growth;
 use crate::recording::{Recording, pieces};
 use crate::signal::allan::{allan_deviation, averaging_times};
@@ -46,13 +47,8 @@ const TAUS_PER_DECADE: usize = 8;
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The folder cannot be made.
-    #[error("{}: cannot make the folder: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Folder(#[from] FileError),
     /// A figure cannot be drawn or written.
     #[error(transparent)]
     Figure(#[from] FigureError),
@@ -117,8 +113,7 @@ pub fn staircase_of(growth: &Growth) -> Figure {
 ///
 /// The folder cannot be made, or a file in it cannot be written.
 pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<(), PlotError> {
-    std::fs::create_dir_all(folder)
-        .map_err(|source| PlotError::Folder { path: folder.to_owned(), source })?;
+    make_folder(folder)?;
     for (name, figure) in figures {
         let path = folder.join(format!("{column}_{name}"));
         write_svg(figure, &path.with_extension("svg"))?;

@@ -11,6 +11,7 @@ use crate::grow::Growth;
 use crate::model::UnitModel;
 use crate::recording::Source;
 use crate::rest::KnownBy;
+use crate::unchanged::{Seen, UnchangedError};
 
 /// The schema that this program writes, and the only one it reads.
 pub const SCHEMA: &str = "fos-study/1";
@@ -82,6 +83,9 @@ pub enum StudyError {
     /// The file.
     #[error(transparent)]
     File(#[from] FileError),
+    /// It cannot be written back.
+    #[error(transparent)]
+    Unchanged(#[from] UnchangedError),
     /// It is not a study, or is damaged.
     #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: studies are written by `host-fit fit`")]
     NotAStudy {
@@ -120,6 +124,15 @@ impl Study {
     ///
     /// No such file, not a study, or one of another schema.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
+        Ok(Self::read_to_change(path)?.0)
+    }
+
+    /// Reads a study that is to be written back.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Study::read`].
+    pub fn read_to_change(path: &Path) -> Result<(Self, Seen), StudyError> {
         let bytes = file::read(path)?;
         let not_a_study = |error: serde_json::Error| StudyError::NotAStudy {
             path: path.display().to_string(),
@@ -136,16 +149,17 @@ impl Study {
         if schema != SCHEMA {
             return Err(StudyError::Schema { path: path.display().to_string(), found: schema });
         }
-        serde_json::from_slice(&bytes).map_err(not_a_study)
+        let study = serde_json::from_slice(&bytes).map_err(not_a_study)?;
+        Ok((study, Seen::of(path, &bytes)))
     }
 
-    /// Writes the study, whole or not at all.
+    /// Writes the study, whole or not at all, to a file that is as it was seen.
     ///
     /// # Errors
     ///
-    /// The file cannot be written; the old one is then untouched.
-    pub fn write(&self, path: &Path) -> Result<(), StudyError> {
-        Ok(file::write_atomically(path, &self.to_bytes())?)
+    /// The file cannot be written, or another process has written it meanwhile; it is then untouched.
+    pub fn write(&self, file: &Seen) -> Result<(), StudyError> {
+        Ok(file.replace(&self.to_bytes())?)
     }
 
     /// The study as it is written.

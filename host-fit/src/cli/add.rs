@@ -47,7 +47,7 @@ pub(super) struct Add {
 impl Add {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
-        let mut study = Study::read(&self.study)?;
+        let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &column)?;
         let ground = logs.ground(&library);
@@ -83,7 +83,7 @@ impl Add {
         }
         bar.finish_and_clear();
         study.keep(growth.clone());
-        study.write(&self.study)?;
+        study.write(&file)?;
         if let Some(folder) = &self.figures {
             plots::write_staircase(folder, &growth)?;
         }

@@ -14,7 +14,7 @@ use crate::dependence::Trained;
 use crate::effects::Library;
 use crate::export::{image, rust_source};
 use crate::feed::Feed;
-use crate::file::write_atomically;
+use crate::file::{make_folder, write_atomically};
 use crate::fit::{FitOptions, fit_axis};
 use crate::grow::Logs;
 use crate::model::UnitModel;
@@ -23,6 +23,7 @@ use crate::recording::{Recording, write_columns};
 use crate::replay::replay;
 use crate::rest;
 use crate::simulate::{HIDDEN_IN as AXIS, hidden_effects};
+use crate::unchanged::Seen;
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
@@ -42,9 +43,9 @@ pub(super) struct Demo {
 impl Demo {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let began = Instant::now();
-        std::fs::create_dir_all(&self.folder)
-            .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
+        make_folder(&self.folder)?;
         let path = |name: &str| self.folder.join(name);
+        let file = Seen::now(&path("study.json"))?;
 
         let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
         say!(
@@ -124,7 +125,7 @@ impl Demo {
         })?;
         growth.stairs.extend(stairs);
         study.keep(growth.clone());
-        study.write(&path("study.json"))?;
+        study.write(&file)?;
         plots::write_staircase(&path("figures"), &growth)?;
         say!(self, "5. The error after every step, on the later log, which nothing was fitted to:\n");
         if !self.json {

@@ -13,6 +13,7 @@ use crate::fit::{AxisReport, FitOptions, InputSpec, Method, Search, Stop, Train,
 use crate::rest;
 use crate::signal::wavelet::Denoising;
 use crate::study::Study;
+use crate::unchanged::Seen;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
 #[derive(Debug, Args)]
@@ -122,6 +123,7 @@ impl Fit {
 
     pub(super) fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
+        let file = Seen::now(&self.output)?;
         let recording = self.reading.read_all(&self.log)?;
         let rest = rest::find(&recording);
         if !self.json {
@@ -137,7 +139,7 @@ impl Fit {
         }
         bar.finish_and_clear();
         let (study, ..) = study_of(&recording, &rest, fits, options, self.reading.map.clone(), |_| {})?;
-        study.write(&self.output)?;
+        study.write(&file)?;
         if self.json {
             return print_json(&study);
         }

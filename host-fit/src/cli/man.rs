@@ -7,7 +7,7 @@ use clap_mangen::Man as Page;
 
 use super::Cli;
 use super::output::{Failure, Written, print_written};
-use crate::file::write_atomically;
+use crate::file::{make_folder, write_atomically};
 
 /// Write manual pages, one for each subcommand
 #[derive(Debug, Args)]
@@ -22,8 +22,7 @@ pub(super) struct Man {
 
 impl Man {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        std::fs::create_dir_all(&self.folder)
-            .map_err(|error| format!("{}: cannot make the folder: {error}", self.folder.display()))?;
+        make_folder(&self.folder)?;
         let mut all = Cli::command();
         all.build();
         let pages = all.get_subcommands().filter(|command| command.get_name() != "help").cloned();

@@ -24,10 +24,10 @@ pub(super) struct Undo {
 
 impl Undo {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let mut study = Study::read(&self.study)?;
+        let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let effect = study.undo(&column)?;
-        study.write(&self.study)?;
+        study.write(&file)?;
         let growth = study.growth_of(&column);
         if self.json {
             return print_json(&growth);

@@ -109,14 +109,18 @@ pub fn dependence(
     trained: Option<&Trained<'_>>,
 ) -> Result<Vec<Option<Dependence>>, DependenceError> {
     let left = remainders(model, recording, rest)?;
-    let learnt_from = match trained {
-        Some(trained) => Some((trained, remainders(model, trained.recording, trained.rest)?)),
-        None => None,
+    let is_same = |trained: &&Trained<'_>| {
+        std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.rest, rest)
     };
+    // most often the rows that were fitted are of the same log, and one is as large as its axes
+    let of_another = trained.filter(|trained| !is_same(trained));
+    let of_another =
+        of_another.map(|trained| remainders(model, trained.recording, trained.rest)).transpose()?;
     let axes = model.axes.iter().enumerate().map(|(axis, fitted)| {
-        let learnt_from = learnt_from
-            .as_ref()
-            .map(|(trained, left)| (trained.recording, trained.rows.clone(), left[axis].as_slice()));
+        let learnt_from = trained.map(|trained| {
+            let left = of_another.as_ref().unwrap_or(&left);
+            (trained.recording, trained.rows.clone(), left[axis].as_slice())
+        });
         of_axis(recording, &fitted.column, rows.clone(), &left[axis], learnt_from)
     });
     Ok(axes.collect())

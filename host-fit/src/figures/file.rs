@@ -1,14 +1,13 @@
 //! Figures as SVG and PNG, in memory and in files.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use plotters::prelude::*;
 
 use super::canvas::{Canvas, PIXELS_PER_UNIT};
 use super::round_joins::RoundJoins;
 use super::{Figure, draw};
-use crate::file::replace;
+use crate::file::{FileError, write_atomically};
 
 /// Why a figure was not made.
 #[derive(Debug, thiserror::Error)]
@@ -17,13 +16,8 @@ pub enum FigureError {
     #[error("could not draw the figure: {0}")]
     Draw(String),
     /// The file could not be written.
-    #[error("could not write {path}: {source}")]
-    Write {
-        /// The file that was to be written.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] FileError),
 }
 
 /// A figure as an SVG document.
@@ -65,12 +59,12 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, FigureError> {
 
 /// Writes a figure as SVG: beside the file first, then renamed, so that a reader never sees half of it.
 pub fn write_svg(figure: &Figure, path: &Path) -> Result<(), FigureError> {
-    write(svg(figure)?.as_bytes(), path)
+    Ok(write_atomically(path, svg(figure)?.as_bytes())?)
 }
 
 /// Writes a figure as PNG: beside the file first, then renamed, so that a reader never sees half of it.
 pub fn write_png(figure: &Figure, path: &Path) -> Result<(), FigureError> {
-    write(&png(figure)?, path)
+    Ok(write_atomically(path, &png(figure)?)?)
 }
 
 /// Width and height, units of length, which are the pixels of the PNG.
@@ -101,11 +95,6 @@ fn averaged(fine: &[u8], width: usize) -> Vec<u8> {
         coarse.extend(sums.iter().map(|sum| (sum / (side * side) as u16) as u8));
     }
     coarse
-}
-
-fn write(bytes: &[u8], path: &Path) -> Result<(), FigureError> {
-    replace(path, |mut file| file.write_all(bytes))
-        .map_err(|source| FigureError::Write { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::quality::{BadRow, Place, Problem};
 use super::table::{Column, Skipped, Table, check_names, column_name, must_be_numeric};
+use crate::file::FileError;
 use crate::interrupt;
 
 /// Longest line that may still be a row, bytes. Something that has longer lines is no table of samples.
@@ -86,9 +87,10 @@ impl<R: BufRead> Lines<'_, R> {
     fn next(&mut self, line: &mut Vec<u8>) -> Result<bool, RecordingError> {
         loop {
             line.clear();
-            let n = (&mut self.input).take(LONGEST_LINE).read_until(b'\n', line).map_err(|source| {
-                RecordingError::Io { path: self.path.to_owned(), action: "read it", source }
-            })?;
+            let n = (&mut self.input)
+                .take(LONGEST_LINE)
+                .read_until(b'\n', line)
+                .map_err(FileError::reading(self.path))?;
             if n == 0 {
                 return Ok(false);
             }

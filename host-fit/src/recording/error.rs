@@ -1,26 +1,19 @@
 //! What can keep a log from being loaded or written, and what to do about it.
 
-use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
 
 use super::column_map::MapError;
 use super::quality::BadRow;
+use crate::file::FileError;
 
 /// Why a log could not be loaded, used or written.
 #[derive(Debug, Error)]
 pub enum RecordingError {
     /// The system refused to read or write.
-    #[error("{}: cannot {action}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What was tried.
-        action: &'static str,
-        /// The system's answer.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// No recording to make one of.
     #[error("no log was given")]
     NothingToJoin,

@@ -17,6 +17,7 @@ use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
 use super::unit::Unit;
 use super::{AXES, Recording, csv_file, gaps, parquet_file};
+use crate::file::FileError;
 
 /// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
 pub const MAX_UNUSABLE: f64 = 0.05;
@@ -46,8 +47,7 @@ pub struct LoadOptions {
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = path.as_ref();
     let (table, hashing) = table_of(path, options, Extent::Whole)?;
-    let failed = |source| RecordingError::Io { path: path.to_owned(), action: "read it", source };
-    let source = hashing.finish(path.display().to_string()).map_err(failed)?;
+    let source = hashing.finish(path.display().to_string()).map_err(FileError::reading(path))?;
     assemble(source, table, options)
 }
 
@@ -78,12 +78,12 @@ fn table_of(
     options: &LoadOptions,
     extent: Extent,
 ) -> Result<(Table, Hashing<File>), RecordingError> {
-    let failed = |action| move |source| RecordingError::Io { path: path.to_owned(), action, source };
-    let mut file = File::open(path).map_err(failed("open it"))?;
+    let failed = || FileError::reading(path);
+    let mut file = File::open(path).map_err(failed())?;
     let mut magic = [0; 4];
-    let n = read_up_to(&mut file, &mut magic).map_err(failed("read it"))?;
-    file.rewind().map_err(failed("read it"))?;
-    let mut hashing = Hashing::new(file.try_clone().map_err(failed("read it"))?);
+    let n = read_up_to(&mut file, &mut magic).map_err(failed())?;
+    file.rewind().map_err(failed())?;
+    let mut hashing = Hashing::new(file.try_clone().map_err(failed())?);
     let (map, strict) = (&options.columns, options.strict);
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
 
@@ -91,7 +91,7 @@ fn table_of(
         let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
         if extent == Extent::Whole {
             // read out of order, so not by way of the checksum; the two share one open file
-            io::copy(&mut hashing, &mut io::sink()).map_err(failed("read it"))?;
+            io::copy(&mut hashing, &mut io::sink()).map_err(failed())?;
         }
         parquet_file::read(path, file, map, rows)?
     } else {

@@ -290,7 +290,7 @@ fn files_that_are_no_logs_say_what_is_expected() {
         let message = load_text(text).unwrap_err().to_string();
         assert!(message.contains(hint), "{text:?}: {message}");
     }
-    assert!(matches!(load("/no/such/file", &LoadOptions::default()), Err(RecordingError::Io { .. })));
+    assert!(matches!(load("/no/such/file", &LoadOptions::default()), Err(RecordingError::File(_))));
     let folder = folder();
     let cut = file(&folder, "cut.parquet", b"PAR1 and then nothing");
     assert!(matches!(load(cut, &LoadOptions::default()), Err(RecordingError::Parquet { .. })));

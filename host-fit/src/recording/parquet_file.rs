@@ -109,6 +109,8 @@ pub(super) fn read(
             }
         }
     }
+    // how many rows come is not known before: what a file says of itself is not to be trusted with memory
+    table.columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
     table.quality.rows_in_file = table.n_rows() as u64;
     for (i, selected) in selected.iter().enumerate() {
         table.note_missing_cells(i, selected.empty);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::error::RecordingError;
 use super::table::check_names;
-use crate::file::replace;
+use crate::file::{FileError, replace};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use parquet::basic::{Compression as ParquetCompression, Repetition, Type as Physical, ZstdLevel};
@@ -32,8 +32,9 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
     let path = path.as_ref();
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
     check_columns(path, columns)?;
-    let io = |source| RecordingError::Io { path: path.to_owned(), action: "write it", source };
-    let beside = |write: &dyn Fn(&File) -> io::Result<()>| replace(path, write).map_err(io);
+    let beside = |write: &dyn Fn(&File) -> io::Result<()>| {
+        replace(path, write).map_err(FileError::writing(path)).map_err(RecordingError::from)
+    };
     if name.ends_with(".csv") {
         beside(&|file| {
             let mut out = BufWriter::new(file);
@@ -50,7 +51,10 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
     } else if name.ends_with(".parquet") {
         beside(&|file| {
             write_parquet(file, columns).map_err(|error| match error {
-                ParquetError::External(inner) => io::Error::other(inner),
+                // what the system said is inside
+                ParquetError::External(inner) => {
+                    inner.downcast::<io::Error>().map_or_else(io::Error::other, |inner| *inner)
+                }
                 other => io::Error::other(other),
             })
         })

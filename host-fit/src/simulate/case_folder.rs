@@ -1,12 +1,10 @@
 //! Writes a simulated case as a folder.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::case::{LogTruth, SimulatedCase};
 use super::regressors::Column;
-use crate::file::{FileError, write_atomically};
+use crate::file::{FileError, make_folder, write_atomically};
 use crate::recording::{RecordingError, write_columns};
 
 /// A case folder that could not be written.
@@ -15,7 +13,7 @@ pub enum CaseFolderError {
     /// A log.
     #[error(transparent)]
     Log(#[from] RecordingError),
-    /// A JSON file.
+    /// A JSON file, or the folder.
     #[error(transparent)]
     File(#[from] FileError),
     /// A value that JSON cannot hold.
@@ -25,14 +23,6 @@ pub enum CaseFolderError {
         path: PathBuf,
         /// Why.
         source: serde_json::Error,
-    },
-    /// The folder itself.
-    #[error("{}: cannot make the folder: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
     },
 }
 
@@ -45,8 +35,7 @@ impl SimulatedCase {
     /// What the system refuses.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), CaseFolderError> {
         let folder = folder.as_ref();
-        fs::create_dir_all(folder)
-            .map_err(|source| CaseFolderError::Folder { path: folder.to_owned(), source })?;
+        make_folder(folder)?;
         let mut meta = self.meta.clone();
         if let Some(name) = folder.file_name() {
             meta.case = name.to_string_lossy().into_owned();

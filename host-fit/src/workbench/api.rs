@@ -1,7 +1,6 @@
 //! What is asked and answered. Every answer is JSON, in the same form as that of `--json` on the command line.
 
 use std::convert::Infallible;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use axum::Json;
@@ -22,6 +21,7 @@ use super::series::{Rows, Series, ViewKind, series as series_of};
 use super::study::{Entry, State as StudyState, Study};
 use super::tasks::Open;
 use crate::export::{c_source, image, rust_source};
+use crate::file::{Beside, FileError};
 use crate::plots::View;
 use crate::recording::{Preview, preview as preview_of};
 use crate::report::{Card, Report, ReportAxis, html, markdown};
@@ -368,14 +368,11 @@ pub(super) async fn upload(
 ) -> Answer<Value> {
     let path = desk.folders.for_upload(&named.name).map_err(wrong)?;
     let failed = |error: std::io::Error| {
-        Refused(
-            StatusCode::INTERNAL_SERVER_ERROR,
-            format!("cannot keep the file: {error}\nhelp: is the disk full?"),
-        )
+        let error = FileError::writing(&path)(error);
+        Refused(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())
     };
-    let folder = path.parent().map_or_else(PathBuf::new, std::path::Path::to_path_buf);
-    let partial = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    let mut file = tokio::fs::File::from_std(partial.reopen().map_err(failed)?);
+    let arriving = Beside::of(&path).map_err(failed)?;
+    let mut file = tokio::fs::File::from_std(arriving.file().try_clone().map_err(failed)?);
     let (mut stream, mut bytes) = (body.into_data_stream(), 0_u64);
     while let Some(piece) = stream.next().await {
         let piece = piece.map_err(|error| wrong(format!("the file did not arrive whole: {error}")))?;
@@ -389,6 +386,6 @@ pub(super) async fn upload(
         file.write_all(&piece).await.map_err(failed)?;
     }
     file.flush().await.map_err(failed)?;
-    partial.persist(&path).map_err(|error| failed(error.error))?;
+    beside(move || Ok(arriving.put())).await?.map_err(failed)?;
     Ok(Json(json!({ "path": path.display().to_string() })))
 }

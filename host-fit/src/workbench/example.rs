@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::file::make_folder;
 use crate::grow::Logs;
 use crate::simulate::hidden_effects;
 
@@ -17,8 +18,7 @@ const SEED: u64 = 1;
 ///
 /// The folder cannot be written.
 pub(super) fn logs(folder: &Path) -> Result<Logs, String> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+    make_folder(folder).map_err(|error| error.to_string())?;
     let [quiet, field, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
     Ok(Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None })
 }

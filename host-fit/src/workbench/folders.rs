@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::file::make_folder;
+
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;
 
@@ -98,8 +100,7 @@ impl Folders {
             return Err(format!("{name:?} is no file name\nhelp: rename the file"));
         }
         let folder = self.own.join("dropped");
-        fs::create_dir_all(&folder)
-            .map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+        make_folder(&folder).map_err(|error| error.to_string())?;
         Ok(folder.join(plain))
     }
 
