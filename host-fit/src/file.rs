@@ -22,6 +22,7 @@ pub struct FileError {
     pub source: io::Error,
 }
 
+const OPEN: &str = "open it";
 const READ: &str = "read it";
 const WRITE: &str = "write it";
 const MAKE: &str = "make the folder";
@@ -32,7 +33,7 @@ fn help(action: &str, error: &io::Error) -> &'static str {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "\nhelp: the disk is full: make room, or write elsewhere; what was there before is as it was"
         }
-        _ if action == READ => "",
+        _ if [OPEN, READ].contains(&action) => "",
         ErrorKind::ReadOnlyFilesystem | ErrorKind::PermissionDenied => {
             "\nhelp: nothing can be written there: name another folder"
         }
@@ -42,6 +43,10 @@ fn help(action: &str, error: &io::Error) -> &'static str {
 }
 
 impl FileError {
+    pub(crate) fn opening(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::when(OPEN, path)
+    }
+
     pub(crate) fn reading(path: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::when(READ, path)
     }

@@ -79,7 +79,7 @@ fn table_of(
     extent: Extent,
 ) -> Result<(Table, Hashing<File>), RecordingError> {
     let failed = || FileError::reading(path);
-    let mut file = File::open(path).map_err(failed())?;
+    let mut file = File::open(path).map_err(FileError::opening(path))?;
     let mut magic = [0; 4];
     let n = read_up_to(&mut file, &mut magic).map_err(failed())?;
     file.rewind().map_err(failed())?;
