@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use fos_embedded::telemetry::{Borrowed, Frame, HUB_AXES, StartFrame, encode};
-use session::fails;
+use session::{done, fails};
 
 fn fixture(name: &str) -> Vec<u8> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures").join(name);
@@ -27,6 +27,11 @@ fn a_file_of_another_version_is_refused_by_name() {
     let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).expect("written");
 
     let mut image = fixture("model_v1.fosm");
+    write("today.fosm", &image);
+    assert!(
+        done(folder, &["inspect", "today.fosm"]).contains("format version 1"),
+        "what is refused is the version"
+    );
     image[4] = 2;
     write("later.fosm", &image);
     refused(folder, &["inspect", "later.fosm"], ["later.fosm", "version 2", "reads version 1"]);

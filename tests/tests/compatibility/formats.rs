@@ -17,6 +17,9 @@ use crate::digest::Digest;
 use crate::flash::{Flash, images, store};
 use crate::{folder, make};
 
+/// Makes of a file one that says it is of that version.
+pub(crate) type AsVersion = fn(&[u8], u32) -> Vec<u8>;
+
 /// A format of files or streams.
 pub(crate) struct Format {
     /// As in a sentence.
@@ -29,7 +32,7 @@ pub(crate) struct Format {
     /// What a file comes to, to the last bit, in words of its own that no later version changes; or why it is refused.
     pub(crate) outputs: fn(&[u8]) -> Result<String, String>,
     /// The same file as if it were of another version; none where there is no number to refuse.
-    pub(crate) as_version: Option<fn(&[u8], u32) -> Vec<u8>>,
+    pub(crate) as_version: Option<AsVersion>,
     /// Places of the bytes that must not change unnoticed.
     pub(crate) payload: fn(&[u8]) -> Vec<usize>,
     /// A new file, from our own simulator.

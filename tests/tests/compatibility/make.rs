@@ -154,7 +154,7 @@ pub(crate) fn telemetry() -> Vec<u8> {
     let mut given = [0.0];
     for (place, bytes) in log[hub_log::HEADER_LENGTH..].chunks(header.record_length()).take(40).enumerate() {
         let record = Record::decode(bytes, &mut given).expect("a record");
-        let output = step(&mut hub, &record).clone();
+        let output = *step(&mut hub, &record);
         if place != 20 {
             recorder.sample(&start, SampleFrame::new(&output, &hub.logged())).expect("sent");
         }
