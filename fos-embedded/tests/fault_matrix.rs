@@ -4,6 +4,8 @@
 #[cfg(feature = "c-api")]
 #[path = "fault_matrix/c.rs"]
 mod c;
+#[path = "fault_matrix/correctors.rs"]
+mod correctors;
 #[path = "fault_matrix/faults.rs"]
 mod faults;
 mod models;
@@ -12,16 +14,20 @@ mod places;
 
 use std::fmt::Write;
 
+use correctors::{Naive, Out};
 use faults::{FAULTS, Fault, Tick, clean};
 use fos_core::Validity;
 use fos_embedded::raw::Faults;
-use places::{Column, Corrector, DEPTH, Out, Place, places};
+use places::{Column, DEPTH, Place, places};
 
 /// The tick of the fault: in the middle of a window of the hub's clock, the history long full.
 const FROM: usize = 3000;
 
 /// Longest fault, longest way back, and a second in which all stays as it is.
 const TICKS: usize = FROM + 5000 + 4100 + 200;
+
+/// Of the noise behind the table.
+const SEED: u64 = 11;
 
 /// What a fault comes to at one place.
 #[derive(Debug, Clone, PartialEq)]
@@ -166,15 +172,25 @@ fn same(found: &Out, expected: &Out, tolerance: f32) -> bool {
 const BEGIN: &str = "<!-- table: cargo test -p fos-embedded --test fault_matrix -->\n";
 const END: &str = "<!-- end of table -->";
 
-#[test]
-fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
-    let (clean, places) = (clean(TICKS), places());
+/// What all faults come to at all places.
+struct Matrix {
+    table: String,
+    /// What is not as it must be.
+    wrong: String,
+    /// Fault by fault, the places that say nothing.
+    unseen: String,
+    runs: usize,
+    share: f32,
+}
+
+fn matrix(seed: u64) -> Matrix {
+    let (clean, places) = (clean(TICKS, seed), places());
     let mut table = String::from("| fault |");
     for (_, title) in Column::ALL {
         let _ = write!(table, " {title} |");
     }
     let _ = writeln!(table, "\n|---{}|", "|---".repeat(Column::ALL.len()));
-    let (mut wrong, mut unseen, mut cells, mut share) = (String::new(), Vec::new(), 0, 0.0_f32);
+    let (mut wrong, mut unseen, mut runs, mut share) = (String::new(), Vec::new(), 0, 0.0_f32);
     for fault in &FAULTS {
         let (mut missed, mut seen) = (Vec::<String>::new(), false);
         let _ = write!(table, "| {} |", fault.name);
@@ -188,7 +204,7 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
             for place in &here {
                 match assess(place, fault, &clean) {
                     Ok(cell) => {
-                        cells += 1;
+                        runs += 1;
                         share = share.max(cell.share);
                         seen |= cell.is_seen();
                         if !cell.is_seen() {
@@ -227,15 +243,20 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
             ));
         }
     }
+    Matrix { table, wrong, unseen: unseen.join("\n"), runs, share }
+}
+
+#[test]
+fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
+    let Matrix { table, wrong, unseen, runs, share } = matrix(SEED);
     println!("{table}");
     println!(
-        "matrix: {} faults, {} places, {cells} runs, at most {share:.3} of the bound, {} faults seen nowhere",
+        "matrix: {} faults, {} places, {runs} runs, at most {share:.3} of the bound, {} faults seen nowhere",
         FAULTS.len(),
-        places.len(),
-        unseen.iter().filter(|line| line.starts_with("NOWHERE")).count()
+        places().len(),
+        unseen.matches("NOWHERE").count()
     );
     assert!(wrong.is_empty(), "{wrong}");
-    let unseen = unseen.join("\n");
     assert_eq!(unseen, UNSEEN.trim(), "the faults that are not seen, and where\n{unseen}");
 
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
@@ -249,11 +270,24 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
     }
 }
 
+#[test]
+#[ignore = "a minute: before a release"]
+fn so_it_is_over_other_noise() {
+    let (mut runs, seeds) = (0, 100..120);
+    for seed in seeds.clone() {
+        let found = matrix(seed);
+        assert!(found.wrong.is_empty(), "seed {seed}: {}", found.wrong);
+        assert_eq!(found.unseen, UNSEEN.trim(), "seed {seed}");
+        runs += found.runs;
+    }
+    println!("other noise: The same over {} other noises, {runs} runs", seeds.count());
+}
+
 /// Plausible data, one sample at a time: fault, and the places that say nothing of it. `NOWHERE` where no place does.
 const UNSEEN: &str = "
 stuck: inputs over a quantity
 spikes: coast
-step: track, coast, inputs over a quantity
+step: track, coast, inputs over a quantity, inputs over the remainder
 drift: track, coast, inputs over the remainder
 swapped axes, accelerometers: coast
 swapped axes, gyros at rest: track, coast, inputs over the remainder
@@ -266,50 +300,36 @@ NOWHERE temperature frozen: track, coast, inputs over a quantity, monitor, hub a
 reset in mid-stream: inputs over a quantity, inputs over the clock, inputs over the remainder
 ";
 
-/// A bias by an exponential average of the error, as it is written in an afternoon: nothing is checked.
-struct Naive {
-    bias: [f32; 6],
-}
-
-impl Corrector for Naive {
-    fn step(&mut self, tick: &Tick) -> Out {
-        for (axis, bias) in self.bias.iter_mut().enumerate() {
-            *bias += 0.01 * (tick.axes[axis] - models::AT_REST[axis] - *bias);
-        }
-        Out {
-            predicted: self.bias,
-            finite: true,
-            validity: [Validity::VALID; 6],
-            faults: Faults::empty(),
-            drift: false,
-            left_out: false,
-            of_gap: [Validity::VALID; 6],
-        }
-    }
-}
-
 #[test]
-fn an_average_that_checks_nothing_is_found_out() {
-    let clean = clean(TICKS);
-    let naive = Place {
+fn an_average_that_checks_little_or_nothing_is_found_out() {
+    let clean = clean(TICKS, SEED);
+    let place = |gain, at_most| Place {
         name: "naive",
         column: Column::Track,
-        make: Box::new(|| Box::new(Naive { bias: models::OFFSET })),
+        make: Box::new(move || Box::new(Naive { bias: models::OFFSET, gain, at_most })),
         bound: models::OFFSET.map(|offset| offset.abs() + 1.0),
         tolerance: 1e-3,
-        // of its time constant of 100 samples: e⁻¹⁰
-        limit: Box::new(|_| 1000),
+        // ten times the longest lag of a model
+        limit: Box::new(|_| 10 * DEPTH),
     };
-    let mut found = [0; 3];
-    for fault in FAULTS.iter().filter(|fault| !Column::Track.cannot_meet().contains(&fault.on)) {
-        match assess(&naive, fault, &clean) {
-            Err(error) if error.starts_with("not finite") => found[0] += 1,
-            Err(error) if error.starts_with("beyond") => found[1] += 1,
-            Err(_) => found[2] += 1,
-            Ok(cell) => assert!(!cell.is_seen(), "{}: it has no flags", fault.name),
+    let mut found = [[0; 4]; 2];
+    for (naive, found) in [place(0.01, None), place(0.01, Some(1.0))].iter().zip(&mut found) {
+        for fault in FAULTS.iter().filter(|fault| !Column::Track.cannot_meet().contains(&fault.on)) {
+            match assess(naive, fault, &clean) {
+                Err(error) if error.starts_with("not finite") => found[0] += 1,
+                Err(error) if error.starts_with("beyond") => found[1] += 1,
+                Err(_) => found[2] += 1,
+                Ok(cell) => found[3] += usize::from(!cell.is_seen()),
+            }
         }
     }
-    let [infinite, unbounded, unrecovered] = found;
-    println!("naive: not finite {infinite}, beyond its bound {unbounded}, not recovered {unrecovered}");
-    assert!(infinite >= 3 && unbounded >= 1, "{found:?}");
+    let [unchecked, clamped] = found.map(|[infinite, beyond, late, unseen]| {
+        format!(
+            "{infinite} not finite, {beyond} beyond the bound, {late} not recovered from, {unseen} not seen"
+        )
+    });
+    println!("naive: {unchecked}; with its errors clamped: {clamped}");
+    // NaN and both infinities; then, finite and bounded, what it has learnt from them stays
+    assert!(found[0][0] >= 3 && found[0][1] > 0, "{found:?}");
+    assert!(found[1][0] == 0 && found[1][2] >= 3, "{found:?}");
 }

@@ -6,14 +6,15 @@ use core::ptr::null_mut;
 use fos_embedded::c_api::*;
 use fos_embedded::hub::Hub;
 
+use crate::correctors::{POLL, given, raw};
 use crate::faults::{FAULTS, clean};
 use crate::models::{SCALES, TestHub};
-use crate::places::{POLL, given, image, raw};
-use crate::{FROM, TICKS};
+use crate::places::image;
+use crate::{FROM, SEED, TICKS};
 
 #[test]
 fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
-    let clean = clean(TICKS);
+    let clean = clean(TICKS, SEED);
     let (image, mut samples) = (image(), 0);
     for fault in &FAULTS {
         let scales = fos_scales {

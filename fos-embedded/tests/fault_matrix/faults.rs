@@ -26,19 +26,19 @@ pub(crate) struct Tick {
     pub(crate) moving: bool,
 }
 
-/// The quantity swings by ±3 K once in so many ticks: wider than the play of the backlash.
+/// The quantity swings by ±3 K around 25 °C once in so many ticks: wider than the play of the backlash.
 pub(crate) const SWING: usize = 400;
 
-/// A clean stretch: six axes at rest with the noise of their model, a temperature that swings.
-pub(crate) fn clean(ticks: usize) -> Vec<Tick> {
-    let mut random = Random(11);
+/// A clean stretch: six axes at rest with the noise of their model, a temperature that goes up and down.
+pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
+    let mut random = Random(seed);
     let mut noise = move || random.next() + random.next() + random.next();
     (0..ticks)
         .map(|index| {
             let axes =
                 core::array::from_fn(|axis| AT_REST[axis] + OFFSET[axis] + SPREAD[axis] * 0.9 * noise());
-            let turn = (index % SWING) as f64 / SWING as f64;
-            let temperature = 25.0 + 3.0 * (core::f64::consts::TAU * turn).sin() as f32 + 0.02 * noise();
+            let turn = (index % SWING) as f32 / SWING as f32;
+            let temperature = 22.0 + 12.0 * (turn - 0.5).abs() + 0.02 * noise();
             Tick {
                 index,
                 axes,
@@ -120,7 +120,7 @@ fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
 
 /// Standard deviations that a step is high, and a drift ends at: within what was seen while fitting, so that no single sample
 /// shows it.
-const SMALL: f32 = 3.0;
+const SMALL: f32 = 2.0;
 
 /// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
 const LONG: usize = 3600;

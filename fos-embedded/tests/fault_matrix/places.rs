@@ -1,41 +1,17 @@
-//! Whoever corrects: the predictor tracking and coasting, every transform over everything it can be computed from, the monitor,
-//! the hub. Each with what must come out of it, as it follows from its model.
+//! The places: the predictor tracking and coasting, every transform over everything it can be computed from, the monitor, the
+//! hub. Each with what must come out of it, as it follows from its model.
 
 use fos_core::image::encode;
 use fos_core::{
-    AxisModel, AxisParameters, FittedOn, Info, Input, Model, Monitor, Predictor, Quantity, Range, Sample,
-    Source, Term, Transform, Validity, u,
+    AxisModel, AxisParameters, FittedOn, Info, Input, Model, Monitor, Quantity, Range, Source, Term,
+    Transform, u,
 };
 use fos_embedded::hub::{AXES, Hub};
-use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::raw::RawSample;
 
-use crate::faults::{Fault, On, SWING, Tick};
-use crate::models::{
-    AT_REST, OFFSET, PHYSICAL, SCALES, SIX, SPREAD, STOCHASTIC, TestHub, limits, parameters,
-};
-
-/// What comes out at one tick.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Out {
-    /// What is taken off each axis.
-    pub(crate) predicted: [f32; AXES],
-    /// All other numbers are finite.
-    pub(crate) finite: bool,
-    pub(crate) validity: [Validity; AXES],
-    pub(crate) faults: Faults,
-    pub(crate) drift: bool,
-    /// It did not count for the monitor.
-    pub(crate) left_out: bool,
-    /// What was said of the samples that were missing before it.
-    pub(crate) of_gap: [Validity; AXES],
-}
-
-pub(crate) trait Corrector {
-    fn step(&mut self, tick: &Tick) -> Out;
-
-    /// Forgets an alarm.
-    fn restart(&mut self) {}
-}
+use crate::correctors::{Corrector, POLL, Predicting, Roomy, quiet};
+use crate::faults::{Fault, On, SWING};
+use crate::models::{PHYSICAL, SCALES, SIX, STOCHASTIC, TestHub, limits, parameters};
 
 /// Where a fault is met.
 pub(crate) struct Place {
@@ -99,8 +75,6 @@ fn faded(from: f64, to: f64) -> usize {
     (TAU_S / PERIOD_S * (from / to).ln()).ceil() as usize
 }
 
-type Roomy = Predictor<f32, AXES, 8, 64, 128>;
-
 fn with_model<T>(
     inputs: &[Input<f32>],
     physical: &[Term<f32>],
@@ -147,123 +121,6 @@ fn bound(inputs: &[Input<f32>], physical: &[Term<f32>], stochastic: &[Term<f32>]
         let remainder = if stochastic.is_empty() { 0.0 } else { reach(range, 0.5) };
         (offset.abs() + scale * (of_inputs + remainder)) * 1.000_01
     })
-}
-
-/// The predictor, and the monitors behind it.
-struct Predicting {
-    predictor: Roomy,
-    /// What it reads of a tick: measured values, quantities.
-    reads: fn(&Tick) -> ([f32; AXES], f32),
-    monitors: Option<[Monitor<f32>; AXES]>,
-}
-
-impl Corrector for Predicting {
-    fn step(&mut self, tick: &Tick) -> Out {
-        if tick.reset {
-            self.predictor.reset();
-        }
-        let mut out = Out {
-            predicted: [0.0; AXES],
-            finite: true,
-            validity: [Validity::VALID; AXES],
-            faults: Faults::empty(),
-            drift: false,
-            left_out: false,
-            of_gap: [Validity::VALID; AXES],
-        };
-        if tick.skipped > 0 {
-            for (validity, correction) in out.of_gap.iter_mut().zip(self.predictor.skip(tick.skipped)) {
-                *validity = correction.validity;
-            }
-        }
-        let (measured, quantity) = (self.reads)(tick);
-        let sample = Sample { measured: &measured, quantities: &[quantity, 3.3] };
-        let corrections =
-            if tick.moving { self.predictor.coast(&sample) } else { self.predictor.track(&sample) };
-        for (axis, correction) in corrections.iter().enumerate() {
-            out.predicted[axis] = correction.predicted;
-            out.finite &=
-                correction.corrected.is_finite() && correction.innovation.is_none_or(f32::is_finite);
-            out.validity[axis] = correction.validity;
-            let Some(monitors) = &mut self.monitors else { continue };
-            let monitor = &mut monitors[axis];
-            let before = monitor.samples();
-            let drift = monitor.update(correction);
-            let statistics = monitor.statistics();
-            out.finite &= statistics.mean.is_finite()
-                && statistics.variance.is_finite()
-                && statistics.lag_1_correlation.abs() <= 1.0;
-            out.drift |= drift.mean || drift.variance;
-            out.left_out |= monitor.samples() == before;
-        }
-        if self.monitors.is_some() {
-            // the monitor's own word alone
-            out.predicted = [0.0; AXES];
-            (out.validity, out.of_gap) = ([Validity::VALID; AXES], [Validity::VALID; AXES]);
-        }
-        out
-    }
-
-    fn restart(&mut self) {
-        self.monitors.iter_mut().flatten().for_each(Monitor::restart);
-    }
-}
-
-/// Axes at rest on which nothing happens.
-fn quiet(tick: &Tick) -> [f32; AXES] {
-    core::array::from_fn(|axis| AT_REST[axis] + OFFSET[axis] + (tick.index % 3) as f32 * SPREAD[axis])
-}
-
-/// Codes, as a sensor gives them.
-pub(crate) fn raw(tick: &Tick) -> RawSample {
-    let mut codes = [0; AXES];
-    for (axis, code) in codes.iter_mut().enumerate() {
-        let lsb = if axis < 3 { SCALES.accel_mps2 } else { SCALES.gyro_rads };
-        // no code is NaN: what is not finite comes by another way
-        let value = if tick.axes[axis].is_finite() { tick.axes[axis] } else { quiet(tick)[axis] };
-        *code = (value / lsb).round() as i16;
-    }
-    let [ax, ay, az, gx, gy, gz] = codes;
-    let temperature = (tick.temperature - SCALES.temperature_zero_c) / SCALES.temperature_k;
-    RawSample {
-        skipped: tick.skipped,
-        accel: [ax, ay, az],
-        gyro: [gx, gy, gz],
-        temperature: temperature.is_finite().then_some(temperature.round() as i16),
-        faults: tick.faults | if tick.reset { Faults::RESET } else { Faults::empty() },
-    }
-}
-
-/// What the application gives a hub.
-pub(crate) fn given(tick: &Tick) -> f32 {
-    if tick.quantity.is_finite() || tick.temperature.is_nan() { 3.3 } else { tick.quantity }
-}
-
-/// The clock is looked at after so many samples.
-pub(crate) const POLL: usize = 10;
-
-impl Corrector for TestHub {
-    fn step(&mut self, tick: &Tick) -> Out {
-        self.give(Quantity::Supply, given(tick));
-        let output = *self.update(&raw(tick));
-        if tick.index % POLL == POLL - 1 {
-            self.clock(tick.clock_us);
-        }
-        let rest = output.innovation.iter().all(|value| value.is_nan() || value.is_finite());
-        Out {
-            predicted: core::array::from_fn(|axis| output.measured[axis] - output.corrected[axis]),
-            finite: rest && output.corrected.iter().chain(&output.measured).all(|value| value.is_finite()),
-            validity: output.validity,
-            faults: output.faults,
-            drift: output.drift,
-            left_out: false,
-            of_gap: [Validity::VALID; AXES],
-        }
-    }
-
-    fn restart(&mut self) {
-        self.restart_watch();
-    }
 }
 
 fn input(source: Source, transform: Transform<f32>, low: f32, high: f32) -> Input<f32> {
