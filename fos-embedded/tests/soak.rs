@@ -286,11 +286,11 @@ fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool
     let values = |output: &Output| output.corrected.into_iter().chain(output.innovation);
     let [of_noise, of_value] = ALIKE;
     let mut pairs = values(one).zip(values(other)).zip(SPREAD.into_iter().cycle());
-    let apart = pairs.any(|((one, other), spread)| {
-        one.to_bits() != other.to_bits()
-            && (bit_for_bit || !((one - other).abs() <= of_noise * spread + of_value))
+    let alike = pairs.all(|((one, other), spread)| {
+        one.to_bits() == other.to_bits()
+            || !bit_for_bit && (one - other).abs() <= of_noise * spread + of_value
     });
-    apart
+    !alike
         || (one.validity, one.still) != (other.validity, other.still)
         // the rate is of the last 10 s of each
         || one.faults - Faults::RATE != other.faults - Faults::RATE
