@@ -296,6 +296,7 @@ sign flip, gyros at rest: track, coast
 wrong units: g, °/s, K: coast
 NOWHERE duplicated samples: track, coast, inputs over a quantity, inputs over the remainder, monitor, hub and C interface
 NOWHERE reordered samples: track, coast, inputs over a quantity, inputs over the remainder, monitor, hub and C interface
+NOWHERE time going back by 1 h: hub and C interface
 NOWHERE temperature frozen: track, coast, inputs over a quantity, monitor, hub and C interface
 reset in mid-stream: inputs over a quantity, inputs over the clock, inputs over the remainder
 ";

@@ -47,7 +47,7 @@ pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
                 skipped: 0,
                 faults: Faults::empty(),
                 reset: false,
-                clock_us: index as u64 * 5000,
+                clock_us: (1 << 40) + index as u64 * 5000,
                 moving: false,
             }
         })
@@ -125,7 +125,7 @@ const SMALL: f32 = 2.0;
 /// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
 const LONG: usize = 3600;
 
-pub(crate) const FAULTS: [Fault; 26] = [
+pub(crate) const FAULTS: [Fault; 27] = [
     Fault { name: "NaN", lasts: 30, on: On::NotInCodes, happens: |ticks, range| all(ticks, range, f32::NAN) },
     Fault {
         name: "+inf",
@@ -197,7 +197,8 @@ pub(crate) const FAULTS: [Fault; 26] = [
     },
     Fault {
         name: "swapped axes, accelerometers",
-        lasts: 60,
+        // long enough to be still again, in another pose
+        lasts: LONG,
         on: On::Axes,
         happens: |ticks, range| ticks[range].iter_mut().for_each(|tick| tick.axes.swap(0, 2)),
     },
@@ -209,7 +210,8 @@ pub(crate) const FAULTS: [Fault; 26] = [
     },
     Fault {
         name: "sign flip, accelerometers",
-        lasts: 60,
+        // long enough to be still again, in another pose
+        lasts: LONG,
         on: On::Axes,
         happens: |ticks, range| {
             for tick in &mut ticks[range] {
@@ -270,6 +272,14 @@ pub(crate) const FAULTS: [Fault; 26] = [
         // from then on; the tick is in the middle of a window of the hub's
         happens: |ticks, range| {
             ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_000_000);
+        },
+    },
+    Fault {
+        name: "time going back by 1 h",
+        lasts: 4000,
+        on: On::Clock,
+        happens: |ticks, range| {
+            ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_600_000_000);
         },
     },
     Fault {
