@@ -1,5 +1,7 @@
 //! A coasting model cannot run away, whatever its coefficients; a model that could overflow is refused.
 
+#[path = "bounded/any_model.rs"]
+mod any_model;
 mod models;
 
 use fos_core::{AxisParameters, InnovationStatistics, ModelError, Range, Real, Sample, Term, Validity, y};

@@ -1,120 +1,13 @@
 //! The model store on a simulated NOR flash whose power is cut at every single operation.
 
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+mod flash;
+
+use flash::{Fault, Flash, PAGE, PAGES};
 use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Range, Term, image, y,
 };
 use fos_embedded::blocking::{Blocking, now};
 use fos_embedded::store::{ModelStore, StoreError};
-
-const PAGE: usize = 4096;
-const PAGES: usize = 6;
-
-/// NOR flash: a write only clears bits, an erase sets those of whole pages.
-#[derive(Clone)]
-struct Flash {
-    bytes: Vec<u8>,
-    /// Operations until the power goes, and how many halves of the last are done.
-    power: Option<(usize, usize)>,
-    /// Writes and erases so far.
-    operations: usize,
-    /// Bits that stay 0 whatever is erased: (byte, mask).
-    worn: Vec<(usize, u8)>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Fault {
-    PowerCut,
-    Misuse,
-}
-
-impl NorFlashError for Fault {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl Flash {
-    fn new() -> Self {
-        Self { bytes: vec![0xff; PAGES * PAGE], power: None, operations: 0, worn: Vec::new() }
-    }
-
-    /// How much of an operation of `length` bytes is done.
-    fn powered(&mut self, length: usize) -> Result<(usize, Result<(), Fault>), Fault> {
-        match &mut self.power {
-            Some((0, _)) => Err(Fault::PowerCut),
-            Some((left, halves)) => {
-                *left -= 1;
-                self.operations += 1;
-                let cut = *left == 0;
-                Ok(if cut { (length * *halves / 2, Err(Fault::PowerCut)) } else { (length, Ok(())) })
-            }
-            None => {
-                self.operations += 1;
-                Ok((length, Ok(())))
-            }
-        }
-    }
-
-    fn wear(&mut self) {
-        for (place, mask) in &self.worn {
-            self.bytes[*place] &= !mask;
-        }
-    }
-}
-
-impl ErrorType for Flash {
-    type Error = Fault;
-}
-
-impl ReadNorFlash for Flash {
-    const READ_SIZE: usize = 4;
-
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Fault> {
-        if matches!(self.power, Some((0, _))) {
-            return Err(Fault::PowerCut);
-        }
-        let offset = offset as usize;
-        bytes.copy_from_slice(self.bytes.get(offset..offset + bytes.len()).ok_or(Fault::Misuse)?);
-        Ok(())
-    }
-
-    fn capacity(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
-impl NorFlash for Flash {
-    const WRITE_SIZE: usize = 4;
-    const ERASE_SIZE: usize = PAGE;
-
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Fault> {
-        let (from, to) = (from as usize, to as usize);
-        if !from.is_multiple_of(PAGE) || !to.is_multiple_of(PAGE) || to > self.bytes.len() {
-            return Err(Fault::Misuse);
-        }
-        let (done, result) = self.powered(to - from)?;
-        self.bytes[from..from + done].fill(0xff);
-        self.wear();
-        result
-    }
-
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Fault> {
-        let offset = offset as usize;
-        if !offset.is_multiple_of(4)
-            || !bytes.len().is_multiple_of(4)
-            || offset + bytes.len() > self.bytes.len()
-        {
-            return Err(Fault::Misuse);
-        }
-        let (done, result) = self.powered(bytes.len())?;
-        for (place, byte) in bytes.iter().take(done).enumerate() {
-            self.bytes[offset + place] &= byte;
-        }
-        self.wear();
-        result
-    }
-}
 
 type Store = ModelStore<Blocking<Flash>, 1024>;
 

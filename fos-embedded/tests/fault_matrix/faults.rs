@@ -1,0 +1,323 @@
+//! A stretch of samples at rest, and everything that can happen to it.
+
+use std::ops::Range;
+
+use fos_embedded::raw::{Faults, RawSample};
+
+use crate::models::{AT_REST, OFFSET, Random, SCALES, SPREAD};
+
+/// One instant, as it reaches whoever corrects it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tick {
+    /// Which instant of the clean stretch it is compared with.
+    pub(crate) index: usize,
+    pub(crate) axes: [f32; 6],
+    /// What an input logs; the hub is given it where it is not finite.
+    pub(crate) quantity: f32,
+    /// °C.
+    pub(crate) temperature: f32,
+    /// Ticks without a sample before this one.
+    pub(crate) skipped: u32,
+    pub(crate) faults: Faults,
+    /// Whoever corrects it is set back to power-on before it.
+    pub(crate) reset: bool,
+    pub(crate) clock_us: u64,
+    /// The unit moves.
+    pub(crate) moving: bool,
+}
+
+/// The quantity swings by ±3 K around 25 °C once in so many ticks: wider than the play of the backlash.
+pub(crate) const SWING: usize = 400;
+
+/// A clean stretch: six axes at rest with the noise of their model, a temperature that goes up and down.
+pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
+    let mut random = Random(seed);
+    let mut noise = move || random.next() + random.next() + random.next();
+    (0..ticks)
+        .map(|index| {
+            let axes =
+                core::array::from_fn(|axis| AT_REST[axis] + OFFSET[axis] + SPREAD[axis] * 0.9 * noise());
+            let turn = (index % SWING) as f32 / SWING as f32;
+            let temperature = 22.0 + 12.0 * (turn - 0.5).abs() + 0.02 * noise();
+            Tick {
+                index,
+                axes,
+                quantity: temperature,
+                temperature,
+                skipped: 0,
+                faults: Faults::empty(),
+                reset: false,
+                clock_us: (1 << 40) + index as u64 * 5000,
+                moving: false,
+            }
+        })
+        .collect()
+}
+
+/// What happens, for how many ticks, and how.
+pub(crate) struct Fault {
+    pub(crate) name: &'static str,
+    pub(crate) lasts: usize,
+    pub(crate) on: On,
+    happens: fn(&mut Vec<Tick>, Range<usize>),
+}
+
+/// What a fault is a fault of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum On {
+    /// Every measured value.
+    Values,
+    /// The measured axes.
+    Axes,
+    /// Measured axes, and nothing that a code cannot hold.
+    NotInCodes,
+    Temperature,
+    /// Samples that are not there.
+    Gap,
+    /// The application's clock against the sensor's.
+    Clock,
+    Reset,
+}
+
+impl Fault {
+    /// The stretch with the fault in it, from tick `from` on.
+    pub(crate) fn into(&self, clean: &[Tick], from: usize) -> Vec<Tick> {
+        let mut ticks = clean.to_vec();
+        (self.happens)(&mut ticks, from..from + self.lasts);
+        ticks
+    }
+}
+
+/// Every measured value, of axes and quantity, is `value`.
+fn all(ticks: &mut [Tick], range: Range<usize>, value: f32) {
+    for tick in &mut ticks[range] {
+        (tick.axes, tick.quantity) = ([value; 6], value);
+    }
+}
+
+/// Everything is so many standard deviations off, and the quantity so many K; as a function of the ticks since it began.
+fn off(ticks: &mut [Tick], range: Range<usize>, by: impl Fn(usize) -> (f32, f32)) {
+    for (since, tick) in ticks[range].iter_mut().enumerate() {
+        let (deviations, kelvin) = by(since);
+        for (value, spread) in tick.axes.iter_mut().zip(SPREAD) {
+            *value += deviations * spread;
+        }
+        tick.quantity += kelvin;
+    }
+}
+
+fn temperature(ticks: &mut [Tick], range: Range<usize>, value: f32) {
+    for tick in &mut ticks[range] {
+        (tick.quantity, tick.temperature) = (value, value);
+    }
+}
+
+fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
+    let first_after = &mut ticks[range.end];
+    (first_after.skipped, first_after.faults) = (range.len() as u32, Faults::GAP);
+    ticks.drain(range);
+}
+
+/// Standard deviations that a step is high, and a drift ends at: within what was seen while fitting, so that no single sample
+/// shows it.
+const SMALL: f32 = 2.0;
+
+/// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
+const LONG: usize = 3600;
+
+pub(crate) const FAULTS: [Fault; 27] = [
+    Fault { name: "NaN", lasts: 30, on: On::NotInCodes, happens: |ticks, range| all(ticks, range, f32::NAN) },
+    Fault {
+        name: "+inf",
+        lasts: 30,
+        on: On::NotInCodes,
+        happens: |ticks, range| all(ticks, range, f32::INFINITY),
+    },
+    Fault {
+        name: "−inf",
+        lasts: 30,
+        on: On::NotInCodes,
+        happens: |ticks, range| all(ticks, range, f32::NEG_INFINITY),
+    },
+    Fault { name: "huge", lasts: 30, on: On::Values, happens: |ticks, range| all(ticks, range, f32::MAX) },
+    Fault { name: "denormal", lasts: 30, on: On::Values, happens: |ticks, range| all(ticks, range, 1e-40) },
+    Fault {
+        name: "denormal, gyros alone",
+        lasts: 30,
+        on: On::Axes,
+        happens: |ticks, range| ticks[range].iter_mut().for_each(|tick| tick.axes[3..].fill(1e-40)),
+    },
+    Fault {
+        name: "stuck",
+        lasts: 60,
+        on: On::Values,
+        happens: |ticks, range| {
+            let held = ticks[range.start];
+            for tick in &mut ticks[range] {
+                (tick.axes, tick.quantity) = (held.axes, held.quantity);
+            }
+        },
+    },
+    Fault {
+        name: "saturated",
+        lasts: 30,
+        on: On::Values,
+        happens: |ticks, range| {
+            let raw = RawSample { accel: [i16::MAX; 3], gyro: [i16::MIN; 3], ..RawSample::default() };
+            for tick in &mut ticks[range] {
+                // and a thermometer at its last code
+                (tick.axes, tick.quantity) = (SCALES.measured(&raw), 153.0);
+            }
+        },
+    },
+    Fault {
+        name: "spikes",
+        lasts: 60,
+        on: On::Values,
+        happens: |ticks, range| {
+            off(ticks, range, |since| if since % 7 == 0 { (60.0, 60.0) } else { (0.0, 0.0) });
+        },
+    },
+    Fault {
+        name: "step",
+        lasts: LONG,
+        on: On::Values,
+        happens: |ticks, range| off(ticks, range, |_| (SMALL, 5.0)),
+    },
+    Fault {
+        name: "drift",
+        lasts: LONG,
+        on: On::Values,
+        happens: |ticks, range| {
+            off(ticks, range, |since| {
+                let share = since as f32 / LONG as f32;
+                (share * SMALL, share * 40.0)
+            });
+        },
+    },
+    Fault {
+        name: "swapped axes, accelerometers",
+        // long enough to be still again, in another pose
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| ticks[range].iter_mut().for_each(|tick| tick.axes.swap(0, 2)),
+    },
+    Fault {
+        name: "swapped axes, gyros at rest",
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| ticks[range].iter_mut().for_each(|tick| tick.axes.swap(3, 5)),
+    },
+    Fault {
+        name: "sign flip, accelerometers",
+        // long enough to be still again, in another pose
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| {
+            for tick in &mut ticks[range] {
+                tick.axes[..3].iter_mut().for_each(|value| *value = -*value);
+            }
+        },
+    },
+    Fault {
+        name: "sign flip, gyros at rest",
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| {
+            for tick in &mut ticks[range] {
+                tick.axes[3..].iter_mut().for_each(|value| *value = -*value);
+            }
+        },
+    },
+    Fault {
+        name: "wrong units: g, °/s, K",
+        lasts: 60,
+        on: On::Values,
+        happens: |ticks, range| {
+            for tick in &mut ticks[range] {
+                tick.axes[..3].iter_mut().for_each(|value| *value /= 9.806_65);
+                tick.axes[3..].iter_mut().for_each(|value| *value = value.to_degrees());
+                tick.quantity += 273.15;
+            }
+        },
+    },
+    Fault {
+        name: "duplicated samples",
+        lasts: LONG,
+        on: On::Values,
+        happens: |ticks, range| {
+            for pair in ticks[range].chunks_exact_mut(2) {
+                (pair[1].axes, pair[1].quantity) = (pair[0].axes, pair[0].quantity);
+            }
+        },
+    },
+    Fault { name: "3 missing samples", lasts: 3, on: On::Gap, happens: missing },
+    Fault { name: "300 missing samples", lasts: 300, on: On::Gap, happens: missing },
+    Fault {
+        name: "reordered samples",
+        lasts: LONG,
+        on: On::Values,
+        happens: |ticks, range| {
+            for pair in ticks[range].chunks_exact_mut(2) {
+                let (first, second) = (pair[0], pair[1]);
+                (pair[0].axes, pair[0].quantity) = (second.axes, second.quantity);
+                (pair[1].axes, pair[1].quantity) = (first.axes, first.quantity);
+            }
+        },
+    },
+    Fault {
+        name: "time going back by 3 s",
+        lasts: 4000,
+        on: On::Clock,
+        // from then on; the tick is in the middle of a window of the hub's
+        happens: |ticks, range| {
+            ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_000_000);
+        },
+    },
+    Fault {
+        name: "time going back by 1 h",
+        lasts: 4000,
+        on: On::Clock,
+        happens: |ticks, range| {
+            ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_600_000_000);
+        },
+    },
+    Fault {
+        name: "rate 5 % off",
+        lasts: 5000,
+        on: On::Clock,
+        happens: |ticks, range| {
+            let (begun, long) = (ticks[range.start].clock_us, range.len() as u64);
+            for (since, tick) in (0..).zip(&mut ticks[range.start..]) {
+                tick.clock_us = begun + 5000 * since - 250 * long.min(since);
+            }
+        },
+    },
+    Fault {
+        name: "temperature invalid",
+        lasts: 60,
+        on: On::Temperature,
+        happens: |ticks, range| temperature(ticks, range, f32::NAN),
+    },
+    Fault {
+        name: "temperature frozen",
+        lasts: LONG,
+        on: On::Temperature,
+        happens: |ticks, range| {
+            let held = ticks[range.start].temperature;
+            temperature(ticks, range, held);
+        },
+    },
+    Fault {
+        name: "temperature out of range",
+        lasts: 60,
+        on: On::Temperature,
+        happens: |ticks, range| temperature(ticks, range, 84.0),
+    },
+    Fault {
+        name: "reset in mid-stream",
+        lasts: 1,
+        on: On::Reset,
+        happens: |ticks, range| ticks[range.start].reset = true,
+    },
+];

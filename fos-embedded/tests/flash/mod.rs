@@ -1,0 +1,123 @@
+//! A simulated NOR flash: its power can be cut in the middle of an operation, and its bits wear out.
+#![allow(dead_code, reason = "no test uses all of it")]
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+
+/// Bytes that are erased together.
+pub(crate) const PAGE: usize = 4096;
+pub(crate) const PAGES: usize = 6;
+
+/// NOR flash: a write only clears bits, an erase sets those of whole pages.
+#[derive(Clone)]
+pub(crate) struct Flash {
+    pub(crate) bytes: Vec<u8>,
+    /// Operations until the power goes, and how many halves of the last are done.
+    pub(crate) power: Option<(usize, usize)>,
+    /// Writes and erases so far.
+    pub(crate) operations: usize,
+    /// Bits that stay 0 whatever is erased: (byte, mask).
+    pub(crate) worn: Vec<(usize, u8)>,
+    /// Erases of each page so far.
+    pub(crate) erased: [u32; PAGES],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Fault {
+    PowerCut,
+    Misuse,
+}
+
+impl NorFlashError for Fault {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl Flash {
+    pub(crate) fn new() -> Self {
+        Self {
+            bytes: vec![0xff; PAGES * PAGE],
+            power: None,
+            operations: 0,
+            worn: Vec::new(),
+            erased: [0; PAGES],
+        }
+    }
+
+    /// How much of an operation of `length` bytes is done.
+    fn powered(&mut self, length: usize) -> Result<(usize, Result<(), Fault>), Fault> {
+        match &mut self.power {
+            Some((0, _)) => Err(Fault::PowerCut),
+            Some((left, halves)) => {
+                *left -= 1;
+                self.operations += 1;
+                let cut = *left == 0;
+                Ok(if cut { (length * *halves / 2, Err(Fault::PowerCut)) } else { (length, Ok(())) })
+            }
+            None => {
+                self.operations += 1;
+                Ok((length, Ok(())))
+            }
+        }
+    }
+
+    pub(crate) fn wear(&mut self) {
+        for (place, mask) in &self.worn {
+            self.bytes[*place] &= !mask;
+        }
+    }
+}
+
+impl ErrorType for Flash {
+    type Error = Fault;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 4;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Fault> {
+        if matches!(self.power, Some((0, _))) {
+            return Err(Fault::PowerCut);
+        }
+        let offset = offset as usize;
+        bytes.copy_from_slice(self.bytes.get(offset..offset + bytes.len()).ok_or(Fault::Misuse)?);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = PAGE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Fault> {
+        let (from, to) = (from as usize, to as usize);
+        if !from.is_multiple_of(PAGE) || !to.is_multiple_of(PAGE) || to > self.bytes.len() {
+            return Err(Fault::Misuse);
+        }
+        let (done, result) = self.powered(to - from)?;
+        self.bytes[from..from + done].fill(0xff);
+        self.erased[from / PAGE..to / PAGE].iter_mut().for_each(|erased| *erased += 1);
+        self.wear();
+        result
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Fault> {
+        let offset = offset as usize;
+        if !offset.is_multiple_of(4)
+            || !bytes.len().is_multiple_of(4)
+            || offset + bytes.len() > self.bytes.len()
+        {
+            return Err(Fault::Misuse);
+        }
+        let (done, result) = self.powered(bytes.len())?;
+        for (place, byte) in bytes.iter().take(done).enumerate() {
+            self.bytes[offset + place] &= byte;
+        }
+        self.wear();
+        result
+    }
+}

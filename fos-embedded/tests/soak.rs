@@ -1,0 +1,515 @@
+//! A day of sensor time through hub and store, with random faults and model updates: nothing wanders, nothing leaks, and a unit
+//! that is restarted from its flash says what the one says that ran all along.
+
+mod flash;
+mod models;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::fmt;
+use std::time::Instant;
+
+use flash::{Flash, PAGE, PAGES};
+use fos_core::image::encode;
+use fos_core::{AxisModel, FittedOn, Info, Input, Model, Quantity, Range, Source, Term, Transform, u, y};
+use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::hub::{Motion, Output};
+use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::store::ModelStore;
+use models::{PHYSICAL, Random, SCALES, SIX, SPREAD, STOCHASTIC, TestHub, limits, parameters};
+
+/// Counts what a thread allocates.
+struct Counting;
+
+thread_local! {
+    static ALLOCATED: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: the system's own, which a counter beside it does not change
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATED.set(ALLOCATED.get() + 1);
+        // SAFETY: as of this function
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as of this function
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const TICKS_A_SECOND: u64 = 200;
+
+/// The longest lag of the model.
+const DEPTH: u64 = 2;
+
+/// The time constant of its memories, s.
+const TAU_S: f32 = 0.5;
+
+/// Without a low-pass nothing is remembered for longer, and what a restarted hub says is from then on the same bit for bit. The
+/// remainder is one sample late.
+const FORGOTTEN: u64 = DEPTH + 1;
+
+/// With low-passes both say the same up to this, of the noise: last bits of the low-passes, which may differ for ever (how the
+/// carried part is rounded depends on where it came from), and of an accelerometer's value of 9.81 m/s².
+const ALIKE: [f32; 2] = [1e-5, 2e-6];
+
+/// By then: ln(4.4/10⁻⁶) time constants, the inputs' share in the prediction being at most 0.5·4.4 and 0.2·11.
+const FADED: u64 = FORGOTTEN + (15.3 * TAU_S * TICKS_A_SECOND as f32) as u64;
+
+/// Whether an update has low-passes: every other one.
+fn remembers(number: u32) -> bool {
+    !number.is_multiple_of(2)
+}
+
+/// Room for the image and what the store puts around it.
+type Store = ModelStore<Blocking<Flash>, 2048>;
+
+fn store(flash: Flash) -> Store {
+    ModelStore::new(Blocking(flash), 0..(PAGES * PAGE) as u32).unwrap_or_else(|_| panic!("a range"))
+}
+
+/// Six axes over temperature and a long memory of the remainder; every update has coefficients of its own.
+fn image(number: u32) -> Vec<u8> {
+    let change = (number % 1000) as f32 * 1e-4;
+    let [first, second, product] = STOCHASTIC;
+    let stochastic =
+        [Term::new(first.coefficient - change, &[y(1)]), second, product, Term::new(0.2, &[u(2, 0)])];
+    let quantity = |index, centre, scale, transform| Input {
+        source: Source::Quantity(index),
+        transform,
+        centre,
+        scale,
+        source_range: Range::new(-2.0, 2.0),
+        range: Range::new(-2.0, 2.0),
+    };
+    let transform = if remembers(number) { Transform::LowPass { tau_s: TAU_S } } else { Transform::Identity };
+    let inputs = [
+        quantity(0, 25.0, 10.0, transform),
+        quantity(1, 3.3, 0.1, Transform::Identity),
+        Input {
+            source: Source::Remainder(3),
+            range: Range::new(-5.0, 5.0),
+            source_range: Range::new(-5.0, 5.0),
+            ..quantity(0, 0.0, 1.0, transform)
+        },
+    ];
+    let axes = SIX.map(|axis| AxisModel {
+        parameters: parameters(axis),
+        physical: &PHYSICAL,
+        stochastic: &stochastic,
+    });
+    let model = Model {
+        period_s: SCALES.period_s,
+        fitted_on: FittedOn::Raw,
+        stillness: Some(limits()),
+        quantities: &[Quantity::Temperature, Quantity::Supply],
+        inputs: &inputs,
+        axes: &axes,
+    };
+    let provenance = format!("update {number}");
+    let info = Info { quantities: "temp_c °C\nsupply_v V", provenance: &provenance, ..Info::default() };
+    encode(&model, &info, &mut [0; 2048]).expect("it fits").to_vec()
+}
+
+/// What is wrong with the unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Defect {
+    None,
+    /// A missing sample is not counted after a fault.
+    Miscounts,
+    /// The store says that it has stored an update, and has not.
+    Forgets,
+    /// A restart takes the image before the newest.
+    Stale,
+}
+
+#[derive(Default)]
+struct Findings {
+    /// Sent, and as the hub counts them.
+    ticks: u64,
+    counted: u32,
+    samples: u64,
+    faults: u64,
+    updates: u32,
+    cuts: u32,
+    operations: usize,
+    erased: [u32; PAGES],
+    restarts: u32,
+    /// Restarts at a tick at which the first hub begins anew as well, in its middle without low-passes, and with: how many were
+    /// compared, over how many samples.
+    compared: [(u32, u64); 3],
+    /// Samples, once measured, until the outputs of a restarted hub were those of the other for good: without low-passes, with.
+    settled: [u64; 2],
+    /// Of the device's code.
+    allocated: u64,
+    resident_kib: [u64; 2],
+    seconds: f64,
+}
+
+impl fmt::Display for Findings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let hours = self.ticks as f64 / (3600 * TICKS_A_SECOND) as f64;
+        let most = self.erased.iter().max().unwrap_or(&0);
+        let [early, late] = self.resident_kib;
+        write!(
+            f,
+            "{hours:.2} h of sensor time: {} ticks counted of {} sent, {} of them samples, {} faults; {} updates ({} cut \
+             off), {} flash operations, at most {most} erases of a page; {} restarts: {} \
+             at a model update, equal bit for bit at once, over {} samples; {} on the way, without low-passes, equal bit for \
+             bit after {} samples at the latest (stated: {FORGOTTEN}), over {}; {} with low-passes, alike after {} (stated: \
+             {FADED}), over {}; state {} bytes, {} allocations, resident {early} KiB \
+             after a tenth, {late} KiB at the end; {:.0} s",
+            self.counted,
+            self.ticks,
+            self.samples,
+            self.faults,
+            self.updates,
+            self.cuts,
+            self.operations,
+            self.restarts,
+            self.compared[0].0,
+            self.compared[0].1,
+            self.compared[1].0,
+            self.settled[0],
+            self.compared[1].1,
+            self.compared[2].0,
+            self.settled[1],
+            self.compared[2].1,
+            size_of::<TestHub>() + size_of::<Store>(),
+            self.allocated,
+            self.seconds
+        )
+    }
+}
+
+/// Resident memory of this process, KiB; 0 where the system does not say.
+fn resident_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+/// What happens to the sensor.
+struct World {
+    random: Random,
+    samples: u64,
+    held: Option<RawSample>,
+    stuck: u32,
+    cold: u32,
+    supply: f32,
+    clock_off_us: u64,
+}
+
+impl World {
+    /// True once in `n`.
+    fn once_in(&mut self, n: u32) -> bool {
+        self.random.next() > 1.0 - 2.0 / n as f32
+    }
+
+    fn up_to(&mut self, n: u32) -> u32 {
+        (0.5 * (1.0 + self.random.next()) * n as f32) as u32
+    }
+
+    fn sample(&mut self) -> RawSample {
+        self.samples += 1;
+        let mut raw = self.random.at_rest();
+        // ±4 K, there and back in 100 s
+        let turn = (self.samples / 10 % 2000) as i16;
+        raw.temperature = Some(if turn < 1000 { turn } else { 2000 - turn } * 2 - 1000);
+        if self.once_in(800) {
+            // one in 20 is longer than any limit
+            raw.skipped = if self.once_in(20) { 1 + self.up_to(2000) } else { 1 + self.up_to(30) };
+            raw.faults |= Faults::GAP;
+        }
+        if self.once_in(1500) {
+            raw.gyro[self.samples as usize % 3] = i16::MIN;
+            raw.accel[self.samples as usize % 3] = i16::MAX;
+        }
+        if self.once_in(2000) {
+            raw.skipped = 1 + self.up_to(5);
+            raw.faults |= Faults::BUS | Faults::GAP;
+        }
+        if self.once_in(5000) {
+            raw.skipped = 10;
+            raw.faults |= Faults::RESET | Faults::OVERRUN | Faults::GAP;
+        }
+        if self.stuck == 0 && self.once_in(4000) {
+            (self.stuck, self.held) = (5 + self.up_to(60), Some(raw));
+        }
+        if let (Some(held), true) = (self.held, self.stuck > 0) {
+            self.stuck -= 1;
+            (raw.accel, raw.gyro) = (held.accel, held.gyro);
+            raw.faults |= Faults::STUCK;
+        }
+        if self.cold == 0 && self.once_in(4000) {
+            self.cold = 1 + self.up_to(600);
+        }
+        if self.cold > 0 {
+            self.cold -= 1;
+            raw.temperature = None;
+            raw.faults |= Faults::TEMPERATURE;
+        }
+        if self.once_in(3000) {
+            self.supply = [3.3, 3.35, f32::NAN, 9.0][self.samples as usize % 4];
+        }
+        raw
+    }
+}
+
+/// The second hub, and how far it is on its way to say what the first one says.
+struct Twin {
+    hub: TestHub,
+    stage: Stage,
+    /// Ticks of the first hub before it.
+    ticks: u32,
+}
+
+enum Stage {
+    /// Until samples are missing, where both begin a window of stillness.
+    Gap,
+    /// Until all axes of both hold nothing but measurements.
+    Measured,
+    /// So many samples since.
+    Settling(u64),
+    /// Reset at the same tick as the first: compared at once.
+    Twins,
+}
+
+/// What both must say alike, bit for bit if not said otherwise. The alarms only if both were begun at once: the axes are watched
+/// in turn.
+fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool {
+    let values = |output: &Output| output.corrected.into_iter().chain(output.innovation);
+    let [of_noise, of_value] = ALIKE;
+    let mut pairs = values(one).zip(values(other)).zip(SPREAD.into_iter().cycle());
+    let alike = pairs.all(|((one, other), spread)| {
+        one.to_bits() == other.to_bits()
+            || !bit_for_bit && (one - other).abs() <= of_noise * spread + of_value
+    });
+    !alike
+        || (one.validity, one.still) != (other.validity, other.still)
+        // the rate is of the last 10 s of each
+        || one.faults - Faults::RATE != other.faults - Faults::RATE
+        || alarms && one.drift != other.drift
+}
+
+fn loaded(image: &[u8], supply: f32) -> Result<TestHub, String> {
+    let mut hub = TestHub::new(SCALES);
+    hub.load(image).map_err(|error| error.to_string())?;
+    hub.give(Quantity::Supply, supply);
+    Ok(hub)
+}
+
+/// Runs a unit for so many ticks; an error if it does not do what it must.
+fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
+    let begun = Instant::now();
+    let mut found = Findings::default();
+    let mut world = World {
+        random: Random(24),
+        samples: 0,
+        held: None,
+        stuck: 0,
+        cold: 0,
+        supply: 3.3,
+        clock_off_us: 1 << 40,
+    };
+    let mut unit = store(Flash::new());
+    let (mut newest, mut before) = (image(0), None::<Vec<u8>>);
+    now(unit.store(&newest)).expect("done at once").map_err(|error| format!("{error:?}"))?;
+    let mut hub = loaded(&newest, world.supply)?;
+    let (mut twin, mut in_use): (Option<Twin>, u32) = (None, 0);
+
+    while found.ticks < ticks {
+        if found.resident_kib[0] == 0 && found.ticks > ticks / 10 {
+            found.resident_kib[0] = resident_kib();
+        }
+        let raw = world.sample();
+        let mut given = raw;
+        if defect == Defect::Miscounts && !raw.faults.is_empty() {
+            given.skipped = given.skipped.saturating_sub(1);
+        }
+        let motion =
+            [None, None, Some(Motion::Still), Some(Motion::Moving)][world.samples as usize / 10_000 % 4];
+        found.ticks += 1 + u64::from(raw.skipped);
+        found.samples += 1;
+        found.faults += u64::from(!raw.faults.is_empty());
+        if world.once_in(10_000) {
+            world.clock_off_us = (1 << 40) + u64::from(world.up_to(1 << 24)) * 1000;
+        }
+        let clock_us = world.samples.is_multiple_of(10).then_some(found.ticks * 5000 + world.clock_off_us);
+
+        let mut step = |hub: &mut TestHub| {
+            let allocated = ALLOCATED.get();
+            hub.set_motion(motion);
+            hub.give(Quantity::Supply, world.supply);
+            let output = *hub.update(&given);
+            if let Some(clock_us) = clock_us {
+                hub.clock(clock_us);
+            }
+            found.allocated += ALLOCATED.get() - allocated;
+            output
+        };
+        let output = step(&mut hub);
+        found.counted = output.tick.wrapping_add(1);
+        if found.counted != found.ticks as u32 {
+            return Err(format!("{} ticks counted of {} sent", found.counted, found.ticks));
+        }
+        if !output.corrected.iter().all(|value| value.is_finite()) {
+            return Err(format!("not finite: {output:?}"));
+        }
+        if let Some(Twin { hub: other, stage, ticks }) = &mut twin {
+            let expected = output;
+            let output = step(other);
+            if output.tick != expected.tick.wrapping_sub(*ticks) {
+                return Err(format!("the restarted hub counts {} ticks", output.tick));
+            }
+            // which update is in use decides
+            let remembers = remembers(in_use);
+            let limit = if remembers { FADED } else { FORGOTTEN };
+            let differs = differ(
+                &output,
+                &expected,
+                matches!(stage, Stage::Twins),
+                !remembers || matches!(stage, Stage::Twins),
+            );
+            match stage {
+                Stage::Gap if raw.skipped > 0 => *stage = Stage::Measured,
+                Stage::Measured => {
+                    let measured =
+                        |output: &Output| output.validity.iter().all(|validity| validity.is_valid());
+                    if measured(&output) && measured(&expected) {
+                        *stage = Stage::Settling(0);
+                    }
+                }
+                Stage::Gap => {}
+                Stage::Settling(since) => {
+                    *since += 1;
+                    if differs {
+                        let settled = &mut found.settled[usize::from(remembers)];
+                        *settled = (*settled).max(*since);
+                        if *since > limit {
+                            return Err(format!("after {since} samples {output:?} instead of {expected:?}"));
+                        }
+                    } else if *since > limit {
+                        let (restarts, samples) = &mut found.compared[1 + usize::from(remembers)];
+                        *restarts += u32::from(*since == limit + 1);
+                        *samples += 1;
+                    }
+                }
+                Stage::Twins => {
+                    if differs {
+                        return Err(format!("restarted at the same tick {output:?} instead of {expected:?}"));
+                    }
+                    found.compared[0].1 += 1;
+                }
+            }
+        }
+
+        if world.once_in(15_000) {
+            // the power may go while an update is stored
+            let number = found.updates + 1;
+            let next = image(number);
+            let mut flash = unit.release().0;
+            if number.is_multiple_of(4) {
+                flash.power = Some((1 + world.up_to(6) as usize, number as usize / 4 % 3));
+            }
+            unit = store(flash);
+            let said = if defect == Defect::Forgets && number == 3 {
+                true
+            } else {
+                let allocated = ALLOCATED.get();
+                let said = now(unit.store(&next)).expect("done at once").is_ok();
+                found.allocated += ALLOCATED.get() - allocated;
+                said
+            };
+            let mut flash = unit.release().0;
+            let cut = matches!(flash.power, Some((0, _)));
+            flash.power = None;
+            unit = store(flash);
+            found.updates = number;
+            found.cuts += u32::from(cut);
+            if !said && !cut {
+                return Err(format!("update {number} was refused"));
+            }
+            let kept = now(unit.load()).expect("done at once").ok().flatten().map(<[u8]>::to_vec);
+            if kept.as_deref() == Some(&next) {
+                before = Some(std::mem::replace(&mut newest, next));
+                in_use = number;
+            } else if said || kept.as_deref() != Some(&newest) {
+                return Err(format!("update {number} is not in the flash"));
+            }
+            let previous = now(unit.load_previous()).expect("done at once").ok().flatten();
+            if !(previous.is_none() && found.cuts > 0 || previous == before.as_deref() || cut) {
+                return Err(format!("the image before update {number} is gone"));
+            }
+            hub.load(&newest).map_err(|error| error.to_string())?;
+            twin = Some(Twin {
+                hub: loaded(&newest, world.supply)?,
+                stage: Stage::Twins,
+                ticks: found.ticks as u32,
+            });
+            found.restarts += 1;
+            found.compared[0].0 += 1;
+        } else if world.once_in(15_000) {
+            let newest = now(unit.load()).expect("done at once").ok().flatten().ok_or("nothing is stored")?;
+            let image = before.as_deref().filter(|_| defect == Defect::Stale).unwrap_or(newest);
+            twin = Some(Twin {
+                hub: loaded(image, world.supply)?,
+                stage: Stage::Gap,
+                ticks: found.ticks as u32,
+            });
+            found.restarts += 1;
+        }
+    }
+    let flash = unit.release().0;
+    (found.operations, found.erased) = (flash.operations, flash.erased);
+    found.resident_kib[1] = resident_kib();
+    found.seconds = begun.elapsed().as_secs_f64();
+    Ok(found)
+}
+
+fn check(found: &Findings) {
+    println!("soak: {found}");
+    assert!(found.faults > 0 && found.updates > 3 && found.cuts > 0, "too little happened: {found}");
+    assert!(found.compared.iter().all(|(restarts, _)| *restarts > 0), "nothing was compared: {found}");
+    assert_eq!(found.allocated, 0, "the device's code allocates");
+    // a page is turned when it is full, one image in it is carried over; a cut update takes room, and a repair may erase
+    let a_page = (PAGE / (image(999).len() + 64)) as u32;
+    let turns = (found.updates + 1) / (a_page - 1) + 2 * found.cuts + PAGES as u32;
+    let erased: u32 = found.erased.iter().sum();
+    assert!(erased <= turns, "{erased} erases, at most {turns}: {:?}", found.erased);
+    let [early, late] = found.resident_kib;
+    assert!(late <= early + 1024, "{early} KiB, then {late} KiB");
+}
+
+#[test]
+fn ten_minutes_of_faults_and_updates_leave_nothing_behind() {
+    check(&soak(600 * TICKS_A_SECOND, Defect::None).expect("a sound unit"));
+}
+
+#[test]
+#[ignore = "a day of sensor time: in release, before a release"]
+fn a_day_of_faults_and_updates_leaves_nothing_behind() {
+    check(&soak(24 * 3600 * TICKS_A_SECOND, Defect::None).expect("a sound unit"));
+}
+
+#[test]
+fn a_unit_that_miscounts_forgets_or_restarts_from_an_old_image_is_found_out() {
+    let mut found = Vec::new();
+    for (defect, says, what) in [
+        (Defect::Miscounts, "ticks counted", "a hub whose counter is off by one after a fault"),
+        (Defect::Forgets, "is not in the flash", "a store that forgets one update"),
+        (Defect::Stale, "instead of", "a restart from the image before the newest"),
+    ] {
+        match soak(3600 * TICKS_A_SECOND, defect) {
+            Err(error) => assert!(error.contains(says), "{defect:?}: {error}"),
+            Ok(findings) => panic!("{defect:?} is not found: {findings}"),
+        }
+        found.push(what);
+    }
+    println!("found out: {}", found.join(", "));
+}
