@@ -9,6 +9,7 @@ mod correctors;
 #[path = "fault_matrix/faults.rs"]
 mod faults;
 mod models;
+mod page;
 #[path = "fault_matrix/places.rs"]
 mod places;
 
@@ -259,15 +260,7 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
     assert!(wrong.is_empty(), "{wrong}");
     assert_eq!(unseen, UNSEEN.trim(), "the faults that are not seen, and where\n{unseen}");
 
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
-    let page = std::fs::read_to_string(path).expect("docs/faults.md");
-    let (before, rest) = page.split_once(BEGIN).expect("the beginning of the table");
-    let (written, after) = rest.split_once(END).expect("the end of the table");
-    if std::env::var_os("FOS_WRITE_DOCS").is_some() {
-        std::fs::write(path, [before, BEGIN, &table, END, after].concat()).expect("written");
-    } else {
-        assert_eq!(written, table, "FOS_WRITE_DOCS=1 writes docs/faults.md anew");
-    }
+    page::holds(BEGIN, END, &table);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 #[path = "sample_source/matrix.rs"]
 mod matrix;
+mod page;
 #[path = "sample_source/simulated.rs"]
 mod simulated;
 #[path = "sample_source/streams.rs"]

@@ -25,6 +25,19 @@ pub(crate) struct Out {
     pub(crate) of_gap: [Validity; AXES],
 }
 
+impl Out {
+    /// Nothing taken off, nothing said.
+    const NOTHING: Self = Self {
+        predicted: [0.0; AXES],
+        finite: true,
+        validity: [Validity::VALID; AXES],
+        faults: Faults::empty(),
+        drift: false,
+        left_out: false,
+        of_gap: [Validity::VALID; AXES],
+    };
+}
+
 pub(crate) trait Corrector {
     fn step(&mut self, tick: &Tick) -> Out;
 
@@ -45,15 +58,7 @@ impl Corrector for Predicting {
         if tick.reset {
             self.predictor.reset();
         }
-        let mut out = Out {
-            predicted: [0.0; AXES],
-            finite: true,
-            validity: [Validity::VALID; AXES],
-            faults: Faults::empty(),
-            drift: false,
-            left_out: false,
-            of_gap: [Validity::VALID; AXES],
-        };
+        let mut out = Out::NOTHING;
         if tick.skipped > 0 {
             for (validity, correction) in out.of_gap.iter_mut().zip(self.predictor.skip(tick.skipped)) {
                 *validity = correction.validity;
@@ -168,14 +173,6 @@ impl Corrector for Naive {
                     Some(limit) => error.clamp(-limit, limit),
                 };
         }
-        Out {
-            predicted: self.bias,
-            finite: true,
-            validity: [Validity::VALID; AXES],
-            faults: Faults::empty(),
-            drift: false,
-            left_out: false,
-            of_gap: [Validity::VALID; AXES],
-        }
+        Out { predicted: self.bias, ..Out::NOTHING }
     }
 }

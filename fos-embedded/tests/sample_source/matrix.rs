@@ -423,15 +423,7 @@ fn every_fault_is_flagged_bounded_and_recovered_from() {
     println!("{table}");
     assert!(wrong.is_empty(), "{wrong}");
 
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
-    let page = std::fs::read_to_string(path).expect("docs/faults.md");
-    let (before, rest) = page.split_once(BEGIN).expect("the beginning of the table");
-    let (written, after) = rest.split_once(END).expect("the end of the table");
-    if std::env::var_os("FOS_WRITE_DOCS").is_some() {
-        std::fs::write(path, [before, BEGIN, &table, END, after].concat()).expect("written");
-    } else {
-        assert_eq!(written, table, "FOS_WRITE_DOCS=1 writes docs/faults.md anew");
-    }
+    crate::page::holds(BEGIN, END, &table);
 }
 
 /// What may be wrong with a part's code.
