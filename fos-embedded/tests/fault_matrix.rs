@@ -264,7 +264,7 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
 }
 
 #[test]
-#[ignore = "a minute: before a release"]
+#[ignore = "a minute: .ci/trust faults runs it"]
 fn so_it_is_over_other_noise() {
     let (mut runs, seeds) = (0, 100..120);
     for seed in seeds.clone() {

@@ -492,7 +492,7 @@ fn ten_minutes_of_faults_and_updates_leave_nothing_behind() {
 }
 
 #[test]
-#[ignore = "a day of sensor time: in release, before a release"]
+#[ignore = "a day of sensor time, in release: .ci/trust soak runs it"]
 fn a_day_of_faults_and_updates_leaves_nothing_behind() {
     check(&soak(24 * 3600 * TICKS_A_SECOND, Defect::None).expect("a sound unit"));
 }

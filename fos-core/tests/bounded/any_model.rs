@@ -287,7 +287,7 @@ fn models_drawn_to_break_it_keep_their_bound_for_a_million_samples() {
 }
 
 #[test]
-#[ignore = "minutes: in release, before a release"]
+#[ignore = "minutes in release: .ci/trust bounded runs it"]
 fn models_drawn_to_break_it_keep_their_bound_for_ten_million_samples() {
     check(&coast_many(40, 10_000_000));
 }
