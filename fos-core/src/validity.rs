@@ -54,6 +54,8 @@ impl Validity {
     pub const MISSING: Validity = Validity(1 << 9);
     /// The model does not have this axis: nothing was taken out.
     pub const NOT_MODELLED: Validity = Validity(1 << 10);
+    /// Everything that can be.
+    pub const ALL: Validity = Validity((1 << 11) - 1);
 
     /// Nothing speaks against it. [`OWN_HISTORY`](Self::OWN_HISTORY) counts: a coasted value is an extrapolation.
     pub const fn is_valid(self) -> bool {
@@ -81,9 +83,18 @@ impl Validity {
         if applies { reason } else { Validity::VALID }
     }
 
+    /// The reasons that apply, one by one.
+    pub fn reasons(self) -> impl Iterator<Item = Validity> {
+        self.named().map(|(reason, _)| reason)
+    }
+
     /// The reasons that apply, by name.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        REASONS.into_iter().filter(move |(reason, _)| self.contains(*reason)).map(|(_, name)| name)
+        self.named().map(|(_, name)| name)
+    }
+
+    fn named(self) -> impl Iterator<Item = (Validity, &'static str)> {
+        REASONS.into_iter().filter(move |(reason, _)| self.contains(*reason))
     }
 }
 
@@ -129,5 +140,21 @@ impl defmt::Format for Validity {
             defmt::write!(f, "{=str:a}{=str:a}", separator, name);
             separator = ", ";
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bit_has_a_reason_and_a_name() {
+        let every = Validity::ALL.reasons().fold(Validity::VALID, |every, reason| {
+            assert_eq!(reason.bits().count_ones(), 1);
+            assert!(!every.intersects(reason), "twice: {reason:?}");
+            every | reason
+        });
+        assert_eq!(every, Validity::ALL);
+        assert_eq!(Validity::ALL.names().count(), Validity::ALL.reasons().count());
     }
 }

@@ -125,7 +125,8 @@
 // Fault: the thermometer says that it has nothing to say.
 #define FOS_FAULT_TEMPERATURE 128
 
-// Fault: the sensor's true sample rate is further than 1 % from the model's. The hub sets it itself.
+// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back. The hub sets
+// it itself.
 #define FOS_FAULT_RATE 256
 
 // The codes are as the sensor gives them.

@@ -26,7 +26,7 @@ bitflags! {
         const SATURATED = 1 << 6;
         /// The thermometer says that it has nothing to say.
         const TEMPERATURE = 1 << 7;
-        /// The sensor's true sample rate is not the model's.
+        /// The sensor's true sample rate is not the model's, or cannot be told: the application's clock was set back.
         const RATE = 1 << 8;
     }
 }

@@ -44,21 +44,6 @@ struct Cell {
     share: f32,
 }
 
-/// In the order of their bits.
-const REASONS: [Validity; 11] = [
-    Validity::WARMING_UP,
-    Validity::OWN_HISTORY,
-    Validity::COASTING_TOO_LONG,
-    Validity::OUTPUT_OUT_OF_RANGE,
-    Validity::INPUT_OUT_OF_RANGE,
-    Validity::NOT_FINITE,
-    Validity::INPUT_NOT_FINITE,
-    Validity::SATURATED,
-    Validity::STUCK,
-    Validity::MISSING,
-    Validity::NOT_MODELLED,
-];
-
 impl Cell {
     fn is_seen(&self) -> bool {
         self.validity != 0 || !self.faults.is_empty() || self.drift || self.left_out
@@ -78,11 +63,8 @@ impl Cell {
         let consequence = (Validity::WARMING_UP | Validity::OWN_HISTORY | Validity::COASTING_TOO_LONG).bits();
         let why = self.validity & !consequence;
         let shown = if why == 0 { self.validity } else { why };
-        let mut names: Vec<&str> = REASONS
-            .iter()
-            .filter(|reason| shown & reason.bits() != 0)
-            .flat_map(|reason| reason.names())
-            .collect();
+        let shown = Validity::ALL.reasons().filter(|reason| shown & reason.bits() != 0);
+        let mut names: Vec<&str> = shown.flat_map(Validity::names).collect();
         names.extend(self.faults.iter_names().map(|(name, _)| name));
         names.extend(self.drift.then_some("drift"));
         names.extend((self.left_out && !self.drift).then_some("left out"));
@@ -289,7 +271,6 @@ sign flip, gyros at rest: track, coast
 wrong units: g, °/s, K: coast
 NOWHERE duplicated samples: track, coast, inputs over a quantity, inputs over the remainder, monitor, hub and C interface
 NOWHERE reordered samples: track, coast, inputs over a quantity, inputs over the remainder, monitor, hub and C interface
-NOWHERE time going back by 1 h: hub and C interface
 NOWHERE temperature frozen: track, coast, inputs over a quantity, monitor, hub and C interface
 reset in mid-stream: inputs over a quantity, inputs over the clock, inputs over the remainder
 ";

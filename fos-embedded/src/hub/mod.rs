@@ -330,10 +330,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     pub fn clock(&mut self, now_us: u64) {
         self.rate.clock(now_us);
         let was_off = self.rate_off;
-        self.rate_off = self.rate.rate_hz().is_some_and(|rate_hz| {
+        let beyond_tolerance = self.rate.rate_hz().is_some_and(|rate_hz| {
             let off = rate_hz - self.model_rate_hz;
             self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
         });
+        self.rate_off = beyond_tolerance || self.rate.went_back();
         if self.rate_off && !was_off {
             warn!(
                 "sample rate off: {} Hz, the model's is {=f32} Hz",

@@ -14,11 +14,13 @@ pub(super) struct RateEstimator {
     /// Ticks since.
     ticks: u32,
     rate_hz: Option<f32>,
+    /// The latest look showed less than the start of its window.
+    went_back: bool,
 }
 
 impl RateEstimator {
     pub(super) const fn new() -> Self {
-        Self { start_us: None, ticks: 0, rate_hz: None }
+        Self { start_us: None, ticks: 0, rate_hz: None, went_back: false }
     }
 
     /// Ticks have passed.
@@ -35,6 +37,7 @@ impl RateEstimator {
     /// What the clock shows, µs, now that all ticks up to now were given.
     pub(super) fn clock(&mut self, now_us: u64) {
         let elapsed = self.start_us.and_then(|start_us| now_us.checked_sub(start_us));
+        self.went_back = self.start_us.is_some() && elapsed.is_none();
         match elapsed {
             Some(elapsed) if elapsed < WINDOW_US => return,
             // a window that has lasted twice as long was slept through: the FIFO may have run over unseen
@@ -44,6 +47,11 @@ impl RateEstimator {
             Some(_) | None => {}
         }
         (self.start_us, self.ticks) = (Some(now_us), 0);
+    }
+
+    /// The clock was set back, by the latest look: less than a window's start is seen at once, less than that as a rate that is off.
+    pub(super) fn went_back(&self) -> bool {
+        self.went_back
     }
 
     /// Ticks a second; none before the first whole window.
@@ -86,7 +94,9 @@ mod tests {
         rate.disturbed();
         let now_us = run(&mut rate, now_us, 8, 200.0);
         rate.clock(now_us + 60_000_000); // slept through
+        assert!(!rate.went_back());
         rate.clock(now_us); // set back
+        assert!(rate.went_back());
         assert_eq!(rate.rate_hz(), None);
         run(&mut rate, now_us, 11, 200.0);
         assert!(rate.rate_hz().is_some());
