@@ -8,11 +8,11 @@ use fos_core::{
 };
 use fos_embedded::hub::{Hub, Motion, OTHER_POSE, SIX};
 use fos_embedded::raw::{Faults, RawSample, Scales};
-use fos_fuzz::draw;
-use fos_fuzz::models::{Draw, OwnedModel, Roomy, models};
+use fos_fuzz::drawn::{MOST_EVENTS, between, model};
+use fos_fuzz::models::{Draw, OwnedModel, Roomy};
 use fos_fuzz::twin::{Event, Twin};
+use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use proptest::prelude::*;
 
 /// Codes of the thermometer are exact in f32, so that a rate does not magnify their rounding.
 const SCALES: Scales = Scales {
@@ -43,33 +43,53 @@ enum Happens {
     Load,
 }
 
-fn events() -> impl Strategy<Value = Vec<Happens>> {
-    let usual = prop::array::uniform6(-1.5..1.5);
-    let any_value = prop::array::uniform6(prop_oneof![4 => -1.5..1.5, 1 => -60.0..60.0_f64]);
-    let skipped = prop_oneof![20 => Just(0_u32), 2 => 1_u32..30, 1 => any::<u32>()];
-    let faults = prop_oneof![9 => Just(0_u16), 1 => any::<u16>()];
-    let one = prop_oneof![
-        30 => (usual, any::<i16>()).prop_map(|(measured, code)| Happens::Sample { measured, temperature: Some(code), skipped: 0, faults: 0 }),
-        8 => (any_value, any::<Option<i16>>(), skipped, faults)
-            .prop_map(|(measured, temperature, skipped, faults)| Happens::Sample { measured, temperature, skipped, faults }),
-        2 => any::<Option<bool>>().prop_map(Happens::Motion),
-        2 => (any::<f32>(), -2.5_f32..2.5).prop_map(|(supply, load)| Happens::Give(supply, load)),
-        1 => any::<u64>().prop_map(Happens::Clock),
-        1 => Just(Happens::Load),
-    ];
-    prop::collection::vec(one, 0..250)
+fn event(bytes: &mut Unstructured<'_>) -> Result<Happens> {
+    let usual = |bytes: &mut Unstructured<'_>| -> Result<[f64; 6]> {
+        let mut measured = [0.0; 6];
+        for value in &mut measured {
+            *value = between(bytes, -1.5, 1.5)?;
+        }
+        Ok(measured)
+    };
+    Ok(match bytes.int_in_range(0..=31_u8)? {
+        0..20 => Happens::Sample {
+            measured: usual(bytes)?,
+            temperature: Some(bytes.arbitrary()?),
+            skipped: 0,
+            faults: 0,
+        },
+        20..26 => {
+            let mut measured = usual(bytes)?;
+            let [wild, far] = bytes.arbitrary::<[u8; 2]>()?;
+            if let Some(value) = measured.get_mut(usize::from(wild)) {
+                *value = f64::from(far) - 128.0;
+            }
+            let skipped = match bytes.arbitrary::<u8>()? {
+                0..20 => bytes.int_in_range(1..=29)?,
+                20..23 => bytes.arbitrary()?,
+                _ => 0,
+            };
+            let faults = if bytes.ratio(1, 10)? { bytes.arbitrary()? } else { 0 };
+            Happens::Sample { measured, temperature: bytes.arbitrary()?, skipped, faults }
+        }
+        26..28 => Happens::Motion(bytes.arbitrary()?),
+        28 => Happens::Give(bytes.arbitrary()?, between(bytes, -2.5, 2.5)? as f32),
+        29 => Happens::Clock(bytes.arbitrary()?),
+        30 => Happens::Clock(bytes.arbitrary::<u32>()?.into()),
+        _ => Happens::Load,
+    })
 }
 
 fuzz_target!(|bytes: &[u8]| {
-    let stillness = prop::option::of(Just(StillnessLimits {
+    let mut bytes = Unstructured::new(bytes);
+    let stillness = bytes.arbitrary().unwrap_or(false).then_some(StillnessLimits {
         window: 10,
         accel_variance: 20.0,
         gyro_variance: 20.0,
         gyro_at_rest: [0.0; 3],
         gyro_deviation: 10.0,
-    }));
-    let drawn = draw((models(Draw::Contracting), stillness, events()).boxed(), bytes);
-    let Some((mut model, stillness, events)) = drawn else { return };
+    });
+    let Ok(mut model) = model(&mut bytes, Draw::Contracting) else { return };
     for (axis, name) in model.axes.iter_mut().zip(SIX) {
         axis.parameters.axis = name;
     }
@@ -80,7 +100,11 @@ fuzz_target!(|bytes: &[u8]| {
     let mut expected = Expected::new(&single);
     let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
     hub.load(&image).expect("a model that the predictor takes");
-    for event in events {
+    for _ in 0..MOST_EVENTS {
+        if bytes.is_empty() {
+            return;
+        }
+        let Ok(event) = event(&mut bytes) else { return };
         match event {
             Happens::Sample { measured, temperature, skipped, faults } => {
                 let code = |axis: usize| expected.code(axis, measured[axis]);

@@ -2,9 +2,8 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
-use proptest::strategy::{Strategy, ValueTree};
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
+pub mod drawn;
 #[path = "../../fos-core/tests/models/mod.rs"]
 pub mod models;
 #[path = "../../fos-core/tests/prediction/twin.rs"]
@@ -14,18 +13,6 @@ pub mod twin;
 pub mod log;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-
-/// What a strategy of the property tests draws from these bytes as its seed: their first 32, so that an input is short. A strategy
-/// that is handed the bytes themselves draws for ever once they are used up.
-pub fn draw<S: Strategy>(strategy: S, bytes: &[u8]) -> Option<S::Value> {
-    let mut seed = [0; 32];
-    for (seed, byte) in seed.iter_mut().zip(bytes) {
-        *seed = *byte;
-    }
-    let random = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
-    let mut runner = TestRunner::new_with_rng(Config::default(), random);
-    strategy.new_tree(&mut runner).ok().map(|tree| tree.current())
-}
 
 /// An image around a body and information that a fuzzer made up: its header and checksum are right, or nothing behind
 /// them would ever be reached.

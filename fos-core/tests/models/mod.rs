@@ -142,21 +142,40 @@ fn transforms(draw: Draw) -> BoxedStrategy<Transform<f64>> {
     .boxed()
 }
 
+/// The numbers that an input is made of; each reads what suits its transform.
+pub struct InputNumbers {
+    pub transform: Transform<f64>,
+    pub of_a_remainder: bool,
+    pub quantity: u8,
+    pub axis: u8,
+    pub centre: f64,
+    pub scale: f64,
+    pub reach: f64,
+}
+
+impl InputNumbers {
+    pub fn input(self) -> Input<f64> {
+        let source = match (self.transform.is_clock(), self.of_a_remainder) {
+            (true, _) => Source::Clock,
+            (false, true) => Source::Remainder(self.axis),
+            (false, false) => Source::Quantity(self.quantity),
+        };
+        let (source_range, range) = (Range::new(-2.0, 2.0), Range::new(-self.reach, self.reach));
+        let Self { transform, centre, scale, .. } = self;
+        Input { source, transform, centre, scale, source_range, range }
+    }
+}
+
 fn inputs(draw: Draw, n_axes: u8) -> impl Strategy<Value = Vec<Input<f64>>> {
     let one = (transforms(draw), any::<bool>(), 0_u8..3, 0..n_axes, -0.5..0.5, 0.5..2.0, 0.4..3.0_f64)
-        .prop_map(|(transform, remainder, quantity, axis, centre, scale, reach)| {
-            let source = match (transform.is_clock(), remainder) {
-                (true, _) => Source::Clock,
-                (false, true) => Source::Remainder(axis),
-                (false, false) => Source::Quantity(quantity),
-            };
-            let (source_range, range) = (Range::new(-2.0, 2.0), Range::new(-reach, reach));
-            Input { source, transform, centre, scale, source_range, range }
+        .prop_map(|(transform, of_a_remainder, quantity, axis, centre, scale, reach)| {
+            InputNumbers { transform, of_a_remainder, quantity, axis, centre, scale, reach }.input()
         });
     prop::collection::vec(one, 0..=8)
 }
 
-type Picks = Vec<(f64, Vec<(u8, u16)>)>;
+/// A coefficient and factors, a channel and a lag each.
+pub type Picks = Vec<(f64, Vec<(u8, u16)>)>;
 
 fn picks() -> impl Strategy<Value = Picks> {
     prop::collection::vec((-1.0..1.0, prop::collection::vec((any::<u8>(), 0_u16..=12), 1..=3)), 0..=8)
@@ -181,16 +200,26 @@ fn terms(picks: Picks, allowed: &[u8], output: bool) -> Vec<Term<f64>> {
     picks.into_iter().map(term).collect()
 }
 
-fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<f64>> {
-    let numbers = (-10.0..10.0, -0.1..0.1, 0.5..2.0, -0.3..0.3, 0.5..1.0_f64);
-    let faults = (prop_oneof![Just(0_u16), 2_u16..6], 0_u8..12, prop_oneof![Just(0.0), 0.0..0.3, Just(1e9)]);
-    (numbers, faults, picks(), picks()).prop_map(move |(numbers, faults, physical, stochastic)| {
-        let (reference, offset, scale, constant, reach) = numbers;
-        let (stuck_after, gap_limit, coast_limit_s) = faults;
+/// The numbers that an axis is made of.
+pub struct AxisNumbers {
+    pub reference: f64,
+    pub offset: f64,
+    pub scale: f64,
+    pub constant: f64,
+    pub reach: f64,
+    pub stuck_after: u16,
+    pub gap_limit: u8,
+    pub coast_limit_s: f64,
+    pub physical: Picks,
+    pub stochastic: Picks,
+}
+
+impl AxisNumbers {
+    pub fn axis(self, draw: Draw, inputs: &[Input<f64>]) -> OwnedAxis<f64> {
         let all: Vec<u8> = (0..inputs.len() as u8).collect();
         let remainder = |index: u8| matches!(inputs[usize::from(index)].source, Source::Remainder(_));
         let logged: Vec<u8> = all.iter().copied().filter(|&index| !remainder(index)).collect();
-        let mut stochastic = terms(stochastic, &all, true);
+        let mut stochastic = terms(self.stochastic, &all, true);
         if draw == Draw::Contracting {
             // |∂r̂/∂r| summed over all lags: every other factor is at most 3.3 (reach 3, widened by 5 % of 6)
             let slope = |term: &Term<f64>| {
@@ -203,20 +232,42 @@ fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<
         }
         OwnedAxis {
             parameters: AxisParameters {
-                reference,
-                offset,
-                scale,
-                constant,
-                range: Range::new(-reach, reach),
+                reference: self.reference,
+                offset: self.offset,
+                scale: self.scale,
+                constant: self.constant,
+                range: Range::new(-self.reach, self.reach),
                 full_scale: 14.0,
-                stuck_after,
-                gap_limit,
-                coast_limit_s,
+                stuck_after: self.stuck_after,
+                gap_limit: self.gap_limit,
+                coast_limit_s: self.coast_limit_s,
                 ..plain()
             },
-            physical: terms(physical, &logged, false),
+            physical: terms(self.physical, &logged, false),
             stochastic,
         }
+    }
+}
+
+fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<f64>> {
+    let numbers = (-10.0..10.0, -0.1..0.1, 0.5..2.0, -0.3..0.3, 0.5..1.0_f64);
+    let faults = (prop_oneof![Just(0_u16), 2_u16..6], 0_u8..12, prop_oneof![Just(0.0), 0.0..0.3, Just(1e9)]);
+    (numbers, faults, picks(), picks()).prop_map(move |(numbers, faults, physical, stochastic)| {
+        let (reference, offset, scale, constant, reach) = numbers;
+        let (stuck_after, gap_limit, coast_limit_s) = faults;
+        AxisNumbers {
+            reference,
+            offset,
+            scale,
+            constant,
+            reach,
+            stuck_after,
+            gap_limit,
+            coast_limit_s,
+            physical,
+            stochastic,
+        }
+        .axis(draw, &inputs)
     })
 }
 
@@ -228,13 +279,13 @@ pub fn models(draw: Draw) -> impl Strategy<Value = OwnedModel<f64>> {
             let axes = prop::collection::vec(axis(draw, inputs.clone()), usize::from(n_axes));
             (Just(inputs), axes)
         })
-        .prop_map(|(inputs, axes)| OwnedModel {
-            period_s: PERIOD_S,
-            stillness: None,
-            quantities: vec![Quantity::Temperature, Quantity::Supply, Quantity::Load],
-            inputs,
-            axes,
-        })
+        .prop_map(|(inputs, axes)| model_of(inputs, axes))
+}
+
+/// A model of these parts over three quantities.
+pub fn model_of(inputs: Vec<Input<f64>>, axes: Vec<OwnedAxis<f64>>) -> OwnedModel<f64> {
+    let quantities = vec![Quantity::Temperature, Quantity::Supply, Quantity::Load];
+    OwnedModel { period_s: PERIOD_S, stillness: None, quantities, inputs, axes }
 }
 
 /// So many cases, always the same ones; longer runs set PROPTEST_CASES.

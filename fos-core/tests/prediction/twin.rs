@@ -19,6 +19,7 @@ pub enum Event {
     Coast { measured: Vec<f64>, quantities: Vec<f64> },
     Skip(u32),
     Repeat { measured: Vec<f64>, times: usize },
+    Reset,
 }
 
 impl Event {
@@ -48,6 +49,10 @@ impl Event {
                 let sample = Sample { measured: &measured, quantities: &[0.1, 0.2, 0.3] };
                 (0..*times).map(|_| predictor.track(&sample).to_vec()).last().unwrap_or_default()
             }
+            Self::Reset => {
+                predictor.reset();
+                vec![]
+            }
         }
     }
 }
@@ -72,14 +77,24 @@ pub fn events() -> impl Strategy<Value = Vec<Event>> {
         1 => (1_u32..30).prop_map(Event::Skip),
         1 => (257_u32..2000).prop_map(Event::Skip),
         1 => (values, 2_usize..9).prop_map(|(measured, times)| Event::Repeat { measured, times }),
+        1 => Just(Event::Reset),
     ];
     prop::collection::vec(one, 0..250)
 }
 
 /// Runs the predictor and its twin over the events; a `tolerance` of 0 asks for equal bits. The error says where they differ.
 pub fn compare(model: &OwnedModel<f64>, events: &[Event], tolerance: f64) -> Result<(), String> {
+    compare_with(Twin::new(model), model, events, tolerance)
+}
+
+/// As [`compare`], with a twin that need not be of the same model.
+pub fn compare_with(
+    mut twin: Twin,
+    model: &OwnedModel<f64>,
+    events: &[Event],
+    tolerance: f64,
+) -> Result<(), String> {
     let mut predictor = model.predictor().map_err(|error| error.to_string())?;
-    let mut twin = Twin::new(model);
     let same = |a: f64, b: f64| if tolerance == 0.0 { a == b } else { (a - b).abs() <= tolerance };
     for (index, event) in events.iter().enumerate() {
         let (found, expected) = (event.run(&mut predictor, model), twin.run(event));
@@ -240,6 +255,10 @@ impl Twin {
             Event::Repeat { measured, times } => {
                 let readings = still(measured, &[], &self.model);
                 (0..*times).map(|_| self.step(&readings, &[0.1, 0.2, 0.3])).last().unwrap_or_default()
+            }
+            Event::Reset => {
+                *self = Self::new(&self.model);
+                vec![]
             }
         }
     }

@@ -1,0 +1,130 @@
+//! Models and what happens to them, read off the bytes of an input: a byte that changes, changes one thing, so that what code is
+//! reached can guide the fuzzer. Where the bytes end all is small and over.
+
+use fos_core::Transform;
+use libfuzzer_sys::arbitrary::{Result, Unstructured};
+
+use crate::models::{AxisNumbers, Draw, InputNumbers, OwnedModel, Picks, model_of};
+use crate::twin::Event;
+
+/// Events in one run: a twin that keeps everything takes its time.
+pub const MOST_EVENTS: usize = 250;
+
+/// One of 256 values from `low` to `high`.
+pub fn between(bytes: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64> {
+    Ok(low + (high - low) * f64::from(bytes.arbitrary::<u8>()?) / 255.0)
+}
+
+/// As many items as the next byte says, at most `most`.
+pub fn several<'a, T>(
+    bytes: &mut Unstructured<'a>,
+    most: usize,
+    one: impl FnMut(&mut Unstructured<'a>) -> Result<T>,
+) -> Result<Vec<T>> {
+    let mut one = one;
+    let count = usize::from(bytes.arbitrary::<u8>()?) % (most + 1);
+    (0..count).map(|_| one(bytes)).collect()
+}
+
+/// A model of 1 to 6 axes and up to 8 inputs.
+pub fn model(bytes: &mut Unstructured<'_>, draw: Draw) -> Result<OwnedModel<f64>> {
+    let n_axes = bytes.int_in_range(1..=6_u8)?;
+    let inputs = several(bytes, 8, |bytes| {
+        Ok(InputNumbers {
+            transform: transform(bytes, draw)?,
+            of_a_remainder: bytes.arbitrary()?,
+            quantity: bytes.int_in_range(0..=2)?,
+            axis: bytes.int_in_range(0..=n_axes - 1)?,
+            centre: between(bytes, -0.5, 0.5)?,
+            scale: between(bytes, 0.5, 2.0)?,
+            reach: between(bytes, 0.4, 3.0)?,
+        }
+        .input())
+    })?;
+    let axes = (0..n_axes).map(|_| {
+        let numbers = AxisNumbers {
+            reference: between(bytes, -10.0, 10.0)?,
+            offset: between(bytes, -0.1, 0.1)?,
+            scale: between(bytes, 0.5, 2.0)?,
+            constant: between(bytes, -0.3, 0.3)?,
+            reach: between(bytes, 0.5, 1.0)?,
+            stuck_after: *bytes.choose(&[0, 2, 3, 4, 5])?,
+            gap_limit: bytes.int_in_range(0..=11)?,
+            coast_limit_s: *bytes.choose(&[0.0, 0.004, 0.05, 0.3, 1e9])?,
+            physical: picks(bytes)?,
+            stochastic: picks(bytes)?,
+        };
+        Ok(numbers.axis(draw, &inputs))
+    });
+    let axes = axes.collect::<Result<_>>()?;
+    Ok(model_of(inputs, axes))
+}
+
+fn transform(bytes: &mut Unstructured<'_>, draw: Draw) -> Result<Transform<f64>> {
+    let kinds = if draw == Draw::Exact { 4 } else { 10 };
+    Ok(match bytes.int_in_range(0..=kinds - 1_u8)? {
+        0 => Transform::Identity,
+        1 => Transform::Absolute,
+        2 => Transform::Backlash { half_width: between(bytes, 0.0, 0.8)? },
+        3 => Transform::Time,
+        4 => Transform::LowPass { tau_s: between(bytes, 0.01, 5.0)? },
+        5 => Transform::Rate { tau_s: between(bytes, 0.01, 5.0)? },
+        6 => Transform::Variance { tau_s: between(bytes, 0.01, 5.0)? },
+        7 => Transform::Decay { tau_s: between(bytes, 0.01, 5.0)? },
+        8 => Transform::Sine { frequency_hz: between(bytes, 0.1, 90.0)? },
+        _ => Transform::Cosine { frequency_hz: between(bytes, 0.1, 90.0)? },
+    })
+}
+
+fn picks(bytes: &mut Unstructured<'_>) -> Result<Picks> {
+    several(bytes, 8, |bytes| {
+        let coefficient = between(bytes, -1.0, 1.0)?;
+        let mut factors = several(bytes, 2, factor)?;
+        factors.push(factor(bytes)?);
+        Ok((coefficient, factors))
+    })
+}
+
+fn factor(bytes: &mut Unstructured<'_>) -> Result<(u8, u16)> {
+    Ok((bytes.arbitrary()?, bytes.int_in_range(0..=12)?))
+}
+
+/// What happens to a predictor, as long as there are bytes.
+pub fn events(bytes: &mut Unstructured<'_>) -> Result<Vec<Event>> {
+    let mut events = Vec::new();
+    while !bytes.is_empty() && events.len() < MOST_EVENTS {
+        events.push(event(bytes)?);
+    }
+    Ok(events)
+}
+
+fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
+    let values = |bytes: &mut Unstructured<'_>, count: usize, reach: f64| -> Result<Vec<f64>> {
+        (0..count).map(|_| between(bytes, -reach, reach)).collect()
+    };
+    let faulty = |bytes: &mut Unstructured<'_>, most: usize, reach: f64| {
+        several(bytes, most, |bytes| match bytes.arbitrary::<u8>()? {
+            0 => Ok(f64::NAN),
+            1 => Ok(50.0),
+            2 => Ok(f64::INFINITY),
+            _ => between(bytes, -reach, reach),
+        })
+    };
+    // mostly samples at rest without a fault: otherwise a history is hardly ever full
+    Ok(match bytes.int_in_range(0..=31_u8)? {
+        0..20 => Event::Track { measured: values(bytes, 6, 1.5)?, quantities: values(bytes, 3, 2.5)? },
+        20..23 => Event::Track { measured: faulty(bytes, 6, 1.5)?, quantities: faulty(bytes, 3, 2.5)? },
+        23..25 => Event::TrackAgainst {
+            measured: values(bytes, 6, 1.5)?,
+            quantities: faulty(bytes, 3, 2.5)?,
+            reference: faulty(bytes, 6, 1.0)?,
+        },
+        25..28 => Event::Coast { measured: faulty(bytes, 6, 1.5)?, quantities: faulty(bytes, 3, 2.5)? },
+        28 => Event::Skip(bytes.int_in_range(1..=29)?),
+        // beyond what a byte counts; a twin walks every step, so seldom
+        29 if bytes.ratio(1, 4)? => Event::Skip(bytes.int_in_range(257..=320)?),
+        29 => Event::Skip(bytes.int_in_range(30..=60)?),
+        30 => Event::Repeat { measured: values(bytes, 6, 1.5)?, times: bytes.int_in_range(2..=8)? },
+        _ => Event::Reset,
+    })
+}
