@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::diagnose::DataSheet;
 use crate::file::{self, FileError};
 use crate::recording::{LoadOptions, Recording, RecordingError, load};
+use crate::versioned::{Refused, from_json};
 
 /// The schema that this program writes, and the only one it reads.
 pub const SCHEMA: &str = "fos-case/1";
@@ -161,23 +162,13 @@ impl CaseMeta {
     pub fn read(folder: &Path) -> Result<Self, CaseError> {
         let path = folder.join("meta.json");
         let bytes = file::read(&path)?;
-        let not_a_case = |error: serde_json::Error| CaseError::Meta {
-            path: path.clone(),
-            line: error.line(),
-            column: error.column(),
-            reason: error.to_string(),
-        };
-        // the schema first: a description of another one need not have the fields of this one
-        #[derive(Deserialize)]
-        struct Schema {
-            #[serde(default = "this_schema")]
-            schema: String,
-        }
-        let Schema { schema } = serde_json::from_slice(&bytes).map_err(not_a_case)?;
-        if schema != SCHEMA {
-            return Err(CaseError::Schema { path, found: schema });
-        }
-        serde_json::from_slice(&bytes).map_err(not_a_case)
+        from_json(&bytes, SCHEMA).map_err(|refused| match refused {
+            Refused::NotJson(error) => {
+                let (line, column, reason) = (error.line(), error.column(), error.to_string());
+                CaseError::Meta { path, line, column, reason }
+            }
+            Refused::Schema(found) => CaseError::Schema { path, found },
+        })
     }
 
     /// The target is a gyro.

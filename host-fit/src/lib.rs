@@ -38,6 +38,7 @@ pub mod simulate;
 pub mod study;
 mod text;
 pub mod unchanged;
+mod versioned;
 pub mod workbench;
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::model::UnitModel;
 use crate::recording::Source;
 use crate::rest::KnownBy;
 use crate::unchanged::{Seen, UnchangedError};
+use crate::versioned::{Refused, from_json};
 
 /// The schema that this program writes, and the only one it reads.
 pub const SCHEMA: &str = "fos-study/1";
@@ -134,22 +135,14 @@ impl Study {
     /// As of [`Study::read`].
     pub fn read_to_change(path: &Path) -> Result<(Self, Seen), StudyError> {
         let bytes = file::read(path)?;
-        let not_a_study = |error: serde_json::Error| StudyError::NotAStudy {
-            path: path.display().to_string(),
-            line: error.line(),
-            column: error.column(),
-            reason: error.to_string(),
+        let refused = |refused| match (refused, path.display().to_string()) {
+            (Refused::NotJson(error), path) => {
+                let (line, column, reason) = (error.line(), error.column(), error.to_string());
+                StudyError::NotAStudy { path, line, column, reason }
+            }
+            (Refused::Schema(found), path) => StudyError::Schema { path, found },
         };
-        // the schema first: a study of another one need not have the fields of this one
-        #[derive(Deserialize)]
-        struct Schema {
-            schema: String,
-        }
-        let Schema { schema } = serde_json::from_slice(&bytes).map_err(not_a_study)?;
-        if schema != SCHEMA {
-            return Err(StudyError::Schema { path: path.display().to_string(), found: schema });
-        }
-        let study = serde_json::from_slice(&bytes).map_err(not_a_study)?;
+        let study = from_json(&bytes, SCHEMA).map_err(refused)?;
         Ok((study, Seen::of(path, &bytes)))
     }
 
