@@ -218,8 +218,7 @@ impl Study {
 
     fn publish(&self, mut inner: MutexGuard<'_, Inner>) {
         inner.revision += 1;
-        let job = inner.running.as_ref().map(|(job, _)| job.clone());
-        let beat = Beat { revision: inner.revision, job };
+        let beat = Beat { revision: inner.revision, job: inner.job() };
         drop(inner);
         self.beat.send_replace(beat);
     }
@@ -299,7 +298,7 @@ impl Study {
             id: self.id,
             name: inner.name.clone(),
             verdict: looked_at.and_then(|axis| axis.section.diagnosis.as_ref()).map(|found| found.verdict),
-            working: inner.running.is_some() || !inner.tasks.is_empty(),
+            working: inner.job().is_some(),
             axis: looked_at.map(AxisEntry::of),
         }
     }
@@ -317,7 +316,7 @@ impl Study {
             id: self.id,
             name: inner.name.clone(),
             revision: inner.revision,
-            job: inner.running.as_ref().map(|(job, _)| job.clone()),
+            job: inner.job(),
             error: inner.error.clone(),
             logs: inner.read.as_ref().map(|read| read.summaries.clone()),
             axis: inner.looked_at.clone(),
@@ -477,6 +476,12 @@ impl Inner {
             let axes: Vec<&str> = self.axes.iter().map(|axis| axis.section.column.as_str()).collect();
             format!("there is no axis {column}; there is {}", axes.join(", "))
         })
+    }
+
+    /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then refuses.
+    fn job(&self) -> Option<Job> {
+        let running = self.running.as_ref().map(|(job, _)| job.clone());
+        running.or_else(|| self.tasks.front().map(|task| Job::new(task.in_words())))
     }
 
     /// The tasks after which all is known of an axis.

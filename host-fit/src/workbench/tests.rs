@@ -54,17 +54,16 @@ impl Bench {
         read(self.ask(request.body(Body::from(body.to_string())).unwrap()).await).await
     }
 
-    /// Waits until a study does nothing any more; its state.
+    /// Waits, as a page does, until a study rests: it must not between two tasks, or all that follows here is not there. Its state.
     async fn settled(&self, id: u64) -> Value {
         let began = Instant::now();
         loop {
-            let (_, entries) = self.get("/api/studies").await;
-            let entry = entries.as_array().unwrap().iter().find(|entry| entry["id"] == id).unwrap().clone();
-            if entry["working"] == false {
-                return self.get(&format!("/api/studies/{id}")).await.1;
+            let (_, state) = self.get(&format!("/api/studies/{id}")).await;
+            if state["job"].is_null() {
+                return state;
             }
-            assert!(began.elapsed() < Duration::from_secs(300), "still working: {entry}");
-            tokio::time::sleep(Duration::from_millis(50)).await;
+            assert!(began.elapsed() < Duration::from_secs(300), "still working: {}", state["job"]);
+            tokio::time::sleep(Duration::from_millis(5)).await;
         }
     }
 }
