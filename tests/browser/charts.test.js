@@ -2,28 +2,18 @@
 // The charts over time under real hands: zoom to single samples, pan smoothly.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { SLOW, closePage, framesWhilePanningAndZooming, openExample, openPage, plotOf, shownBy, startBrowser, startServer } from "./workbench.js";
+import { before, test } from "node:test";
+import { SLOW, bench, framesWhilePanningAndZooming, openExample, plotOf, shownBy } from "./workbench.js";
 
 /** Least that counts as smooth. */
 const SMOOTH = 30;
 
-/** @type {import("./workbench.js").Server} */
-let server;
-/** @type {import("playwright-core").Browser} */
-let browser;
 /** @type {import("playwright-core").Page} */
 let page;
+const workbench = bench();
 before(async () => {
-  server = await startServer();
-  browser = await startBrowser();
-  page = await openPage(browser, server);
+  page = await workbench.open();
   await openExample(page);
-});
-after(async () => {
-  if (page) await closePage(page);
-  await browser?.close();
-  await server?.stop();
 });
 
 const plot = () => plotOf(page);

@@ -2,21 +2,10 @@
 // Logs of one's own: columns of any name, files that are no logs, and the way out of a long fit.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { SLOW, assertAccessible, assertNoOverflow, atRest, closePage, csvFile, openExample, openPage, startBrowser, startServer, unusualCsv } from "./workbench.js";
+import { test } from "node:test";
+import { SLOW, assertAccessible, assertNoOverflow, atRest, bench, closePage, csvFile, openExample, unusualCsv } from "./workbench.js";
 
-/** @type {import("./workbench.js").Server} */
-let server;
-/** @type {import("playwright-core").Browser} */
-let browser;
-before(async () => {
-  server = await startServer();
-  browser = await startBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const workbench = bench();
 
 /** Drops files where the panel asks for them. @param {import("playwright-core").Page} page @param {{name: string, buffer: Buffer}[]} files */
 async function drop(page, files) {
@@ -29,7 +18,7 @@ async function drop(page, files) {
 }
 
 test("columns in mdps and g are guessed, shown and read", { timeout: SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   await drop(page, [csvFile("unit.csv", unusualCsv())]);
   await page.waitForSelector(".mapping table");
   const guess = async (/** @type {string} */ column) => {
@@ -49,7 +38,7 @@ test("columns in mdps and g are guessed, shown and read", { timeout: SLOW }, asy
 });
 
 test("a broken log is told of in full, and nothing else is lost", { timeout: 2 * SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   await openExample(page);
   const study = page.url();
   await page.locator('[data-key="tab:new"]').click();
@@ -71,7 +60,7 @@ test("a broken log is told of in full, and nothing else is lost", { timeout: 2 *
 });
 
 test("what is computed can be cancelled, and gone on with", { timeout: 2 * SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   await openExample(page, "logs");
   const cancel = page.getByRole("button", { name: "Cancel" });
   await cancel.waitFor();
@@ -86,7 +75,7 @@ test("what is computed can be cancelled, and gone on with", { timeout: 2 * SLOW 
 
 for (const theme of /** @type {const} */ (["light", "dark"])) {
   test(`the opening panel is accessible, and nothing overflows: ${theme}`, { timeout: SLOW }, async () => {
-    const page = await openPage(browser, server, { theme });
+    const page = await workbench.open({ theme });
     await assertAccessible(page, "the opening panel");
     const columns = "time,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z,temp,something";
     await drop(page, [csvFile("one.csv", `${columns}\n0,1,2,3,0.01,0.02,0.99,21,7\n5,1,2,3,0.01,0.02,0.99,21,7\n10,1,2,3,0.01,0.02,0.99,21,7\n`)]);

@@ -4,22 +4,11 @@
 import assert from "node:assert/strict";
 import { exec, execFile } from "node:child_process";
 import { dirname, join } from "node:path";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { promisify } from "node:util";
-import { HOST_FIT, IS_REAL, SLOW, add, assertAccessible, assertNoOverflow, atRest, closePage, numbersIn, openExample, openPage, startBrowser, startServer, stateOf } from "./workbench.js";
+import { HOST_FIT, IS_REAL, SLOW, add, assertAccessible, assertNoOverflow, atRest, bench, closePage, numbersIn, openExample, stateOf } from "./workbench.js";
 
-/** @type {import("./workbench.js").Server} */
-let server;
-/** @type {import("playwright-core").Browser} */
-let browser;
-before(async () => {
-  server = await startServer();
-  browser = await startBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const workbench = bench();
 
 /** @param {import("playwright-core").Page} page @param {string} effect */
 async function assertFellAsForetold(page, effect) {
@@ -36,7 +25,7 @@ async function assertFellAsForetold(page, effect) {
 }
 
 test("a hidden effect is found, named, added, taken back, added again and exported", { timeout: 3 * SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   await openExample(page);
 
   // where it fails is marked: in the list, and when chosen, in every panel
@@ -71,7 +60,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   assert.match(digest, /^[0-9a-f]{16}$/);
   const waiting = page.waitForEvent("download");
   await page.locator('[data-key="export:image"]').click();
-  const image = join(server.folder, "exported.fosm");
+  const image = join((await workbench.server).folder, "exported.fosm");
   await (await waiting).saveAs(image);
   if (IS_REAL) await assertSameAsReplay(page, image, digest);
   else console.log("skipped: the exported image against host-fit replay (the server answers canned numbers)");
@@ -81,6 +70,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
 
 /** @param {import("playwright-core").Page} page @param {string} image @param {string} digest */
 async function assertSameAsReplay(page, image, digest) {
+  const server = await workbench.server;
   const state = await stateOf(page, server);
   const log = state.logs?.judged?.path ?? state.logs?.field.path;
   assert.ok(log);
@@ -108,6 +98,7 @@ async function assertSameAsReplay(page, image, digest) {
 
 /** The command lines that the page shows come to the same staircase, to the last digit. @param {import("playwright-core").Page} page */
 async function assertCommandsDoTheSame(page) {
+  const server = await workbench.server;
   const state = await stateOf(page, server);
   assert.ok(state.commands.length >= 6, state.commands.join("\n"));
   const env = { ...process.env, PATH: `${dirname(HOST_FIT)}:${process.env.PATH}` };
@@ -120,7 +111,7 @@ async function assertCommandsDoTheSame(page) {
 }
 
 test("the same with keys alone", { timeout: 3 * SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   /** Tabs on until `selector` has the focus. @param {string} selector */
   const reach = async (selector) => {
     for (let presses = 0; presses < 250; presses += 1) {
@@ -167,14 +158,14 @@ test("the same with keys alone", { timeout: 3 * SLOW }, async () => {
 });
 
 test("a reload keeps the study, and two windows follow it", { timeout: 2 * SLOW }, async () => {
-  const first = await openPage(browser, server);
+  const first = await workbench.open();
   await openExample(first);
   const address = first.url();
   await first.reload();
   await atRest(first);
   assert.equal(first.url(), address);
 
-  const second = await openPage(browser, server);
+  const second = await workbench.open();
   await second.goto(address);
   await atRest(second);
   await add(first, "thermal_lag");
@@ -192,9 +183,9 @@ test("a reload keeps the study, and two windows follow it", { timeout: 2 * SLOW 
 });
 
 test("several studies stand side by side", { timeout: 2 * SLOW }, async () => {
-  const page = await openPage(browser, server);
+  const page = await workbench.open();
   for (let study = 0; study < 2; study += 1) {
-    await page.goto(`${server.url}#/open`);
+    await page.goto(`${(await workbench.server).url}#/open`);
     await openExample(page);
   }
   await add(page, "thermal_lag");
@@ -212,7 +203,7 @@ test("several studies stand side by side", { timeout: 2 * SLOW }, async () => {
 
 for (const theme of /** @type {const} */ (["light", "dark"])) {
   test(`a whole study is accessible, and nothing overflows: ${theme}`, { timeout: 2 * SLOW }, async () => {
-    const page = await openPage(browser, server, { theme });
+    const page = await workbench.open({ theme });
     await openExample(page, "logs");
     await assertAccessible(page, "a study at work");
     await atRest(page);

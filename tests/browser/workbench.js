@@ -8,6 +8,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { createInterface } from "node:readline";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -27,6 +28,7 @@ export const SLOW = 180_000;
 const BROWSER = process.env.FOS_CHROMIUM ?? "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--headless", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 
+/** @typedef {{width?: number, height?: number, theme?: "light" | "dark"}} Looks */
 /** @typedef {{url: string, folder: string, pid: number | undefined, stop: () => Promise<void>}} Server */
 
 /** Starts the workbench on a free port, in a folder of its own. @returns {Promise<Server>} */
@@ -55,11 +57,37 @@ export async function startServer() {
 
 export const startBrowser = () => chromium.launch({ executablePath: BROWSER, args: FLAGS });
 
+/** A server and a browser, there from before the first test of a file to after its last, and the pages that they open. */
+export function bench() {
+  const server = startServer();
+  const browser = startBrowser();
+  /** @type {Page[]} */
+  const pages = [];
+  before(() => Promise.all([server, browser]));
+  after(async () => {
+    try {
+      for (const page of pages) if (!page.isClosed()) await closePage(page);
+    } finally {
+      await (await browser).close();
+      await (await server).stop();
+    }
+  });
+  return {
+    server,
+    /** @param {Looks} [looks] */
+    async open(looks) {
+      const page = await openPage(await browser, await server, looks);
+      pages.push(page);
+      return page;
+    },
+  };
+}
+
 /**
  * A page that fails the test with any error that is not an answer of the server.
  * @param {Browser} browser
  * @param {Server} server
- * @param {{width?: number, height?: number, theme?: "light" | "dark"}} [looks]
+ * @param {Looks} [looks]
  */
 export async function openPage(browser, server, { width = 1440, height = 900, theme = "light" } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, acceptDownloads: true, reducedMotion: "reduce" });
