@@ -1,13 +1,13 @@
 //! The C interface from Rust: every status of loading, the same numbers as the hub, frames that the host reads.
 //! What only C can get wrong is in c/check.c.
 
-use core::ffi::CStr;
+use core::ffi::{CStr, c_char};
 use core::ptr::null_mut;
 
 use fos_core::image::encode;
 use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
-    Source, Term, Transform, u, y,
+    Source, Term, Transform, Validity, u, y,
 };
 use fos_embedded::c_api::*;
 use fos_embedded::hub::Hub;
@@ -230,6 +230,36 @@ fn the_start_of_telemetry_names_what_the_samples_hold() {
     assert_eq!(start.period_s, 0.005);
     assert_eq!(start.axes, "ax_mps2\nay_mps2\naz_mps2\ngx_rads\ngy_rads\ngz_rads");
     assert_eq!(start.quantities, "temp_c\nsupply_v\nhumidity_pct");
+}
+
+/// A static text of the interface.
+fn text(text: *const c_char) -> &'static str {
+    // SAFETY: it is never NULL, ends with a zero, and is static
+    unsafe { CStr::from_ptr(text) }.to_str().unwrap()
+}
+
+#[test]
+fn every_status_has_its_own_number_and_text() {
+    let texts: Vec<_> =
+        (0..=fos_status::OtherQuantity as i32).map(|status| text(fos_status_text(status))).collect();
+    for (number, of_this) in texts.iter().enumerate() {
+        assert!(!texts[..number].contains(of_this), "{number}: {of_this}");
+        assert_ne!(*of_this, "unknown status");
+    }
+    for unknown in [-1, texts.len() as i32] {
+        assert_eq!(text(fos_status_text(unknown)), "unknown status");
+    }
+}
+
+#[test]
+fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
+    for validity in Validity::ALL.reasons() {
+        let names: Vec<_> = validity.names().collect();
+        assert_eq!(names, [text(fos_validity_text(validity.bits()))]);
+    }
+    assert_eq!(Validity::ALL.bits(), 2 * FOS_VALIDITY_NOT_MODELLED - 1, "one for every bit");
+    assert_eq!(text(fos_validity_text(3)), "unknown validity");
+    assert_eq!(text(fos_validity_text(2048)), "unknown validity");
 }
 
 #[test]

@@ -146,16 +146,3 @@ pub extern "C" fn fos_status_text(status: i32) -> *const c_char {
     let status = ALL.iter().find(|known| **known as i32 == status);
     status.map_or(c"unknown status", |status| status.text()).as_ptr()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_status_has_its_own_number_and_text() {
-        for (number, status) in (0..).zip(ALL) {
-            assert_eq!(status as i32, number);
-            assert_eq!(ALL.iter().filter(|other| other.text() == status.text()).count(), 1);
-        }
-    }
-}

@@ -319,21 +319,3 @@ fn validity_text(bit: u16) -> &'static CStr {
         _ => c"unknown validity",
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use std::vec::Vec;
-
-    use super::*;
-
-    #[test]
-    fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
-        for validity in Validity::ALL.reasons() {
-            let names: Vec<_> = validity.names().collect();
-            assert_eq!(names, [validity_text(validity.bits()).to_str().unwrap()]);
-        }
-        assert_eq!(Validity::ALL.bits(), 2 * FOS_VALIDITY_NOT_MODELLED - 1, "one for every bit");
-        assert_eq!(validity_text(3), c"unknown validity");
-        assert_eq!(validity_text(2048), c"unknown validity");
-    }
-}

@@ -328,14 +328,16 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// What the application's clock shows, µs since whenever, now that all samples up to now were given. From it the true
     /// sample rate is found; call it after every batch.
     pub fn clock(&mut self, now_us: u64) {
-        self.rate.clock(now_us);
+        let set_back = self.rate.clock(now_us);
         let was_off = self.rate_off;
         let beyond_tolerance = self.rate.rate_hz().is_some_and(|rate_hz| {
             let off = rate_hz - self.model_rate_hz;
             self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
         });
-        self.rate_off = beyond_tolerance || self.rate.went_back();
-        if self.rate_off && !was_off {
+        self.rate_off = beyond_tolerance || set_back;
+        if set_back {
+            warn!("the application's clock was set back");
+        } else if beyond_tolerance && !was_off {
             warn!(
                 "sample rate off: {} Hz, the model's is {=f32} Hz",
                 self.rate.rate_hz(),

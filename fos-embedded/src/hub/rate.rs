@@ -14,13 +14,11 @@ pub(super) struct RateEstimator {
     /// Ticks since.
     ticks: u32,
     rate_hz: Option<f32>,
-    /// The latest look showed less than the start of its window.
-    went_back: bool,
 }
 
 impl RateEstimator {
     pub(super) const fn new() -> Self {
-        Self { start_us: None, ticks: 0, rate_hz: None, went_back: false }
+        Self { start_us: None, ticks: 0, rate_hz: None }
     }
 
     /// Ticks have passed.
@@ -34,12 +32,13 @@ impl RateEstimator {
         self.start_us = None;
     }
 
-    /// What the clock shows, µs, now that all ticks up to now were given.
-    pub(super) fn clock(&mut self, now_us: u64) {
+    /// What the clock shows, µs, now that all ticks up to now were given. Says whether it was set back beyond the window's start; set
+    /// back by less, it gives a rate that is off.
+    pub(super) fn clock(&mut self, now_us: u64) -> bool {
         let elapsed = self.start_us.and_then(|start_us| now_us.checked_sub(start_us));
-        self.went_back = self.start_us.is_some() && elapsed.is_none();
+        let set_back = self.start_us.is_some() && elapsed.is_none();
         match elapsed {
-            Some(elapsed) if elapsed < WINDOW_US => return,
+            Some(elapsed) if elapsed < WINDOW_US => return false,
             // a window that has lasted twice as long was slept through: the FIFO may have run over unseen
             Some(elapsed) if elapsed < 2 * WINDOW_US => {
                 self.rate_hz = Some(self.ticks as f32 * 1e6 / elapsed as u32 as f32);
@@ -47,11 +46,7 @@ impl RateEstimator {
             Some(_) | None => {}
         }
         (self.start_us, self.ticks) = (Some(now_us), 0);
-    }
-
-    /// The clock was set back, by the latest look: less than a window's start is seen at once, less than that as a rate that is off.
-    pub(super) fn went_back(&self) -> bool {
-        self.went_back
+        set_back
     }
 
     /// Ticks a second; none before the first whole window.
@@ -70,7 +65,7 @@ mod tests {
             let due = (look as f64 / 20.0 * samples_a_second) as u32;
             rate.tick(due - given);
             given = due;
-            rate.clock(from_us + look * 50_000);
+            assert!(!rate.clock(from_us + look * 50_000));
         }
         from_us + seconds * 1_000_000
     }
@@ -93,10 +88,8 @@ mod tests {
         let now_us = run(&mut rate, 0, 8, 200.0);
         rate.disturbed();
         let now_us = run(&mut rate, now_us, 8, 200.0);
-        rate.clock(now_us + 60_000_000); // slept through
-        assert!(!rate.went_back());
-        rate.clock(now_us); // set back
-        assert!(rate.went_back());
+        assert!(!rate.clock(now_us + 60_000_000), "slept through");
+        assert!(rate.clock(now_us), "set back");
         assert_eq!(rate.rate_hz(), None);
         run(&mut rate, now_us, 11, 200.0);
         assert!(rate.rate_hz().is_some());
