@@ -1,7 +1,7 @@
 //! A twin that coasts one sample longer than the model says: what the comparison must find, or it compares nothing.
 #![no_main]
 
-use fos_fuzz::drawn::{events, model};
+use fos_fuzz::drawn::{event, events, model};
 use fos_fuzz::models::Draw;
 use fos_fuzz::twin::{Twin, compare_with};
 use libfuzzer_sys::arbitrary::Unstructured;
@@ -10,7 +10,7 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Unstructured::new(bytes);
     let Ok(model) = model(&mut bytes, Draw::Exact) else { return };
-    let Ok(events) = events(&mut bytes) else { return };
+    let events = events(&mut bytes, event);
     let mut other = model.clone();
     for axis in &mut other.axes {
         axis.parameters.gap_limit += 1;

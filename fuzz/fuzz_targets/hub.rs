@@ -8,7 +8,7 @@ use fos_core::{
 };
 use fos_embedded::hub::{Hub, Motion, OTHER_POSE, SIX};
 use fos_embedded::raw::{Faults, RawSample, Scales};
-use fos_fuzz::drawn::{MOST_EVENTS, between, model};
+use fos_fuzz::drawn::{between, events, model};
 use fos_fuzz::models::{Draw, OwnedModel, Roomy};
 use fos_fuzz::twin::{Event, Twin};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
@@ -100,11 +100,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut expected = Expected::new(&single);
     let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
     hub.load(&image).expect("a model that the predictor takes");
-    for _ in 0..MOST_EVENTS {
-        if bytes.is_empty() {
-            return;
-        }
-        let Ok(event) = event(&mut bytes) else { return };
+    for event in events(&mut bytes, event) {
         match event {
             Happens::Sample { measured, temperature, skipped, faults } => {
                 let code = |axis: usize| expected.code(axis, measured[axis]);

@@ -1,7 +1,7 @@
 //! The predictor against a naive twin in f64, over any model and any events: bit for bit where both are the same sums.
 #![no_main]
 
-use fos_fuzz::drawn::{events, model};
+use fos_fuzz::drawn::{event, events, model};
 use fos_fuzz::models::Draw;
 use fos_fuzz::twin::compare;
 use libfuzzer_sys::arbitrary::Unstructured;
@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let (kind, tolerance) =
         if bytes.arbitrary().unwrap_or(false) { (Draw::Exact, 0.0) } else { (Draw::Contracting, 1e-9) };
     let Ok(model) = model(&mut bytes, kind) else { return };
-    let Ok(events) = events(&mut bytes) else { return };
+    let events = events(&mut bytes, event);
     if let Err(difference) = compare(&model, &events, tolerance) {
         panic!("{difference}\n{model:?}\n{events:?}");
     }

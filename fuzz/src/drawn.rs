@@ -1,14 +1,14 @@
 //! Models and what happens to them, read off the bytes of an input: a byte that changes, changes one thing, so that what code is
 //! reached can guide the fuzzer. Where the bytes end all is small and over.
 
-use fos_core::Transform;
+use fos_core::{AxisParameters, Transform};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
 
-use crate::models::{AxisNumbers, Draw, InputNumbers, OwnedModel, Picks, model_of};
+use crate::models::{Draw, OwnedModel, Picks, axis_of, drawn_axis, model_of, shifted_input, source_of};
 use crate::twin::Event;
 
 /// Events in one run: a twin that keeps everything takes its time.
-pub const MOST_EVENTS: usize = 250;
+const MOST_EVENTS: usize = 250;
 
 /// One of 256 values from `low` to `high`.
 pub fn between(bytes: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64> {
@@ -19,9 +19,8 @@ pub fn between(bytes: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64>
 pub fn several<'a, T>(
     bytes: &mut Unstructured<'a>,
     most: usize,
-    one: impl FnMut(&mut Unstructured<'a>) -> Result<T>,
+    mut one: impl FnMut(&mut Unstructured<'a>) -> Result<T>,
 ) -> Result<Vec<T>> {
-    let mut one = one;
     let count = usize::from(bytes.arbitrary::<u8>()?) % (most + 1);
     (0..count).map(|_| one(bytes)).collect()
 }
@@ -30,31 +29,25 @@ pub fn several<'a, T>(
 pub fn model(bytes: &mut Unstructured<'_>, draw: Draw) -> Result<OwnedModel<f64>> {
     let n_axes = bytes.int_in_range(1..=6_u8)?;
     let inputs = several(bytes, 8, |bytes| {
-        Ok(InputNumbers {
-            transform: transform(bytes, draw)?,
-            of_a_remainder: bytes.arbitrary()?,
-            quantity: bytes.int_in_range(0..=2)?,
-            axis: bytes.int_in_range(0..=n_axes - 1)?,
-            centre: between(bytes, -0.5, 0.5)?,
-            scale: between(bytes, 0.5, 2.0)?,
-            reach: between(bytes, 0.4, 3.0)?,
-        }
-        .input())
+        let transform = transform(bytes, draw)?;
+        let (of_a_remainder, quantity) = (bytes.arbitrary()?, bytes.int_in_range(0..=2)?);
+        let source = source_of(&transform, of_a_remainder, quantity, bytes.int_in_range(0..=n_axes - 1)?);
+        let (centre, scale) = (between(bytes, -0.5, 0.5)?, between(bytes, 0.5, 2.0)?);
+        Ok(shifted_input(source, transform, centre, scale, between(bytes, 0.4, 3.0)?))
     })?;
     let axes = (0..n_axes).map(|_| {
-        let numbers = AxisNumbers {
+        let parameters = AxisParameters {
             reference: between(bytes, -10.0, 10.0)?,
             offset: between(bytes, -0.1, 0.1)?,
             scale: between(bytes, 0.5, 2.0)?,
             constant: between(bytes, -0.3, 0.3)?,
-            reach: between(bytes, 0.5, 1.0)?,
             stuck_after: *bytes.choose(&[0, 2, 3, 4, 5])?,
             gap_limit: bytes.int_in_range(0..=11)?,
             coast_limit_s: *bytes.choose(&[0.0, 0.004, 0.05, 0.3, 1e9])?,
-            physical: picks(bytes)?,
-            stochastic: picks(bytes)?,
+            ..drawn_axis(between(bytes, 0.5, 1.0)?)
         };
-        Ok(numbers.axis(draw, &inputs))
+        let (physical, stochastic) = (picks(bytes)?, picks(bytes)?);
+        Ok(axis_of(parameters, physical, stochastic, draw, &inputs))
     });
     let axes = axes.collect::<Result<_>>()?;
     Ok(model_of(inputs, axes))
@@ -89,16 +82,17 @@ fn factor(bytes: &mut Unstructured<'_>) -> Result<(u8, u16)> {
     Ok((bytes.arbitrary()?, bytes.int_in_range(0..=12)?))
 }
 
-/// What happens to a predictor, as long as there are bytes.
-pub fn events(bytes: &mut Unstructured<'_>) -> Result<Vec<Event>> {
-    let mut events = Vec::new();
-    while !bytes.is_empty() && events.len() < MOST_EVENTS {
-        events.push(event(bytes)?);
-    }
-    Ok(events)
+/// What happens, one event after the other, as long as there are bytes.
+pub fn events<'a, T>(
+    bytes: &mut Unstructured<'a>,
+    event: impl Fn(&mut Unstructured<'a>) -> Result<T>,
+) -> Vec<T> {
+    let next = || if bytes.is_empty() { None } else { event(bytes).ok() };
+    std::iter::from_fn(next).take(MOST_EVENTS).collect()
 }
 
-fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
+/// What happens to a predictor.
+pub fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
     let values = |bytes: &mut Unstructured<'_>, count: usize, reach: f64| -> Result<Vec<f64>> {
         (0..count).map(|_| between(bytes, -reach, reach)).collect()
     };

@@ -142,34 +142,31 @@ fn transforms(draw: Draw) -> BoxedStrategy<Transform<f64>> {
     .boxed()
 }
 
-/// The numbers that an input is made of; each reads what suits its transform.
-pub struct InputNumbers {
-    pub transform: Transform<f64>,
-    pub of_a_remainder: bool,
-    pub quantity: u8,
-    pub axis: u8,
-    pub centre: f64,
-    pub scale: f64,
-    pub reach: f64,
+/// Where an input of this transform comes from: the clock, or what was drawn.
+pub fn source_of(transform: &Transform<f64>, of_a_remainder: bool, quantity: u8, axis: u8) -> Source {
+    match (transform.is_clock(), of_a_remainder) {
+        (true, _) => Source::Clock,
+        (false, true) => Source::Remainder(axis),
+        (false, false) => Source::Quantity(quantity),
+    }
 }
 
-impl InputNumbers {
-    pub fn input(self) -> Input<f64> {
-        let source = match (self.transform.is_clock(), self.of_a_remainder) {
-            (true, _) => Source::Clock,
-            (false, true) => Source::Remainder(self.axis),
-            (false, false) => Source::Quantity(self.quantity),
-        };
-        let (source_range, range) = (Range::new(-2.0, 2.0), Range::new(-self.reach, self.reach));
-        let Self { transform, centre, scale, .. } = self;
-        Input { source, transform, centre, scale, source_range, range }
-    }
+/// An input of quantities of range −2 … 2.
+pub fn shifted_input(
+    source: Source,
+    transform: Transform<f64>,
+    centre: f64,
+    scale: f64,
+    reach: f64,
+) -> Input<f64> {
+    Input { centre, scale, source_range: Range::new(-2.0, 2.0), ..input(source, transform, reach) }
 }
 
 fn inputs(draw: Draw, n_axes: u8) -> impl Strategy<Value = Vec<Input<f64>>> {
     let one = (transforms(draw), any::<bool>(), 0_u8..3, 0..n_axes, -0.5..0.5, 0.5..2.0, 0.4..3.0_f64)
         .prop_map(|(transform, of_a_remainder, quantity, axis, centre, scale, reach)| {
-            InputNumbers { transform, of_a_remainder, quantity, axis, centre, scale, reach }.input()
+            let source = source_of(&transform, of_a_remainder, quantity, axis);
+            shifted_input(source, transform, centre, scale, reach)
         });
     prop::collection::vec(one, 0..=8)
 }
@@ -200,53 +197,34 @@ fn terms(picks: Picks, allowed: &[u8], output: bool) -> Vec<Term<f64>> {
     picks.into_iter().map(term).collect()
 }
 
-/// The numbers that an axis is made of.
-pub struct AxisNumbers {
-    pub reference: f64,
-    pub offset: f64,
-    pub scale: f64,
-    pub constant: f64,
-    pub reach: f64,
-    pub stuck_after: u16,
-    pub gap_limit: u8,
-    pub coast_limit_s: f64,
-    pub physical: Picks,
-    pub stochastic: Picks,
+/// An axis of these parameters over these inputs, its terms from arbitrary numbers.
+pub fn axis_of(
+    parameters: AxisParameters<f64>,
+    physical: Picks,
+    stochastic: Picks,
+    draw: Draw,
+    inputs: &[Input<f64>],
+) -> OwnedAxis<f64> {
+    let all: Vec<u8> = (0..inputs.len() as u8).collect();
+    let remainder = |index: u8| matches!(inputs[usize::from(index)].source, Source::Remainder(_));
+    let logged: Vec<u8> = all.iter().copied().filter(|&index| !remainder(index)).collect();
+    let mut stochastic = terms(stochastic, &all, true);
+    if draw == Draw::Contracting {
+        // |∂r̂/∂r| summed over all lags: every other factor is at most 3.3 (reach 3, widened by 5 % of 6)
+        let slope = |term: &Term<f64>| {
+            let degree = term.factors().len();
+            term.coefficient.abs() * degree as f64 * 3.3_f64.powi(degree as i32 - 1)
+        };
+        let total = stochastic.iter().map(slope).sum::<f64>().max(0.1);
+        let shrink = |term: &Term<f64>| term.with_coefficient(0.8 * term.coefficient / total);
+        stochastic = stochastic.iter().map(shrink).collect();
+    }
+    OwnedAxis { parameters, physical: terms(physical, &logged, false), stochastic }
 }
 
-impl AxisNumbers {
-    pub fn axis(self, draw: Draw, inputs: &[Input<f64>]) -> OwnedAxis<f64> {
-        let all: Vec<u8> = (0..inputs.len() as u8).collect();
-        let remainder = |index: u8| matches!(inputs[usize::from(index)].source, Source::Remainder(_));
-        let logged: Vec<u8> = all.iter().copied().filter(|&index| !remainder(index)).collect();
-        let mut stochastic = terms(self.stochastic, &all, true);
-        if draw == Draw::Contracting {
-            // |∂r̂/∂r| summed over all lags: every other factor is at most 3.3 (reach 3, widened by 5 % of 6)
-            let slope = |term: &Term<f64>| {
-                let degree = term.factors().len();
-                term.coefficient.abs() * degree as f64 * 3.3_f64.powi(degree as i32 - 1)
-            };
-            let total = stochastic.iter().map(slope).sum::<f64>().max(0.1);
-            let shrink = |term: &Term<f64>| term.with_coefficient(0.8 * term.coefficient / total);
-            stochastic = stochastic.iter().map(shrink).collect();
-        }
-        OwnedAxis {
-            parameters: AxisParameters {
-                reference: self.reference,
-                offset: self.offset,
-                scale: self.scale,
-                constant: self.constant,
-                range: Range::new(-self.reach, self.reach),
-                full_scale: 14.0,
-                stuck_after: self.stuck_after,
-                gap_limit: self.gap_limit,
-                coast_limit_s: self.coast_limit_s,
-                ..plain()
-            },
-            physical: terms(self.physical, &logged, false),
-            stochastic,
-        }
-    }
+/// What every axis drawn at random has: a range of −`reach` … `reach`, and a full scale that samples pass seldom.
+pub fn drawn_axis(reach: f64) -> AxisParameters<f64> {
+    AxisParameters { range: Range::new(-reach, reach), full_scale: 14.0, ..plain() }
 }
 
 fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<f64>> {
@@ -255,19 +233,17 @@ fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<
     (numbers, faults, picks(), picks()).prop_map(move |(numbers, faults, physical, stochastic)| {
         let (reference, offset, scale, constant, reach) = numbers;
         let (stuck_after, gap_limit, coast_limit_s) = faults;
-        AxisNumbers {
+        let parameters = AxisParameters {
             reference,
             offset,
             scale,
             constant,
-            reach,
             stuck_after,
             gap_limit,
             coast_limit_s,
-            physical,
-            stochastic,
-        }
-        .axis(draw, &inputs)
+            ..drawn_axis(reach)
+        };
+        axis_of(parameters, physical, stochastic, draw, &inputs)
     })
 }
 
