@@ -188,7 +188,7 @@ impl Study {
                 return None;
             }
             if let Some(task) = inner.tasks.pop_front() {
-                let (job, stop) = (Job::new(task.in_words()), Stop::default());
+                let (job, stop) = (task.job(), Stop::default());
                 inner.running = Some((job, stop.clone()));
                 if task.is_asked_for() {
                     inner.error = None;
@@ -481,7 +481,9 @@ impl Inner {
     /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then refuses.
     fn job(&self) -> Option<Job> {
         let running = self.running.as_ref().map(|(job, _)| job.clone());
-        running.or_else(|| self.tasks.front().map(|task| Job::new(task.in_words())))
+        let mut job = running.or_else(|| self.tasks.front().map(Task::job))?;
+        job.asked_for |= self.tasks.iter().any(Task::is_asked_for);
+        Some(job)
     }
 
     /// The tasks after which all is known of an axis.
@@ -533,5 +535,25 @@ impl Inner {
         // what was to come after it needs what it did not give; the fits of other axes do not
         self.tasks.retain(|task| matches!(task, Task::Fit(_)));
         self.error = Some(reason);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_rests_when_nothing_is_left_and_is_free_while_nobody_waits() {
+        let fit = |column: &str| Task::Fit(column.to_owned());
+        let mut inner = Inner::default();
+        assert_eq!(inner.job(), None);
+        inner.ask([fit("gx_rads"), fit("gy_rads")]);
+        assert!(!inner.job().unwrap().asked_for, "the other axes, in the background");
+        let begun = inner.tasks.pop_front().unwrap();
+        inner.running = Some((begun.job(), Stop::default()));
+        inner.ask([Task::Add { column: "gx_rads".to_owned(), effect: "thermal_lag".to_owned() }]);
+        assert!(inner.job().unwrap().asked_for, "it waits for the fit that runs");
+        inner.running = None;
+        assert!(inner.job().unwrap().asked_for, "between two tasks");
     }
 }

@@ -74,8 +74,9 @@ impl Open {
 }
 
 impl Task {
-    pub(super) fn in_words(&self) -> String {
-        match self {
+    /// The job of doing it.
+    pub(super) fn job(&self) -> Job {
+        let words = match self {
             Self::Read(Open::Example(_)) => "simulating the example".to_owned(),
             Self::Read(open) => format!("reading {}", open.name()),
             Self::Fit(column) => format!("fitting {}", in_words(column)),
@@ -83,7 +84,8 @@ impl Task {
             Self::Diagnose(column) => format!("looking for what is missing from {}", in_words(column)),
             Self::Add { column, effect } => format!("adding {effect} to {}", in_words(column)),
             Self::Undo { column, .. } => format!("taking effects of {} back", in_words(column)),
-        }
+        };
+        Job::new(words, self.is_asked_for())
     }
 
     /// Whether somebody waits for it: a new error takes the place of the old one.

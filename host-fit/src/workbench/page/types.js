@@ -4,7 +4,7 @@
 /** @typedef {"missing" | "nothing_missing" | "unexplained"} Verdict */
 /** @typedef {{column: string, label: string, unit: string, sentence: string | null, added: string[], slow_before: number | null, slow_now: number | null}} AxisEntry */
 /** @typedef {{id: number, name: string, verdict: Verdict | null, working: boolean, axis?: AxisEntry | null}} StudyEntry */
-/** @typedef {{what: string, done: number | null, of: number | null}} Job */
+/** asked_for: somebody waits for it; otherwise it goes on in the background. @typedef {{what: string, done: number | null, of: number | null, asked_for: boolean}} Job */
 /** @typedef {{name: string, unit: string}} Column */
 /**
  * @typedef {object} Log

@@ -23,7 +23,7 @@ export function fallsPart(context) {
     element,
     update(scene) {
       const { axis, state } = scene;
-      const isBusy = state.job !== null;
+      const isBusy = state.job?.asked_for ?? false;
       const now = JSON.stringify([axis?.column, axis?.growth, axis?.staircase, isBusy, axis?.growth ? null : state.job?.what]);
       if (now === drawn) return;
       drawn = now;

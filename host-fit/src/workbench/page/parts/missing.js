@@ -25,7 +25,7 @@ export function missingPart(context) {
   function update(scene) {
     const { axis, state } = scene;
     const diagnosis = axis?.diagnosis ?? null;
-    const isBusy = state.job !== null;
+    const isBusy = state.job?.asked_for ?? false;
     const now = JSON.stringify([axis?.column, diagnosis, axis?.offers, isBusy, diagnosis ? null : state.job?.what, axis?.growth?.stairs.length]);
     if (now !== drawn) {
       drawn = now;
