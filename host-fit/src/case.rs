@@ -163,10 +163,7 @@ impl CaseMeta {
         let path = folder.join("meta.json");
         let bytes = file::read(&path)?;
         from_json(&bytes, SCHEMA).map_err(|refused| match refused {
-            Refused::NotJson(error) => {
-                let (line, column, reason) = (error.line(), error.column(), error.to_string());
-                CaseError::Meta { path, line, column, reason }
-            }
+            Refused::NotJson { line, column, reason } => CaseError::Meta { path, line, column, reason },
             Refused::Schema(found) => CaseError::Schema { path, found },
         })
     }

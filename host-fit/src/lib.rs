@@ -11,6 +11,7 @@ pub mod candidates;
 pub mod case;
 pub mod cli;
 pub mod compare;
+pub mod contained;
 pub mod dependence;
 pub mod diagnose;
 pub mod effects;

@@ -136,8 +136,7 @@ impl Study {
     pub fn read_to_change(path: &Path) -> Result<(Self, Seen), StudyError> {
         let bytes = file::read(path)?;
         let refused = |refused| match (refused, path.display().to_string()) {
-            (Refused::NotJson(error), path) => {
-                let (line, column, reason) = (error.line(), error.column(), error.to_string());
+            (Refused::NotJson { line, column, reason }, path) => {
                 StudyError::NotAStudy { path, line, column, reason }
             }
             (Refused::Schema(found), path) => StudyError::Schema { path, found },

@@ -15,6 +15,7 @@ use parquet::schema::types::ColumnDescriptor;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::table::{Column, Table, check_names, column_name, must_be_numeric};
+use crate::contained::contained;
 
 /// Cells decoded at once: enough to be quick, little beside the data.
 const BATCH_CELLS: usize = 65_536;
@@ -49,7 +50,7 @@ pub(super) fn read(
     rows: Option<usize>,
 ) -> Result<Table, RecordingError> {
     let failed = |source: ParquetError| RecordingError::Parquet { path: path.to_owned(), source };
-    let reader = SerializedFileReader::new(input).map_err(failed)?;
+    let reader = library(|| SerializedFileReader::new(input)).map_err(failed)?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let fields = schema.root_schema().get_fields();
     let names: Vec<String> =
@@ -90,7 +91,7 @@ pub(super) fn read(
 
     let most = rows.unwrap_or(usize::MAX);
     for group in 0..reader.num_row_groups() {
-        let group = reader.get_row_group(group).map_err(failed)?;
+        let group = library(|| reader.get_row_group(group)).map_err(failed)?;
         let start = table.n_rows();
         let stated = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         let rows = stated.min(most - start);
@@ -99,7 +100,7 @@ pub(super) fn read(
         }
         // columns that are left out are not even decoded
         for (column, selected) in table.columns.iter_mut().zip(&mut selected) {
-            let cells = group.get_column_reader(selected.index).map_err(failed)?;
+            let cells = library(|| group.get_column_reader(selected.index)).map_err(failed)?;
             append(cells, selected, &mut column.values, rows).map_err(failed)?;
             let found = column.values.len() - start;
             if found != rows {
@@ -116,6 +117,11 @@ pub(super) fn read(
         table.note_missing_cells(i, selected.empty);
     }
     Ok(table)
+}
+
+/// Calls the library, which panics on some of what a damaged file says, such as that a column begins before the file.
+fn library<T>(call: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    contained(call).unwrap_or_else(|said| Err(ParquetError::General(format!("the file is damaged ({said})"))))
 }
 
 /// How to read a column; `None` if it holds nothing that is a number.
@@ -248,12 +254,8 @@ impl Into<'_> {
             crate::interrupt::check();
             found.clear();
             levels.clear();
-            let (read, ..) = cells.read_records(
-                left.min(BATCH_CELLS),
-                self.optional.then_some(&mut levels),
-                None,
-                &mut found,
-            )?;
+            let (batch, levels_wanted) = (left.min(BATCH_CELLS), self.optional.then_some(&mut levels));
+            let (read, ..) = library(|| cells.read_records(batch, levels_wanted, None, &mut found))?;
             if read == 0 {
                 break;
             }
@@ -346,6 +348,32 @@ mod tests {
         assert!((rate.values[0] - (100.0_f64 / 131.0).to_radians()).abs() < 1e-15);
         assert_eq!(log.channel("temp_c").unwrap().values[0], f64::from(0.1_f32));
         assert_eq!(log.quality.missing_cells[0].empty, 1);
+    }
+
+    #[test]
+    fn a_file_with_any_bit_changed_is_read_or_refused() {
+        let path = file("message log { required double t_s; optional int32 gx; }", |group| {
+            put::<DoubleType>(group, &all(&[0.0, 0.005, 0.01]));
+            put::<Int32Type>(group, &[Some(1), None, Some(3)]);
+        });
+        let bytes = std::fs::read(&path).unwrap();
+        let mut damaged = 0;
+        for bit in 0..8 * bytes.len() {
+            let mut changed = bytes.clone();
+            changed[bit / 8] ^= 1 << (bit % 8);
+            std::fs::write(&path, changed).unwrap();
+            match read(&path, File::open(&path).unwrap(), &ColumnMap::default(), None) {
+                Ok(table) => {
+                    assert!(
+                        table.columns.iter().all(|column| column.values.len() == table.n_rows()),
+                        "{bit}"
+                    );
+                }
+                Err(error) => damaged += usize::from(error.to_string().contains("the file is damaged (")),
+            }
+        }
+        // or the library does not panic any more, and need not be contained
+        assert!(damaged > 0);
     }
 
     #[test]
