@@ -5,6 +5,7 @@
 pub(crate) use board::*;
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 pub(crate) use host::*;
+use io::{Read as _, Write as _};
 
 /// How many instructions something took, again and again.
 pub(crate) struct Tally {
@@ -60,13 +61,51 @@ impl core::fmt::Display for Tally {
     }
 }
 
+/// A file of the host.
+pub(crate) struct File(fs::File);
+
+impl File {
+    pub(crate) fn open(path: &core::ffi::CStr) -> Self {
+        match fs::File::open(as_path(path)) {
+            Ok(file) => Self(file),
+            Err(error) => fail(format_args!("{path:?}: {error}")),
+        }
+    }
+
+    pub(crate) fn create(path: &core::ffi::CStr) -> Self {
+        match fs::File::create(as_path(path)) {
+            Ok(file) => Self(file),
+            Err(error) => fail(format_args!("{path:?}: {error}")),
+        }
+    }
+
+    pub(crate) fn write(&mut self, bytes: &[u8]) {
+        if let Err(error) = self.0.write_all(bytes) {
+            fail(format_args!("cannot write: {error}"));
+        }
+    }
+
+    /// Fills as much of `buffer` as the file has left; how much.
+    pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
+        let mut filled = 0;
+        while filled < buffer.len() {
+            match self.0.read(&mut buffer[filled..]) {
+                Ok(0) => break,
+                Ok(read) => filled += read,
+                Err(error) => fail(format_args!("cannot read: {error}")),
+            }
+        }
+        filled
+    }
+}
+
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod board {
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m::peripheral::{Peripherals, SYST};
-    use semihosting::io::{Read, Write};
 
     pub(crate) use semihosting::println;
+    pub(super) use semihosting::{fs, io};
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
@@ -104,42 +143,9 @@ mod board {
         core::ffi::CStr::from_bytes_until_nul(buffer).ok()
     }
 
-    /// A file of the host.
-    pub(crate) struct File(semihosting::fs::File);
-
-    impl File {
-        pub(crate) fn open(path: &core::ffi::CStr) -> Self {
-            match semihosting::fs::File::open(path) {
-                Ok(file) => Self(file),
-                Err(error) => fail(format_args!("{path:?}: {error}")),
-            }
-        }
-
-        pub(crate) fn create(path: &core::ffi::CStr) -> Self {
-            match semihosting::fs::File::create(path) {
-                Ok(file) => Self(file),
-                Err(error) => fail(format_args!("{path:?}: {error}")),
-            }
-        }
-
-        pub(crate) fn write(&mut self, bytes: &[u8]) {
-            if let Err(error) = self.0.write_all(bytes) {
-                fail(format_args!("cannot write: {error}"));
-            }
-        }
-
-        /// Fills as much of `buffer` as the file has left; how much.
-        pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
-            let mut filled = 0;
-            while filled < buffer.len() {
-                match self.0.read(&mut buffer[filled..]) {
-                    Ok(0) => break,
-                    Ok(read) => filled += read,
-                    Err(error) => fail(format_args!("cannot read: {error}")),
-                }
-            }
-            filled
-        }
+    /// A path as files are opened by.
+    pub(super) fn as_path(path: &core::ffi::CStr) -> &core::ffi::CStr {
+        path
     }
 
     /// So many bytes below the stack pointer are looked at.
@@ -215,9 +221,8 @@ mod board {
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 mod host {
-    use std::io::{Read, Write};
-
     pub(crate) use std::println;
+    pub(super) use std::{fs, io};
 
     /// Ends the program with an error.
     pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
@@ -233,42 +238,9 @@ mod host {
         core::ffi::CStr::from_bytes_until_nul(buffer).ok()
     }
 
-    /// A file of the host.
-    pub(crate) struct File(std::fs::File);
-
-    impl File {
-        pub(crate) fn open(path: &core::ffi::CStr) -> Self {
-            match std::fs::File::open(path.to_string_lossy().as_ref()) {
-                Ok(file) => Self(file),
-                Err(error) => fail(format_args!("{path:?}: {error}")),
-            }
-        }
-
-        pub(crate) fn create(path: &core::ffi::CStr) -> Self {
-            match std::fs::File::create(path.to_string_lossy().as_ref()) {
-                Ok(file) => Self(file),
-                Err(error) => fail(format_args!("{path:?}: {error}")),
-            }
-        }
-
-        pub(crate) fn write(&mut self, bytes: &[u8]) {
-            if let Err(error) = self.0.write_all(bytes) {
-                fail(format_args!("cannot write: {error}"));
-            }
-        }
-
-        /// Fills as much of `buffer` as the file has left; how much.
-        pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
-            let mut filled = 0;
-            while filled < buffer.len() {
-                match self.0.read(&mut buffer[filled..]) {
-                    Ok(0) => break,
-                    Ok(read) => filled += read,
-                    Err(error) => fail(format_args!("cannot read: {error}")),
-                }
-            }
-            filled
-        }
+    /// A path as files are opened by.
+    pub(super) fn as_path(path: &core::ffi::CStr) -> &std::path::Path {
+        std::path::Path::new(path.to_str().unwrap_or_else(|error| fail(format_args!("{path:?}: {error}"))))
     }
 
     /// The stack is looked at on the emulated board only.
