@@ -213,7 +213,7 @@ impl UnitModel {
 }
 
 /// Where `thing` stands in `things`; appended if it does not.
-fn position<T: PartialEq>(things: &mut Vec<T>, thing: T) -> u8 {
+pub(crate) fn position<T: PartialEq>(things: &mut Vec<T>, thing: T) -> u8 {
     let found = things.iter().position(|other| *other == thing).unwrap_or_else(|| {
         things.push(thing);
         things.len() - 1

@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::CalibrationError;
-use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Question, Verdict, correction, diagnose};
+use crate::case::Case;
+use crate::diagnose::{
+    DiagnoseError, Diagnosis, Gls, NoiseLevels, Question, Reduced, Verdict, correction, diagnose,
+};
 use crate::effects::Library;
 use crate::recording::{LoadOptions, Recording, Source};
 use crate::signal;
 use crate::simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, simulate_case};
-
-/// Blocks of the slow error, s: its definition.
-const SLOW_BLOCK_S: f64 = 1.0;
 
 /// Achievable falls below this are not worth a ratio.
 const LEAST_FALL: f64 = 0.02;
@@ -88,30 +88,20 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
         Recording::from_columns(Source::made_by(name), columns, &options)
             .map_err(|error| failed(error.into()))
     };
-    let (quiet, field, eval) =
-        (recording("baseline", baseline)?, recording("field", field)?, recording("eval", eval)?);
+    let (baseline, field) = (Some(recording("baseline", baseline)?), recording("field", field)?);
+    let asked = Case { meta, baseline, field, eval: None };
+    let eval = recording("eval", eval)?;
     let start = std::time::Instant::now();
-    let answer = diagnose(&Question {
-        field: &field,
-        quiet: Some(&quiet),
-        judged: Some(&eval),
-        target: &meta.target,
-        sheet: meta.data_sheet(),
-        full_scale: meta.full_scale(),
-        lsb: meta.lsb(),
-        library,
-        given: &[],
-    })
-    .map_err(failed)?;
+    let answer = diagnose(&Question { judged: Some(&eval), ..asked.question(library) }).map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
-    let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
+    let corrected = Corrected { target: &asked.meta.target, field: &asked.field, eval: &eval };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
     let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
     Ok(Outcome {
         case,
         kind: plan.kind,
         setup: format!("{:?}", plan.setup),
-        target: meta.target.clone(),
+        target: asked.meta.target.clone(),
         planted: truth
             .planted
             .iter()
@@ -165,8 +155,16 @@ impl Corrected<'_> {
         noise: &AxisNoise,
         wide: bool,
     ) -> Result<(Option<f64>, Option<f64>), DiagnoseError> {
-        let reduced = Reduced1s::new(self.eval, self.target)?;
-        let take = |correction: &[f64]| -> f64 { reduced.fall(correction, wide) };
+        let (reduced, rows) = (Reduced::in_slow_blocks(self.eval, self.target)?, 0..self.eval.n_rows());
+        let variance = |left: &[f64]| match wide {
+            true => reduced.wide_variance(left, &rows),
+            false => reduced.slow_variance(left, &rows),
+        };
+        let take = |correction: &[f64]| -> f64 {
+            let left: Vec<f64> =
+                reduced.error.iter().zip(correction).map(|(error, taken)| error - taken).collect();
+            1.0 - variance(&left) / variance(&reduced.error)
+        };
         let own = correction(&answer.findings, self.field, self.eval)?;
         let realised =
             answer.findings.iter().any(|finding| !finding.correction.is_empty()).then(|| take(&own));
@@ -179,30 +177,6 @@ impl Corrected<'_> {
     }
 }
 
-/// The error of a log in 1-s blocks and in samples.
-struct Reduced1s {
-    reduced: crate::diagnose::Reduced,
-}
-
-impl Reduced1s {
-    fn new(log: &Recording, target: &str) -> Result<Self, DiagnoseError> {
-        Ok(Self { reduced: crate::diagnose::Reduced::in_blocks_of(log, target, &[], SLOW_BLOCK_S)? })
-    }
-
-    fn fall(&self, correction: &[f64], wide: bool) -> f64 {
-        let left: Vec<f64> = self.reduced.error.iter().zip(correction).map(|(e, c)| e - c).collect();
-        let spread = |values: &[f64]| match wide {
-            true => {
-                let known = values.iter().zip(self.reduced.blocks.known());
-                let known: Vec<f64> = known.filter(|(_, known)| **known).map(|(v, _)| *v).collect();
-                signal::variance(&[&known])
-            }
-            false => signal::variance(&[&self.reduced.blocks.means(values)]),
-        };
-        1.0 - spread(&left) / spread(&self.reduced.error)
-    }
-}
-
 /// What the true regressors take out of the evaluation log when they are fitted to the field log with the true noise.
 fn best_correction(
     field: &Recording,
@@ -212,7 +186,7 @@ fn best_correction(
     noise: &AxisNoise,
     wide: bool,
 ) -> Result<Vec<f64>, DiagnoseError> {
-    let reduced = crate::diagnose::Reduced::new(field, target, &[])?;
+    let reduced = Reduced::new(field, target, &[])?;
     let coefficients: Vec<f64> = if wide {
         // a line stands in locally white noise: plain least squares
         let known = |values: &[f64]| -> Vec<f64> {

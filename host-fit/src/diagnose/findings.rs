@@ -24,9 +24,6 @@ use crate::recording::Recording;
 const TWO_SIDED_95: f64 = 1.96;
 const TWO_SIDED_90: f64 = 1.645;
 
-/// Blocks in which the fall of the slow error is foretold, s: its definition.
-const SLOW_BLOCK_S: f64 = 1.0;
-
 /// More steps than this are jumps to and fro and no longer a shock.
 const MOST_STEPS: usize = 1;
 
@@ -348,7 +345,7 @@ impl Assembly<'_> {
             order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let mut blocks = Reduced::in_blocks_of(log, self.column, &[], SLOW_BLOCK_S)?.blocks;
+        let mut blocks = Reduced::in_slow_blocks(log, self.column)?.blocks;
         blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();

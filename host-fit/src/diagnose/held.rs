@@ -7,10 +7,6 @@ use super::reduced::Reduced;
 use super::{DiagnoseError, correction};
 use crate::effects::Band;
 use crate::recording::Recording;
-use crate::signal;
-
-/// Blocks of the slow error, s: its definition.
-const SLOW_BLOCK_S: f64 = 1.0;
 
 /// Adds to every finding the fall of the error that came true on `judged`, those before it in the model. A slow effect that
 /// was sure to help and makes the error worse there becomes a lead.
@@ -23,18 +19,14 @@ pub fn held_against(
     field: &Recording,
     judged: &Recording,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let reduced = Reduced::in_blocks_of(judged, &diagnosis.target, &[], SLOW_BLOCK_S)?;
-    let known = reduced.blocks.known();
+    let reduced = Reduced::in_slow_blocks(judged, &diagnosis.target)?;
+    let rows = 0..judged.n_rows();
     let left = |findings: &[Finding], band: Band| -> Result<f64, DiagnoseError> {
         let taken = correction(findings, field, judged)?;
         let left: Vec<f64> = reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect();
         Ok(match band {
-            Band::Wide => {
-                let samples = left.iter().zip(known).filter(|(left, known)| **known && left.is_finite());
-                let samples: Vec<f64> = samples.map(|(left, _)| *left).collect();
-                signal::variance(&[&samples])
-            }
-            _ => signal::variance(&[&reduced.blocks.means(&left)]),
+            Band::Wide => reduced.wide_variance(&left, &rows),
+            _ => reduced.slow_variance(&left, &rows),
         })
     };
     let mut held: Vec<Finding> = Vec::new();

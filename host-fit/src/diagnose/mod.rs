@@ -53,6 +53,7 @@ use crate::recording::{Recording, RecordingError};
 pub(crate) use gls::Gls;
 
 use faults::{Converter, Fault};
+use findings::Assembly;
 use hypothesis::Hypotheses;
 use lines::Line;
 pub(crate) use reduced::Reduced;
@@ -188,6 +189,19 @@ impl Prepared {
         }
     }
 
+    fn assembly<'s>(
+        &'s self,
+        question: &'s Question<'s>,
+        lines: &'s [Line],
+        slow: &'s SlowResult,
+        left: LeftOver,
+        untested: Vec<Untested>,
+    ) -> Assembly<'s> {
+        let Self { column, faults, reduced, given, .. } = self;
+        let learnt_from = learnt_from(question);
+        Assembly { question, column, reduced, given, faults, lines, slow, left, untested, learnt_from }
+    }
+
     /// Whether slow effects drown in the stairs that a converter makes.
     fn in_stairs(&self) -> bool {
         self.reduced.clipped_through
@@ -215,22 +229,10 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let slow = prepared.search(&hypotheses, if stairs { &[] } else { &effects }).run()?;
     let left = match stairs {
-        true => LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
+        true => LeftOver::default(),
         false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
     };
-    findings::Assembly {
-        question,
-        column,
-        reduced,
-        given,
-        faults,
-        lines: &lines,
-        slow: &slow,
-        left,
-        untested,
-        learnt_from: learnt_from(question),
-    }
-    .diagnosis()
+    prepared.assembly(question, &lines, &slow, left, untested).diagnosis()
 }
 
 /// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall that
@@ -241,7 +243,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
 /// A column is missing, the log is too short, or an effect leaves nothing in it.
 pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
     let prepared = Prepared::new(question)?;
-    let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
+    let Prepared { column, reduced, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let not_there = |effect: &str, reason: &str| DiagnoseError::NotThere {
@@ -265,18 +267,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let (all, untested) = candidates(question, &hypotheses);
     let slow = prepared.search(&hypotheses, &all).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
-    let assembly = findings::Assembly {
-        question,
-        column,
-        reduced,
-        given,
-        faults,
-        lines: &lines,
-        slow: &slow,
-        left: LeftOver { leads: Vec::new(), misshapes: Vec::new(), instead: false },
-        untested,
-        learnt_from: learnt_from(question),
-    };
+    let assembly = prepared.assembly(question, &lines, &slow, LeftOver::default(), untested);
     let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
     let mut line_findings = assembly.line_findings()?.into_iter();
     effects
@@ -390,6 +381,7 @@ fn candidates(question: &Question<'_>, hypotheses: &Hypotheses<'_>) -> (Vec<Rc<E
 }
 
 /// What the library leaves.
+#[derive(Default)]
 struct LeftOver {
     leads: Vec<Lead>,
     misshapes: Vec<Misshape>,

@@ -1,9 +1,13 @@
 //! A log reduced to what a diagnosis looks at: which rows count, the error in them, its block means.
 
+use std::ops::Range;
+
 use super::blocks::{Blocks, length_for};
 use super::faults::Fault;
 use super::lines::{self, Line};
+use crate::evaluate::SLOW_BLOCK_S;
 use crate::recording::{Recording, RecordingError, Reference};
+use crate::signal;
 
 /// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
 /// another mean.
@@ -29,6 +33,11 @@ impl Reduced {
     /// Reduces `column` of a recording.
     pub(crate) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, faults, length_for(recording))
+    }
+
+    /// The same in the blocks of the slow error.
+    pub(crate) fn in_slow_blocks(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
+        Self::in_blocks_of(recording, column, &[], SLOW_BLOCK_S)
     }
 
     /// The same with blocks of a given length, s.
@@ -81,6 +90,20 @@ impl Reduced {
         let (sum, count) =
             pairs.fold((0.0, 0_u32), |(sum, count), (v, _)| (sum + (v[1] - v[0]).powi(2), count + 1));
         (sum / f64::from(count.max(1)) / 2.0).sqrt()
+    }
+
+    /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`.
+    pub(crate) fn slow_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(left);
+        let inside =
+            self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
+        signal::variance(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
+    }
+
+    /// Variance of the samples of what is left of the error, of those in `rows` that count.
+    pub(crate) fn wide_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();
+        signal::variance(&[&rows.clone().filter(counts).map(|row| left[row]).collect::<Vec<f64>>()])
     }
 
     /// Lines in its spectrum.

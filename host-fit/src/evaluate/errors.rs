@@ -11,8 +11,8 @@ use crate::signal::noise_floor::NoiseFloor;
 /// Averaging times of the Allan deviation, s.
 const TAUS_S: [f64; 3] = [1.0, 10.0, 100.0];
 
-/// Block length of the slow error, s.
-const SLOW_BLOCK_S: f64 = 1.0;
+/// Length of the blocks over whose means the slow error is taken, s.
+pub const SLOW_BLOCK_S: f64 = 1.0;
 
 /// Standard gravity as the paper rounds it, m/s², and the hour over which it extrapolates, s.
 const PAPER_GRAVITY: f64 = 9.81;

@@ -6,7 +6,7 @@ mod rivals;
 mod stretches;
 mod trace;
 
-pub use errors::{AllanValue, CoastError, ModelErrors, position_error_m};
+pub use errors::{AllanValue, CoastError, ModelErrors, SLOW_BLOCK_S, position_error_m};
 pub use rivals::{Rival, rival};
 pub use stretches::{Stretch, worst_stretches};
 pub use trace::{AxisTrace, HORIZONS_S, Trace, trace};

@@ -33,9 +33,6 @@ use crate::study::Study;
 /// Share of the field log that effects are estimated from where no other log is there to judge on.
 pub const FITTED_SHARE: f64 = 0.6;
 
-/// Length of the blocks of the slow error, s.
-const SLOW_BLOCK_S: f64 = 1.0;
-
 /// Most effects that are added one after the other without being asked.
 const MOST: usize = 6;
 
@@ -336,25 +333,14 @@ impl<'a> Ground<'a> {
     /// What the model before it grew and the findings leave of the error on the judged rows.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, GrowError> {
         let column = &base.axes[0].column;
-        let reduced = Reduced::in_blocks_of(self.judged, column, &[], SLOW_BLOCK_S)?;
+        let reduced = Reduced::in_slow_blocks(self.judged, column)?;
         let mut left = reduced.error.clone();
         let base = self.physical(base, self.judged)?;
         left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
         let taken = correction(findings, &self.field, self.judged)?;
         left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
-        let means = reduced.blocks.means(&left);
-        let blocks = reduced.blocks.blocks.iter().zip(&means);
-        let means: Vec<f64> = blocks
-            .filter(|(block, _)| self.judged_rows.contains(&block.rows.start))
-            .map(|(_, mean)| *mean)
-            .collect();
-        let samples: Vec<f64> = self
-            .judged_rows
-            .clone()
-            .filter(|row| reduced.blocks.known()[*row] && left[*row].is_finite())
-            .map(|row| left[row])
-            .collect();
-        Ok(Left { slow: signal::variance(&[&means]), wide: signal::variance(&[&samples]) })
+        let rows = &self.judged_rows;
+        Ok(Left { slow: reduced.slow_variance(&left, rows), wide: reduced.wide_variance(&left, rows) })
     }
 
     fn stair(&self, model: UnitModel, added: Option<Added>, left: Left) -> Result<Stair, GrowError> {

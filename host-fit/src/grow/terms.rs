@@ -7,7 +7,7 @@ use fos_core::{Factor, Input, Range, Source, Transform, u};
 use crate::diagnose::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
 use crate::fit::{InputSpec, quantity_of};
-use crate::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel};
+use crate::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
 use crate::recording::{Recording, RecordingError};
 
 /// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the range
@@ -69,13 +69,9 @@ fn place(
         None => (Source::Clock, Range::new(0.0, 0.0)),
         Some(column) => {
             let quantity = LoggedQuantity { column: column.clone(), quantity: quantity_of(column) };
-            let known = model.quantities.iter().position(|other| *other == quantity);
-            let index = known.unwrap_or_else(|| {
-                model.quantities.push(quantity);
-                model.quantities.len() - 1
-            });
+            let index = position(&mut model.quantities, quantity);
             let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
-            (Source::Quantity(index as u8), widened(range(&inputs.input(&identity)?)))
+            (Source::Quantity(index), widened(range(&inputs.input(&identity)?)))
         }
     };
     let name = spec.to_string();
@@ -89,11 +85,7 @@ fn place(
     };
     let input = Input { source, transform: spec.transform, centre: 0.0, scale: 1.0, source_range, range };
     let named = NamedInput { name, input };
-    let known = model.inputs.iter().position(|other| *other == named);
-    Ok(known.unwrap_or_else(|| {
-        model.inputs.push(named);
-        model.inputs.len() - 1
-    }) as u8)
+    Ok(position(&mut model.inputs, named))
 }
 
 /// A day: a ramp that was seen for an hour is followed no further.

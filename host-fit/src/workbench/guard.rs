@@ -8,7 +8,7 @@
 use std::net::IpAddr;
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderValue, Method, StatusCode};
+use axum::http::{HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
@@ -38,8 +38,8 @@ impl Names {
     }
 
     /// Why a request is refused, if it is.
-    fn refuse(&self, method: &Method, headers: &HeaderMap) -> Option<&'static str> {
-        let text = |name: &str| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+    fn refuse(&self, request: &Request) -> Option<&'static str> {
+        let text = |name: &str| request.headers().get(name).map(|value| value.to_str().unwrap_or_default());
         if !text("host").is_some_and(|host| self.contain(host)) {
             return Some("asked under a foreign name");
         }
@@ -48,13 +48,12 @@ impl Names {
         {
             return Some("asked by a foreign page");
         }
-        // browsers say from where a page asks, also where they send no origin
-        if matches!(text("sec-fetch-site"), Some("cross-site" | "same-site"))
-            && text("sec-fetch-mode") != Some("navigate")
-        {
+        // browsers say from where a page asks, also where they send no origin; a link there may open the workbench, but not read from it
+        let opens = text("sec-fetch-mode") == Some("navigate") && !request.uri().path().starts_with("/api/");
+        if matches!(text("sec-fetch-site"), Some("cross-site" | "same-site")) && !opens {
             return Some("asked by a foreign page");
         }
-        let changes = *method != Method::GET && *method != Method::HEAD;
+        let changes = !matches!(*request.method(), Method::GET | Method::HEAD);
         if changes && text(OWN_HEADER) != Some("1") {
             return Some("asked without the header of the page");
         }
@@ -64,12 +63,7 @@ impl Names {
 
 /// Lets a request pass, or refuses it; what is answered is kept to itself.
 pub(super) async fn guard(State(names): State<Names>, request: Request, next: Next) -> Response {
-    let is_api = request.uri().path().starts_with("/api/");
-    let refused = names.refuse(request.method(), request.headers());
-    // a link on a foreign page may open the workbench, but not read from it
-    let navigated = request.headers().get("sec-fetch-site").is_some_and(|site| site == "cross-site");
-    let refused = refused.or((is_api && navigated).then_some("asked by a foreign page"));
-    let mut response = match refused {
+    let mut response = match names.refuse(&request) {
         Some(why) => (StatusCode::FORBIDDEN, axum::Json(serde_json::json!({ "error": why }))).into_response(),
         None => next.run(request).await,
     };

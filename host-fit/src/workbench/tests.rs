@@ -102,7 +102,7 @@ const HOSTILE: &str = "<img src=x onerror=alert(1)>";
 async fn a_foreign_page_can_neither_read_nor_change_anything() {
     let bench = Bench::new();
     let own = format!("127.0.0.1:{PORT}");
-    let foreign: [&[(&str, &str)]; 7] = [
+    let foreign: [&[(&str, &str)]; 8] = [
         // a foreign name that leads to this machine
         &[("host", "evil.example"), (OWN_HEADER, "1")],
         &[("host", "evil.example:4180"), ("origin", "http://evil.example:4180"), (OWN_HEADER, "1")],
@@ -111,7 +111,8 @@ async fn a_foreign_page_can_neither_read_nor_change_anything() {
         &[("host", &own), ("origin", "http://evil.example"), (OWN_HEADER, "1")],
         &[("host", &own), ("origin", "null"), (OWN_HEADER, "1")],
         &[("host", &own), ("sec-fetch-site", "cross-site"), (OWN_HEADER, "1")],
-        // opened as a page of its own by a link from elsewhere
+        // opened as a page of its own by a link from elsewhere, or from another port
+        &[("host", &own), ("sec-fetch-site", "same-site"), ("sec-fetch-mode", "navigate"), (OWN_HEADER, "1")],
         &[
             ("host", &own),
             ("sec-fetch-site", "cross-site"),
