@@ -326,6 +326,12 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         &self.corrections
     }
 
+    /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be called before the
+    /// first sample.
+    pub fn begin_after(&mut self, ticks: u32) {
+        self.inputs.iter_mut().for_each(|input| input.skip(ticks));
+    }
+
     /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what is known of
     /// the sensor beside the model.
     pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {

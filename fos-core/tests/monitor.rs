@@ -40,13 +40,15 @@ fn white_innovations_raise_no_alarm() {
 
 #[test]
 fn innovations_as_correlated_as_while_fitting_raise_no_alarm() {
-    for seed in 0..2 {
-        let (mut monitor, mut noise) = (monitor::<f32>(0.5), Noise::new(seed));
-        let mut e = 0.0;
-        for n in 0..1_000_000 {
-            e = 0.5 * e + 0.75_f64.sqrt() * noise.normal();
-            let drift = monitor.update(&correction(e));
-            assert!(!drift.mean, "seed {seed}, sample {n}: {drift:?}");
+    for correlation in [-0.5_f64, 0.5, 0.8] {
+        for seed in 0..2 {
+            let (mut monitor, mut noise) = (monitor::<f32>(correlation), Noise::new(seed));
+            let mut e = 0.0;
+            for n in 0..1_000_000 {
+                e = correlation * e + (1.0 - correlation * correlation).sqrt() * noise.normal();
+                let drift = monitor.update(&correction(e));
+                assert!(!drift.mean && !drift.variance, "{correlation}, seed {seed}, sample {n}: {drift:?}");
+            }
         }
     }
 }

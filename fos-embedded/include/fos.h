@@ -107,7 +107,7 @@
 // Fault: the sensor's FIFO ran over; samples are lost.
 #define FOS_FAULT_OVERRUN 2
 
-// Fault: samples are missing; fos_raw_sample.skipped says how many.
+// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than none.
 #define FOS_FAULT_GAP 4
 
 // Fault: the sensor had been reset, or was set up anew.

@@ -47,18 +47,26 @@ fn hub() -> TestHub {
 
 /// Ticks that came through.
 fn ticks(cable: &Cable) -> Vec<u32> {
-    let mut ticks = Vec::new();
+    sent(cable).into_iter().flatten().collect()
+}
+
+/// The frames that came through: a tick, or none for a start.
+fn sent(cable: &Cable) -> Vec<Option<u32>> {
+    let mut sent = Vec::new();
     for frame in cable.bytes.split_inclusive(|byte| *byte == 0) {
         let mut frame = frame.to_vec();
         match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame).expect("a good cable") {
-            Frame::Start(start) => assert_eq!(start, START),
+            Frame::Start(start) => {
+                assert_eq!(start, START);
+                sent.push(None);
+            }
             Frame::Sample(sample) => {
                 assert_eq!((sample.measured.len(), sample.quantities.len()), (6, 2));
-                ticks.push(sample.tick);
+                sent.push(Some(sample.tick));
             }
         }
     }
-    ticks
+    sent
 }
 
 #[test]
@@ -96,6 +104,10 @@ fn an_alarm_during_a_stretch_prolongs_it() {
         }
     }
     assert_eq!(ticks(&cable), (301..=480).chain(701..=850).collect::<Vec<u32>>());
+    // who listens since the last stretch knows what the samples of this one hold
+    let sent = sent(&cable);
+    let starts = (0..sent.len()).filter(|&at| sent[at].is_none()).map(|at| sent[at + 1]);
+    assert_eq!(starts.collect::<Vec<_>>(), [Some(301), Some(701)]);
 }
 
 #[test]
@@ -111,5 +123,5 @@ fn a_broken_cable_costs_its_frames_and_nothing_more() {
         failed += u32::from(alarmed.sample(&START, &output, &hub.logged()).is_err());
     }
     assert!(!alarmed.is_sending());
-    assert_eq!((failed, alarmed.recorder().failed()), (75, 150), "two a sample");
+    assert_eq!((failed, alarmed.recorder().failed()), (75, 300), "150 samples, and with each what it holds");
 }

@@ -16,7 +16,7 @@ mod places;
 use std::fmt::Write;
 
 use correctors::{Naive, Out};
-use faults::{FAULTS, Fault, Tick, clean};
+use faults::{FAULTS, Fault, On, Tick, clean};
 use fos_core::Validity;
 use fos_embedded::raw::Faults;
 use places::{Column, DEPTH, Place, places};
@@ -100,8 +100,11 @@ fn assess(place: &Place, fault: &Fault, clean: &[Tick]) -> Result<Cell, String> 
         share: 0.0,
     };
     let limit = (place.limit)(fault);
-    // of missing samples the first one after them tells
-    let told = end + usize::from(!faulty.iter().any(|tick| (FROM..end).contains(&tick.index)));
+    // of missing samples the first one after them tells, of a clock the next looks at it
+    let told = match fault.on {
+        On::Clock => clean.len(),
+        _ => end + usize::from(!faulty.iter().any(|tick| (FROM..end).contains(&tick.index))),
+    };
     for tick in &faulty {
         let (out, expected) = (corrector.step(tick), &without[tick.index]);
         if !out.finite || !out.predicted.iter().all(|value| value.is_finite()) {

@@ -3,11 +3,12 @@
 mod models;
 
 use fos_core::{
-    Axis, Correction, FittedOn, Image, ImageError, Predictor, Quantity, Sample, StillnessDetector, Validity,
+    Axis, AxisModel, Correction, FittedOn, Image, ImageError, Input, Model, Predictor, Quantity, Range,
+    Sample, Source, StillnessDetector, Term, Transform, Validity, u,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample};
-use models::{AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits};
+use models::{AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters};
 
 fn loaded(made: &Made<'_>) -> TestHub {
     let mut hub = Hub::new(SCALES);
@@ -69,6 +70,71 @@ fn it_says_what_the_predictor_says_bit_for_bit() {
         tracked += u32::from(is_still);
     }
     assert!((8_000..16_000).contains(&tracked) && skips > 5, "{tracked} tracked, {skips} gaps");
+}
+
+#[test]
+fn what_was_not_watched_is_not_taken_to_have_been_still() {
+    let limits = limits();
+    let to_stillness = 2 * usize::from(limits.window);
+    let mut hub = loaded(&Made { stillness: Some(limits), ..MADE });
+    let mut random = Random(7);
+    let mut still_after = |hub: &mut TestHub| {
+        (1..=3 * to_stillness).find(|_| hub.update(&random.at_rest()).still).expect("still again")
+    };
+    assert_eq!(still_after(&mut hub), to_stillness);
+    assert_eq!(still_after(&mut hub), 1, "it stays so");
+    hub.set_motion(Some(Motion::Moving));
+    hub.update(&RawSample::default());
+    hub.set_motion(None);
+    assert_eq!(still_after(&mut hub), to_stillness, "the application no longer says that it moves");
+    hub.update(&RawSample { faults: Faults::STUCK, ..Random(8).at_rest() });
+    assert_eq!(still_after(&mut hub), to_stillness, "codes stood still");
+}
+
+#[test]
+fn a_model_that_is_taken_up_later_finds_the_sensor_as_warm_as_it_is() {
+    let warm_up = Input {
+        source: Source::Clock,
+        transform: Transform::Decay { tau_s: 5.0 },
+        centre: 0.0,
+        scale: 1.0,
+        source_range: Range::new(0.0, 0.0),
+        range: Range::new(0.0, 1.0),
+    };
+    let physical = [Term::new(0.5, &[u(0, 0)])];
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &physical, stochastic: &[] }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[],
+        inputs: &[warm_up],
+        axes: &axes,
+    };
+    let [mut early, mut late] = [TestHub::new(SCALES), TestHub::new(SCALES)];
+    early.load_model(&model).expect("a model");
+    let mut random = Random(9);
+    for _ in 0..2000 {
+        let raw = random.at_rest();
+        let [early, late] = [&mut early, &mut late].map(|hub| hub.update(&raw).corrected[3]);
+        assert!(early != late, "one is without a model");
+    }
+    late.load_model(&model).expect("a model");
+    for _ in 0..500 {
+        let raw = random.at_rest();
+        let [early, late] = [&mut early, &mut late].map(|hub| *hub.update(&raw));
+        // a factor a tick, or one for all of them
+        assert!((early.corrected[3] - late.corrected[3]).abs() < 1e-7);
+        assert!(late.validity[3].is_valid());
+    }
+}
+
+#[test]
+fn missing_samples_are_reported_also_by_a_source_that_only_counts_them() {
+    let mut hub = still(&MADE);
+    let mut random = Random(4);
+    assert_eq!(hub.update(&random.at_rest()).faults, Faults::empty());
+    assert_eq!(hub.update(&RawSample { skipped: 5, ..random.at_rest() }).faults, Faults::GAP);
 }
 
 #[test]

@@ -99,6 +99,7 @@ fuzz_target!(|bytes: &[u8]| {
     let image = single.borrow(|model| encode(model, &Info::default(), &mut buffer).expect("room").to_vec());
     let mut expected = Expected::new(&single);
     let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
+    let mut ticks = 0_u32;
     hub.load(&image).expect("a model that the predictor takes");
     for event in events(&mut bytes, event) {
         match event {
@@ -113,6 +114,10 @@ fuzz_target!(|bytes: &[u8]| {
                 };
                 let output = *hub.update(&raw);
                 assert!(output.corrected.iter().all(|value| value.is_finite()));
+                ticks = ticks.wrapping_add(raw.skipped.saturating_add(1));
+                assert_eq!(output.tick, ticks.wrapping_sub(1));
+                let gap = if skipped > 0 { Faults::GAP } else { Faults::empty() };
+                assert_eq!(output.faults - Faults::RATE, (raw.faults | gap) - Faults::RATE);
                 let (still, corrections) = expected.sample(&raw);
                 assert_eq!(output.still, still);
                 for (axis, correction) in corrections.iter().enumerate() {
@@ -132,7 +137,7 @@ fuzz_target!(|bytes: &[u8]| {
             Happens::Motion(still) => {
                 let motion = still.map(|still| if still { Motion::Still } else { Motion::Moving });
                 hub.set_motion(motion);
-                expected.motion = motion;
+                expected.set_motion(motion);
             }
             Happens::Give(supply, load) => {
                 hub.give(Quantity::Supply, supply);
@@ -148,6 +153,7 @@ fuzz_target!(|bytes: &[u8]| {
                 let motion = expected.motion;
                 expected = Expected::new(&single);
                 expected.motion = motion;
+                expected.begin_after(ticks);
             }
         }
     }
@@ -183,6 +189,29 @@ impl Expected {
         }
     }
 
+    /// Clocks go on.
+    fn begin_after(&mut self, ticks: u32) {
+        self.predictor.begin_after(ticks);
+        // a twin's begin with it
+        self.twin = self
+            .twin
+            .take()
+            .filter(|_| ticks == 0 || !self.model.inputs.iter().any(|input| input.source == Source::Clock));
+    }
+
+    fn set_motion(&mut self, motion: Option<Motion>) {
+        if motion != self.motion {
+            self.disturb();
+        }
+        self.motion = motion;
+    }
+
+    fn disturb(&mut self) {
+        if let Some(detector) = &mut self.detector {
+            detector.disturbed();
+        }
+    }
+
     /// The code of a measured value in scaled units.
     fn code(&self, axis: usize, scaled: f64) -> i16 {
         let (at, scale) = self.model.axes.get(axis).map_or((0.0, 1.0), |axis| {
@@ -201,9 +230,9 @@ impl Expected {
                 }
                 twin => *twin = None,
             }
-            if let Some(detector) = &mut self.detector {
-                detector.disturbed();
-            }
+        }
+        if raw.skipped > 0 || raw.faults.contains(Faults::STUCK) {
+            self.disturb();
         }
         let measured = SCALES.measured(raw);
         let [ax, ay, az, gx, gy, gz] = measured;

@@ -63,7 +63,7 @@ pub const FOS_VALIDITY_NOT_MODELLED: u16 = 1024;
 pub const FOS_FAULT_BUS: u16 = 1;
 /// Fault: the sensor's FIFO ran over; samples are lost.
 pub const FOS_FAULT_OVERRUN: u16 = 2;
-/// Fault: samples are missing; fos_raw_sample.skipped says how many.
+/// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than none.
 pub const FOS_FAULT_GAP: u16 = 4;
 /// Fault: the sensor had been reset, or was set up anew.
 pub const FOS_FAULT_RESET: u16 = 8;

@@ -151,7 +151,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         &self.scales
     }
 
-    /// Takes a model image; history, inputs and clocks start anew. The image is not needed afterwards.
+    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not needed afterwards.
     ///
     /// # Errors
     ///
@@ -173,12 +173,14 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.settle(loaded)
     }
 
-    /// Leaves nothing of a model that was refused.
+    /// Leaves nothing of a model that was refused; sets the clocks of one that was taken.
     fn settle(&mut self, loaded: Result<(), HubError>) -> Result<(), HubError> {
         if let Err(error) = &loaded {
             warn!("model refused: {}", *error);
             self.unload();
         } else {
+            // what a sensor does after power-on it has done
+            self.predictor.begin_after(self.ticks);
             info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
         loaded
@@ -322,6 +324,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's limits. A model
     /// without limits always coasts.
     pub fn set_motion(&mut self, motion: Option<Motion>) {
+        // what was not watched is not known to have been still
+        if motion != self.motion
+            && let Some(detector) = &mut self.detector
+        {
+            detector.disturbed();
+        }
         self.motion = motion;
     }
 
@@ -382,6 +390,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
 
         let output = &mut self.output;
         (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults);
+        if raw.skipped > 0 {
+            output.faults |= Faults::GAP;
+        }
         (output.measured, output.temperature_c) = (measured, temperature_c);
         let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
@@ -447,9 +458,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     fn disturbed(&mut self, raw: &RawSample) {
         if raw.skipped > 0 {
             let _ = self.predictor.skip(raw.skipped);
-            if let Some(detector) = &mut self.detector {
-                detector.disturbed();
-            }
+        }
+        // neither a gap nor codes that stand still say whether the unit does
+        if (raw.skipped > 0 || raw.faults.contains(Faults::STUCK))
+            && let Some(detector) = &mut self.detector
+        {
+            detector.disturbed();
         }
         if raw.faults.intersects(Faults::BUS | Faults::OVERRUN | Faults::RESET) {
             self.rate.disturbed();

@@ -6,7 +6,7 @@ use heapless::Vec;
 use super::output::AXES;
 
 /// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a sample; a sixth
-/// of that is spent, and an alarm comes at most five seconds later.
+/// of that is spent, and an alarm comes five seconds later for every turn that the test takes.
 const TURN: u8 = 200;
 
 /// The monitors of the axes of a model.

@@ -46,6 +46,10 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
 
     /// An alarm at the latest sample: what is kept, and what follows, is sent.
     pub fn trigger(&mut self) {
+        // who listens since a short while knows what the samples hold
+        if !self.is_sending() {
+            self.recorder.begin();
+        }
         self.to_send = self.kept.len();
         self.to_come = self.after;
     }

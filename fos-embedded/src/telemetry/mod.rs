@@ -158,12 +158,19 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
         start: &StartFrame<&str>,
         frame: SampleFrame<&[f32], &[Validity]>,
     ) -> Result<(), TelemetryError<W::Error>> {
+        let mut started = Ok(());
         if self.until_start == 0 {
-            self.send(&Frame::Start(*start))?;
-            self.until_start = START_EVERY;
+            started = self.send(&Frame::Start(*start));
+            self.until_start = if started.is_ok() { START_EVERY } else { 1 };
         }
         self.until_start -= 1;
-        self.send(&Frame::Sample(frame))
+        let sent = self.send(&Frame::Sample(frame));
+        started.and(sent)
+    }
+
+    /// The next sample comes with its start frame.
+    pub(super) fn begin(&mut self) {
+        self.until_start = 0;
     }
 
     /// Sends a frame.

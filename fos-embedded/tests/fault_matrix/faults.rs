@@ -267,7 +267,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
     },
     Fault {
         name: "time going back by 3 s",
-        lasts: 4000,
+        lasts: 1,
         on: On::Clock,
         // from then on; the tick is in the middle of a window of the hub's
         happens: |ticks, range| {
@@ -276,7 +276,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
     },
     Fault {
         name: "time going back by 1 h",
-        lasts: 4000,
+        lasts: 1,
         on: On::Clock,
         happens: |ticks, range| {
             ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_600_000_000);
