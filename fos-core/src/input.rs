@@ -118,6 +118,7 @@ impl<R: Real> RunningInput<R> {
     }
 
     /// `ticks` missing samples in bounded time.
+    #[inline(never)]
     pub(crate) fn skip(&mut self, ticks: u32) {
         self.transform.skip(self.stand_in(), ticks);
     }

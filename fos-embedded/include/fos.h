@@ -329,7 +329,7 @@ size_t fos_hub_align(void);
 // After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
 fos_status fos_hub_init(void *memory, size_t size, const struct fos_scales *scales, struct fos_hub **out);
 
-// Takes a model image of exactly `length` bytes; history, inputs and clocks start anew. The image need not be
+// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The image need not be
 // aligned, and is not needed afterwards.
 //
 // - FOS_STATUS_OK
@@ -337,7 +337,9 @@ fos_status fos_hub_init(void *memory, size_t size, const struct fos_scales *scal
 //   have `length` bytes. The hub is then as before.
 // - FOS_STATUS_TRUNCATED to FOS_STATUS_OTHER_QUANTITY, as said there. The hub then has no model, also if it had one
 //   before: it corrects nothing, and every output says so.
-fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length);
+fos_status fos_hub_load(struct fos_hub *hub,
+                        const uint8_t *image,
+                        size_t length);
 
 // Corrects one sample; in the order of time, every one exactly once. `*raw` is read before `*output` is written.
 //

@@ -125,9 +125,14 @@ impl Log {
         if start.version != VERSION {
             return Err(RecordError::Version { found: start.version });
         }
+        if !(start.period_s.is_finite() && start.period_s > 0.0) {
+            self.report.damaged += 1;
+            return Ok(());
+        }
         let lines = |text: &str| text.lines().map(str::to_owned).collect();
         let names = Names { axes: lines(start.axes), quantities: lines(start.quantities) };
-        if self.names.as_ref() != Some(&names) && self.values.is_empty() {
+        // once there are samples the columns stay; what does not fit them is not theirs
+        if self.time_s.is_empty() {
             self.values = vec![Vec::new(); 3 * names.axes.len() + names.quantities.len()];
             self.names = Some(names);
             self.period_s = f64::from(start.period_s);
@@ -247,6 +252,28 @@ mod tests {
         assert_eq!(column(&recorded, "gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
         assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 256.0, 0.0, 0.0, 0.0]);
         assert!(column(&recorded, "innovation_gx_rads").iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn columns_stay_as_they_are_from_the_first_sample_on() {
+        let nothing = StartFrame { axes: "", quantities: "", ..START };
+        let empty = SampleFrame {
+            tick: 1,
+            still: true,
+            measured: &[][..],
+            quantities: &[],
+            innovations: &[],
+            validity: &[][..],
+        };
+        let mut bytes = stream(&[Frame::Start(nothing), Frame::Sample(empty), Frame::Start(START)]);
+        bytes.extend(sample(2));
+        let recorded = read(&bytes);
+        assert_eq!((recorded.report.samples, recorded.report.unknown), (1, 1));
+        assert!(recorded.columns.iter().all(|(_, values)| values.len() == 1));
+        // of a sensor without a period nothing can be timed
+        let timeless = stream(&[Frame::Start(StartFrame { period_s: f32::NAN, ..START })]);
+        let recorded = read(&[timeless, stream(&[Frame::Start(START)]), sample(0)].concat());
+        assert_eq!(recorded.report.damaged, 1);
     }
 
     #[test]

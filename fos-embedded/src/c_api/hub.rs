@@ -93,7 +93,7 @@ pub unsafe extern "C" fn fos_hub_init(
     fos_status::of(made)
 }
 
-/// Takes a model image of exactly `length` bytes; history, inputs and clocks start anew. The image need not be
+/// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The image need not be
 /// aligned, and is not needed afterwards.
 ///
 /// - FOS_STATUS_OK

@@ -366,8 +366,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let ticks = raw.skipped.saturating_add(1);
         self.ticks = self.ticks.wrapping_add(ticks);
         self.rate.tick(ticks);
-        if raw.skipped > 0 || !raw.faults.is_empty() {
-            self.disturbed(raw);
+        let mut faults = raw.faults;
+        if raw.skipped > 0 || !faults.is_empty() {
+            faults = self.disturbed(raw);
         }
         let measured = self.scales.measured(raw);
         let stuck = raw.faults.contains(Faults::STUCK);
@@ -389,10 +390,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let corrections = self.predictor.track_some(&sample, tracked);
 
         let output = &mut self.output;
-        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, raw.faults);
-        if raw.skipped > 0 {
-            output.faults |= Faults::GAP;
-        }
+        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, faults);
         (output.measured, output.temperature_c) = (measured, temperature_c);
         let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
@@ -453,9 +451,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.axes.iter().position(|modelled| modelled.channel == channel)
     }
 
-    /// Something is missing, or something went wrong.
+    /// Something is missing, or something went wrong; what.
     #[cold]
-    fn disturbed(&mut self, raw: &RawSample) {
+    fn disturbed(&mut self, raw: &RawSample) -> Faults {
         if raw.skipped > 0 {
             let _ = self.predictor.skip(raw.skipped);
         }
@@ -468,6 +466,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         if raw.faults.intersects(Faults::BUS | Faults::OVERRUN | Faults::RESET) {
             self.rate.disturbed();
         }
+        if raw.skipped > 0 { raw.faults | Faults::GAP } else { raw.faults }
     }
 
     fn is_still(&mut self, measured: &[f32; AXES]) -> bool {
