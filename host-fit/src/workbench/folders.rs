@@ -85,7 +85,7 @@ impl Folders {
         found
     }
 
-    /// Where a dropped file of this name goes; only the last part of the name counts.
+    /// Where a dropped file of this name goes; only the last part of the name counts, and nothing is there yet.
     ///
     /// # Errors
     ///
@@ -101,7 +101,10 @@ impl Folders {
         }
         let folder = self.own.join("dropped");
         make_folder(&folder).map_err(|error| error.to_string())?;
-        Ok(folder.join(plain))
+        // a file of that name that is there already may be what a study was made of
+        let names = std::iter::once(plain.clone()).chain((2..).map(|n| format!("{n}_{plain}")));
+        let mut places = names.map(|name| folder.join(name));
+        Ok(places.find(|place| !place.exists()).unwrap_or_else(|| folder.join(&plain)))
     }
 
     /// The own folder.

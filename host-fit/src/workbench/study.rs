@@ -63,6 +63,8 @@ pub(super) struct KnownAxis {
     pub(super) fitted: Option<Arc<StudyFile>>,
     pub(super) growth: Option<Growth>,
     pub(super) examination: Option<Arc<Examination>>,
+    /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
+    pub(super) examined: bool,
     pub(super) section: AxisSection,
 }
 
@@ -74,9 +76,16 @@ struct Inner {
     axes: Vec<KnownAxis>,
     looked_at: Option<String>,
     tasks: VecDeque<Task>,
-    running: Option<(Job, Stop)>,
+    running: Option<Running>,
     error: Option<String>,
     closed: bool,
+}
+
+/// What is being done.
+struct Running {
+    task: Task,
+    job: Job,
+    stop: Stop,
 }
 
 /// A study in a list.
@@ -170,9 +179,10 @@ impl Study {
                 // asked to stop when it was done already
                 Ok(_) if stop.is_asked() => inner.stopped(),
                 Ok(Ok(change)) => change.apply(&mut inner),
-                Ok(Err(reason)) => inner.failed(reason),
+                Ok(Err(reason)) => inner.failed(&task, reason),
                 Err(Interrupted::Stopped) => inner.stopped(),
                 Err(Interrupted::Panicked) => inner.failed(
+                    &task,
                     "an error in this program; what was computed before is still there\nhelp: please report it, with what it printed in the terminal".to_owned(),
                 ),
             }
@@ -188,8 +198,8 @@ impl Study {
                 return None;
             }
             if let Some(task) = inner.tasks.pop_front() {
-                let (job, stop) = (task.job(), Stop::default());
-                inner.running = Some((job, stop.clone()));
+                let stop = Stop::default();
+                inner.running = Some(Running { task: task.clone(), job: task.job(), stop: stop.clone() });
                 if task.is_asked_for() {
                     inner.error = None;
                 }
@@ -208,19 +218,20 @@ impl Study {
 
     fn progress(&self, job: Job) {
         let mut inner = self.lock();
-        if let Some((running, _)) = &mut inner.running {
-            *running = job.clone();
+        if let Some(running) = &mut inner.running {
+            running.job = job;
         }
-        let revision = inner.revision;
-        drop(inner);
-        self.beat.send_replace(Beat { revision, job: Some(job) });
+        self.tell(&inner);
     }
 
     fn publish(&self, mut inner: MutexGuard<'_, Inner>) {
         inner.revision += 1;
-        let beat = Beat { revision: inner.revision, job: inner.job() };
-        drop(inner);
-        self.beat.send_replace(beat);
+        self.tell(&inner);
+    }
+
+    /// Under the lock, so that what is told last is how it is.
+    fn tell(&self, inner: &Inner) {
+        self.beat.send_replace(Beat { revision: inner.revision, job: inner.job() });
     }
 
     /// Looks at an axis: what is not known of it is computed next.
@@ -273,8 +284,8 @@ impl Study {
     pub(super) fn stop(&self) {
         let mut inner = self.lock();
         inner.tasks.clear();
-        if let Some((_, stop)) = &inner.running {
-            stop.ask();
+        if let Some(running) = &inner.running {
+            running.stop.ask();
         }
         self.publish(inner);
     }
@@ -380,7 +391,8 @@ impl Study {
     pub(super) fn whole_file(&self) -> Result<StudyFile, String> {
         {
             let inner = self.lock();
-            let waiting = inner.tasks.iter().any(|task| matches!(task, Task::Fit(_)));
+            let running = inner.running.iter().map(|running| &running.task);
+            let waiting = running.chain(&inner.tasks).any(|task| matches!(task, Task::Fit(_)));
             let missing: Vec<&str> = inner
                 .axes
                 .iter()
@@ -466,7 +478,13 @@ impl Change {
 
 impl KnownAxis {
     fn unknown(column: &str) -> Self {
-        Self { fitted: None, growth: None, examination: None, section: AxisSection::empty(column) }
+        Self {
+            fitted: None,
+            growth: None,
+            examination: None,
+            examined: false,
+            section: AxisSection::empty(column),
+        }
     }
 }
 
@@ -480,7 +498,7 @@ impl Inner {
 
     /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then refuses.
     fn job(&self) -> Option<Job> {
-        let running = self.running.as_ref().map(|(job, _)| job.clone());
+        let running = self.running.as_ref().map(|running| running.job.clone());
         let mut job = running.or_else(|| self.tasks.front().map(Task::job))?;
         job.asked_for |= self.tasks.iter().any(Task::is_asked_for);
         Some(job)
@@ -493,7 +511,7 @@ impl Inner {
         if axis.fitted.is_none() {
             tasks.push(Task::Fit(column.to_owned()));
         }
-        if axis.examination.is_none() {
+        if !axis.examined {
             tasks.push(Task::Examine(column.to_owned()));
         }
         if axis.section.diagnosis.is_none() {
@@ -504,24 +522,29 @@ impl Inner {
 
     /// Puts tasks before the fits that wait in the background; what waits already is not done twice.
     fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
-        let (mut asked, mut background): (VecDeque<Task>, VecDeque<Task>) =
-            std::mem::take(&mut self.tasks).into_iter().partition(|task| !matches!(task, Task::Fit(_)));
         for task in tasks {
             if let Task::Fit(column) = &task {
-                let fitted = self.known(column).is_ok_and(|axis| axis.fitted.is_some());
-                if fitted || asked.contains(&task) {
+                let is_fitted = self.known(column).is_ok_and(|axis| axis.fitted.is_some());
+                let is_running = self.running.as_ref().is_some_and(|running| running.task == task);
+                if is_fitted || is_running || self.tasks.contains(&task) {
                     continue;
                 }
-                background.retain(|waiting| *waiting != task);
-                // an axis that is looked at is fitted before the others
-                let is_looked_at = self.looked_at.as_ref() == Some(column);
-                if is_looked_at { &mut asked } else { &mut background }.push_back(task);
-                continue;
+            } else {
+                // asked again: it is to see what comes before it now
+                self.tasks.retain(|waiting| *waiting != task);
             }
-            // asked again: it is to see what comes before it now
-            asked.retain(|waiting| *waiting != task);
-            asked.push_back(task);
+            self.tasks.push_back(task);
         }
+        // a fit goes with what needs it
+        let needed: Vec<String> = self
+            .tasks
+            .iter()
+            .filter(|task| task.is_asked_for())
+            .filter_map(|task| task.column().map(str::to_owned))
+            .collect();
+        let is_needed = |task: &Task| task.column().is_none_or(|column| needed.iter().any(|it| it == column));
+        let (mut asked, mut background): (VecDeque<Task>, VecDeque<Task>) =
+            std::mem::take(&mut self.tasks).into_iter().partition(is_needed);
         asked.append(&mut background);
         self.tasks = asked;
     }
@@ -531,9 +554,9 @@ impl Inner {
         self.error = Some("stopped; what was computed before is still there".to_owned());
     }
 
-    fn failed(&mut self, reason: String) {
-        // what was to come after it needs what it did not give; the fits of other axes do not
-        self.tasks.retain(|task| matches!(task, Task::Fit(_)));
+    fn failed(&mut self, task: &Task, reason: String) {
+        // what was to come after it needs what it did not give; what is of other axes does not
+        self.tasks.retain(|waiting| waiting.column() != task.column());
         self.error = Some(reason);
     }
 }
@@ -542,18 +565,80 @@ impl Inner {
 mod tests {
     use super::*;
 
+    fn fit(column: &str) -> Task {
+        Task::Fit(column.to_owned())
+    }
+
+    fn examine(column: &str) -> Task {
+        Task::Examine(column.to_owned())
+    }
+
+    fn diagnose(column: &str) -> Task {
+        Task::Diagnose(column.to_owned())
+    }
+
+    fn add(column: &str) -> Task {
+        Task::Add { column: column.to_owned(), effect: "thermal_lag".to_owned() }
+    }
+
+    impl Inner {
+        fn begin(&mut self) {
+            let task = self.tasks.pop_front().unwrap();
+            self.running = Some(Running { job: task.job(), task, stop: Stop::default() });
+        }
+    }
+
     #[test]
     fn a_study_rests_when_nothing_is_left_and_is_free_while_nobody_waits() {
-        let fit = |column: &str| Task::Fit(column.to_owned());
         let mut inner = Inner::default();
         assert_eq!(inner.job(), None);
         inner.ask([fit("gx_rads"), fit("gy_rads")]);
         assert!(!inner.job().unwrap().asked_for, "the other axes, in the background");
-        let begun = inner.tasks.pop_front().unwrap();
-        inner.running = Some((begun.job(), Stop::default()));
-        inner.ask([Task::Add { column: "gx_rads".to_owned(), effect: "thermal_lag".to_owned() }]);
+        inner.begin();
+        inner.ask([add("gx_rads")]);
         assert!(inner.job().unwrap().asked_for, "it waits for the fit that runs");
         inner.running = None;
         assert!(inner.job().unwrap().asked_for, "between two tasks");
+    }
+
+    #[test]
+    fn a_fit_goes_with_what_needs_it_and_the_others_come_last() {
+        let mut inner = Inner::default();
+        inner.ask([fit("gx"), examine("gx"), diagnose("gx"), fit("gy"), fit("gz"), fit("ax")]);
+        inner.begin();
+        inner.ask([fit("gx")]);
+        inner.ask([fit("gy"), examine("gy"), diagnose("gy")]);
+        inner.ask([fit("gz"), examine("gz"), diagnose("gz")]);
+        let expected = [
+            examine("gx"),
+            diagnose("gx"),
+            fit("gy"),
+            examine("gy"),
+            diagnose("gy"),
+            fit("gz"),
+            examine("gz"),
+            diagnose("gz"),
+            fit("ax"),
+        ];
+        // stable: an axis that was asked for earlier comes earlier, each in its own order
+        let of = |column: &str| -> Vec<&Task> {
+            inner.tasks.iter().filter(|task| task.column() == Some(column)).collect()
+        };
+        for column in ["gx", "gy", "gz", "ax"] {
+            let own: Vec<&Task> = expected.iter().filter(|task| task.column() == Some(column)).collect();
+            assert_eq!(of(column), own);
+        }
+        assert_eq!(inner.tasks.len(), expected.len(), "nothing twice");
+        assert_eq!(inner.tasks.back(), Some(&fit("ax")));
+    }
+
+    #[test]
+    fn what_fails_takes_along_only_what_needs_it() {
+        let mut inner = Inner::default();
+        inner.ask([add("gx"), examine("gx"), fit("gz"), fit("ax")]);
+        inner.failed(&fit("gz"), "dead".to_owned());
+        assert_eq!(inner.tasks, [add("gx"), examine("gx"), fit("ax")]);
+        inner.failed(&add("gx"), "no".to_owned());
+        assert_eq!(inner.tasks, [fit("ax")]);
     }
 }

@@ -88,6 +88,15 @@ impl Task {
         Job::new(words, self.is_asked_for())
     }
 
+    /// The axis that it is of; none if it is of all.
+    pub(super) fn column(&self) -> Option<&str> {
+        match self {
+            Self::Read(_) => None,
+            Self::Fit(column) | Self::Examine(column) | Self::Diagnose(column) => Some(column),
+            Self::Add { column, .. } | Self::Undo { column, .. } => Some(column),
+        }
+    }
+
     /// Whether somebody waits for it: a new error takes the place of the old one.
     pub(super) fn is_asked_for(&self) -> bool {
         !matches!(self, Self::Fit(_))
@@ -179,7 +188,7 @@ fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Cha
     let examination = examine(study, growth, &known.read()?.logs, judged).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.section = axis.section.clone().examined(&examination);
-        axis.examination = Some(Arc::new(examination));
+        (axis.examination, axis.examined) = (Some(Arc::new(examination)), true);
     }))
 }
 
@@ -216,6 +225,7 @@ fn regrown(study: &crate::study::Study, growth: Growth) -> Change {
         // the picture of the model before stays until the new one is there
         let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
         (axis.growth, axis.section) = (Some(growth), AxisSection { comparison, judged_s, ..section });
+        axis.examined = false;
     })
 }
 

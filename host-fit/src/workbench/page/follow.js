@@ -4,7 +4,7 @@
 import { ApiError, get } from "./api.js";
 
 /** @typedef {import("./types.js").State} State */
-/** @typedef {{state: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Follower */
+/** @typedef {{state: (state: State) => void, connected: (connected: boolean) => void, gone: () => void, failed: (error: unknown) => void}} Follower */
 
 /** First wait before trying again, ms; it doubles up to the longest. */
 const FIRST_WAIT = 500;
@@ -31,15 +31,17 @@ export function follow(id, follower) {
       const answer = /** @type {State} */ (await get(`/api/studies/${id}`));
       if (closed) return;
       state = answer;
+      follower.connected(true);
       follower.state(state);
     } catch (error) {
       if (closed) return;
       if (error instanceof ApiError && error.status === 404) {
         close();
+        follower.connected(true);
         follower.gone();
       } else if (error instanceof ApiError && error.status === 0) {
         follower.connected(false);
-      } else throw error;
+      } else follower.failed(error);
     }
   }
 

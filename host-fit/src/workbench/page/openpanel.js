@@ -75,10 +75,13 @@ export class OpenPanel {
   /** Takes files that were dropped or chosen. @param {File[]} files */
   async take(files) {
     this.#chooser.value = "";
-    await this.#pick(files.slice(0, MOST - this.#picked.length || 1), async (file) => {
+    const most = Math.max(MOST - this.#picked.length, 1);
+    await this.#pick(files.slice(0, most), async (file) => {
       this.#say(`Sending ${file.name}, ${bytes(file.size)} …`);
       return (await upload(file)).path;
     });
+    const left = files.slice(most).map((file) => file.name);
+    if (left.length > 0) this.#problem(`Not taken: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
   }
 
   /**

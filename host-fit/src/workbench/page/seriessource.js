@@ -29,7 +29,11 @@ export class SeriesSource {
   #whole = null;
   /** @type {Series | null} */
   #detail = null;
+  /** Of the whole log, and of the detail. */
   #request = new AbortController();
+  #detailRequest = new AbortController();
+  /** What the whole log was read of. @type {Subject | null} */
+  #wholeOf = null;
   #timer = 0;
   /** @type {Set<(drawn: Drawn | null) => void>} */
   #listeners = new Set();
@@ -59,6 +63,7 @@ export class SeriesSource {
     const before = this.#subject;
     this.#subject = subject;
     this.#request.abort();
+    this.#detailRequest.abort();
     clearTimeout(this.#timer);
     this.#detail = null;
     // a grown model redraws in place; another axis must not show the numbers of the one before
@@ -73,24 +78,24 @@ export class SeriesSource {
   async #readWhole(subject) {
     this.#request = new AbortController();
     const [from, to] = this.#time.whole;
-    const whole = await this.#read(subject, from, to, WHOLE_WIDTH);
+    const whole = await this.#read(subject, from, to, WHOLE_WIDTH, this.#request.signal);
     if (!whole) {
       // the next change of the study tries again
       setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
       return;
     }
     this.#whole = whole;
+    this.#wholeOf = subject;
     this.#tell();
     this.#ask();
   }
 
   /**
    * @param {Subject} subject
-   * @param {number} from @param {number} to @param {number} width
+   * @param {number} from @param {number} to @param {number} width @param {AbortSignal} signal
    * @returns {Promise<Series | null>} null: stale or failed
    */
-  async #read(subject, from, to, width) {
-    const { signal } = this.#request;
+  async #read(subject, from, to, width, signal) {
     const query = new URLSearchParams({
       axis: subject.axis,
       view: subject.view,
@@ -110,7 +115,8 @@ export class SeriesSource {
   /** Asks for detail, once the window rests and what is known does not do. */
   #ask() {
     clearTimeout(this.#timer);
-    if (!this.#whole || this.#isEnough()) return;
+    // no detail of one thing within the whole of another
+    if (!this.#whole || this.#wholeOf !== this.#subject || this.#isEnough()) return;
     this.#timer = window.setTimeout(() => void this.#readDetail(), DEBOUNCE);
   }
 
@@ -128,12 +134,12 @@ export class SeriesSource {
   async #readDetail() {
     const subject = this.#subject;
     if (!subject) return;
-    this.#request.abort();
-    this.#request = new AbortController();
+    this.#detailRequest.abort();
+    this.#detailRequest = new AbortController();
     const { shown, span, whole } = this.#time;
     const from = Math.max(shown[0] - span, whole[0]);
     const to = Math.min(shown[1] + span, whole[1]);
-    const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span));
+    const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span), this.#detailRequest.signal);
     if (!detail) return;
     // what was asked for is known, even where the log has nothing
     this.#detail = { ...detail, from_s: Math.min(detail.from_s, from), to_s: Math.max(detail.to_s, to) };

@@ -74,7 +74,12 @@ export class StudyPage {
     this.#all = [measuredPart(context), failsPart(context), missingPart(context), fallsPart(context), takePart(context)];
     this.#parts.append(...this.#all.map((part) => part.element));
     this.element = el("div", { class: "study" }, this.#head, this.#error, this.#reading, this.#bar, this.#parts, this.#said);
-    this.#following = follow(id, { state: (state) => this.#update(state), connected: around.connected, gone: around.gone });
+    this.#following = follow(id, {
+      state: (state) => this.#update(state),
+      connected: around.connected,
+      gone: around.gone,
+      failed: (error) => around.notices.show(messageOf(error)),
+    });
     replace(this.#reading, waiting("Opening the study"));
     this.#bar.hidden = true;
     this.#parts.hidden = true;
@@ -188,7 +193,7 @@ export class StudyPage {
       choose: (column) => {
         this.#axis = column;
         this.#chosen = null;
-        if (state.axis !== column) void this.#change("axis", { axis: column });
+        void this.#change("axis", { axis: column });
         this.#draw();
       },
     });

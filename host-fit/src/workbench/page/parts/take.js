@@ -71,10 +71,12 @@ export function takePart({ study, announce }) {
     update(scene) {
       const { state } = scene;
       const hasModel = state.axes.some((axis) => axis.model);
-      const now = JSON.stringify([hasModel, state.commands]);
+      // while something is computed the server gives nothing away: half a model is none
+      const isReady = hasModel && state.job === null;
+      const now = JSON.stringify([hasModel, isReady, state.commands]);
       if (now !== drawn) {
         drawn = now;
-        replace(downloads, FORMATS.map(({ format, name, says }) => download(study, format, name, says, hasModel)));
+        replace(downloads, FORMATS.map(({ format, name, says }) => download(study, format, name, hasModel ? says : "when there is a model", isReady)));
         replace(commands, state.commands.length > 0 ? state.commands.map((command, at) => commandElement(command, `command:${at}`, announce)) : el("p", { class: "empty" }, "They stand here as soon as there is something to repeat."));
       }
       void readReplay(scene);
@@ -82,10 +84,10 @@ export function takePart({ study, announce }) {
   };
 }
 
-/** @param {number} study @param {string} format @param {string} name @param {string} says @param {boolean} hasModel */
-function download(study, format, name, says, hasModel) {
-  const text = [icon("drop"), el("span", {}, el("b", {}, name), el("span", { class: "note" }, hasModel ? says : "when there is a model"))];
-  return el("li", {}, hasModel ? el("a", { href: `/api/studies/${study}/export/${format}`, download: "", "data-key": `export:${format}` }, text) : el("span", { class: "off" }, text));
+/** @param {number} study @param {string} format @param {string} name @param {string} says @param {boolean} isReady */
+function download(study, format, name, says, isReady) {
+  const text = [icon("drop"), el("span", {}, el("b", {}, name), el("span", { class: "note" }, says))];
+  return el("li", {}, isReady ? el("a", { href: `/api/studies/${study}/export/${format}`, download: "", "data-key": `export:${format}` }, text) : el("span", { class: "off" }, text));
 }
 
 /** @param {string} command @param {string} key @param {(text: string) => void} announce */
