@@ -25,6 +25,7 @@ fn run(stream: &[u8]) {
         Ok(recorded) => {
             let rows = recorded.report.samples as usize;
             assert!(recorded.columns.iter().all(|(_, values)| values.len() == rows));
+            assert!(recorded.columns[0].1.iter().all(|time| time.is_finite()));
             assert_eq!(recorded.report.bytes, stream.len() as u64);
         }
         Err(error) => assert!(!error.to_string().is_empty()),
