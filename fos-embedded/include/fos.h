@@ -329,17 +329,15 @@ size_t fos_hub_align(void);
 // After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
 fos_status fos_hub_init(void *memory, size_t size, const struct fos_scales *scales, struct fos_hub **out);
 
-// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The image need not be
-// aligned, and is not needed afterwards.
+// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The
+// image need not be aligned, and is not needed afterwards.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL: `hub` or `image`. FOS_STATUS_MISALIGNED: `hub`. FOS_STATUS_ARGUMENT: no memory at `image` can
 //   have `length` bytes. The hub is then as before.
 // - FOS_STATUS_TRUNCATED to FOS_STATUS_OTHER_QUANTITY, as said there. The hub then has no model, also if it had one
 //   before: it corrects nothing, and every output says so.
-fos_status fos_hub_load(struct fos_hub *hub,
-                        const uint8_t *image,
-                        size_t length);
+fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length);
 
 // Corrects one sample; in the order of time, every one exactly once. `*raw` is read before `*output` is written.
 //

@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn run(stream: &[u8]) {
-    match record(stream, |_| true) {
+    match record(stream) {
         Ok(recorded) => {
             let rows = recorded.report.samples as usize;
             assert!(recorded.columns.iter().all(|(_, values)| values.len() == rows));

@@ -61,26 +61,30 @@ pub struct Report {
     pub restarts: u64,
     /// Bytes read.
     pub bytes: u64,
+    /// Why the stream broke off; none if it came to its end.
+    pub broken_off: Option<String>,
 }
 
-/// Reads `stream` to its end, or until `go_on` says no; it is asked after every frame.
+/// Reads `stream` to its end. Where it breaks off, what came until then is a log.
 ///
 /// # Errors
 ///
 /// The stream cannot be read, is of another version, or has no sample.
-pub fn record(
-    mut stream: impl BufRead,
-    mut go_on: impl FnMut(&Report) -> bool,
-) -> Result<Recorded, RecordError> {
+pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
     let mut log = Log::default();
     let mut frame = Vec::new();
     let mut joined = false;
     loop {
         frame.clear();
-        let read = io::Read::take(&mut stream, LONGEST).read_until(0, &mut frame)?;
-        if read == 0 {
-            break;
-        }
+        let read = match io::Read::take(&mut stream, LONGEST).read_until(0, &mut frame) {
+            Ok(0) => break,
+            Ok(read) => read,
+            Err(error) if log.report.samples > 0 => {
+                log.report.broken_off = Some(error.to_string());
+                break;
+            }
+            Err(error) => return Err(error.into()),
+        };
         log.report.bytes += read as u64;
         if frame.len() > 1 {
             match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
@@ -93,9 +97,6 @@ pub fn record(
             }
         }
         joined = true;
-        if !go_on(&log.report) {
-            break;
-        }
     }
     log.finish()
 }
@@ -233,7 +234,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Recorded {
-        record(bytes, |_| true).expect("a log")
+        record(bytes).expect("a log")
     }
 
     #[test]
@@ -252,6 +253,26 @@ mod tests {
         assert_eq!(column(&recorded, "gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
         assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 256.0, 0.0, 0.0, 0.0]);
         assert!(column(&recorded, "innovation_gx_rads").iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn what_came_before_a_cable_was_pulled_is_a_log() {
+        struct Pulled<'a>(&'a [u8]);
+        impl io::Read for Pulled<'_> {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                match self.0.read(buffer)? {
+                    0 => Err(io::Error::other("no such device")),
+                    read => Ok(read),
+                }
+            }
+        }
+        let bytes = [stream(&[Frame::Start(START)]), sample(1), sample(2)].concat();
+        let recorded = record(io::BufReader::new(Pulled(&bytes))).expect("a log");
+        assert_eq!(
+            (recorded.report.samples, recorded.report.broken_off.as_deref()),
+            (2, Some("no such device"))
+        );
+        assert!(matches!(record(io::BufReader::new(Pulled(&[]))), Err(RecordError::Read(_))));
     }
 
     #[test]
@@ -320,9 +341,9 @@ mod tests {
     #[test]
     fn what_is_no_telemetry_says_so() {
         let noise: Vec<u8> = (0..20_000_u32).map(|n| (n * n % 251) as u8).collect();
-        let said = record(&noise[..], |_| true).expect_err("nothing in it").to_string();
+        let said = record(&noise[..]).expect_err("nothing in it").to_string();
         assert!(said.contains("baud rate"), "{said}");
         let other = stream(&[Frame::Start(StartFrame { version: 9, ..START })]);
-        assert!(matches!(record(&other[..], |_| true), Err(RecordError::Version { found: 9 })));
+        assert!(matches!(record(&other[..]), Err(RecordError::Version { found: 9 })));
     }
 }

@@ -89,7 +89,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
     let cable = recorder.release();
 
     // on the host
-    let recorded = record(BufReader::new(&cable.bytes[..]), |_| true).expect("a log");
+    let recorded = record(BufReader::new(&cable.bytes[..])).expect("a log");
     let report = &recorded.report;
     let lost_bytes = (cable.sent / cable.loses_every) as u64;
     assert!(lost_bytes > 100, "the cable is bad enough: {lost_bytes}");

@@ -93,8 +93,8 @@ pub unsafe extern "C" fn fos_hub_init(
     fos_status::of(made)
 }
 
-/// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The image need not be
-/// aligned, and is not needed afterwards.
+/// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The
+/// image need not be aligned, and is not needed afterwards.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NULL: `hub` or `image`. FOS_STATUS_MISALIGNED: `hub`. FOS_STATUS_ARGUMENT: no memory at `image` can

@@ -11,8 +11,8 @@ use crate::recording::{ColumnMap, LoadOptions, Recording, load};
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
-    /// gx_rads=gx_cnt*1.33e-4. May be repeated
-    #[arg(long = "map", value_name = "COLUMN=SOURCE[:UNIT]")]
+    /// gx_rads=gx_cnt:*1.33e-4:rad/s. May be repeated
+    #[arg(long = "map", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
     pub(super) map: Vec<String>,
     /// The same, from a TOML file
     #[arg(long, value_name = "FILE")]

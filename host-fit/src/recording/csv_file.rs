@@ -62,9 +62,6 @@ pub(super) fn read(
     }
     drop(first_lines);
     while lines.next(&mut line)? {
-        if lines.number.is_multiple_of(LINES_BETWEEN_CHECKS) {
-            interrupt::check();
-        }
         take(lines.number, &line)?;
     }
     parser.finish()
@@ -95,6 +92,9 @@ impl<R: BufRead> Lines<'_, R> {
                 return Ok(false);
             }
             self.number += 1;
+            if self.number.is_multiple_of(LINES_BETWEEN_CHECKS) {
+                interrupt::check();
+            }
             if self.number == 1 && line.starts_with(BYTE_ORDER_MARK) {
                 line.drain(..BYTE_ORDER_MARK.len());
             }
@@ -282,11 +282,11 @@ impl<'a> Parser<'a> {
             };
             let (column, value) = match (kind, parse_cell_unless(kind == Kind::LeftOut, cell)) {
                 (Kind::LeftOut, _) => return,
-                (Kind::Labels(column), _) => {
+                (Kind::Labels(column), Cell::Number(_) | Cell::Text) => {
                     let next = self.labels.len() as f64;
                     (column, *self.labels.entry(cell.to_vec()).or_insert(next))
                 }
-                (Kind::Numbers(column) | Kind::Undecided(column), Cell::Empty) => {
+                (Kind::Numbers(column) | Kind::Labels(column) | Kind::Undecided(column), Cell::Empty) => {
                     self.row_empty.push(column);
                     (column, f64::NAN)
                 }

@@ -251,6 +251,29 @@ fn segment_and_still_columns_are_understood() {
 }
 
 #[test]
+fn a_label_that_stands_only_where_it_changes_holds_until_the_next() {
+    let label = |i| {
+        if i == 0 {
+            "rest"
+        } else if i == 40 {
+            "turned"
+        } else {
+            ""
+        }
+    };
+    let rows = (0..100).map(|i| format!("{:.2},1,{}\n", f64::from(i) * 0.01, label(i)));
+    let recording = load_text(&("t_s,gx_rads,segment\n".to_owned() + &rows.collect::<String>())).unwrap();
+    let boundaries: Vec<_> = recording.segments.iter().map(|s| (s.rows.clone(), s.boundary)).collect();
+    assert_eq!(boundaries, [(0..40, Boundary::Start), (40..100, Boundary::SegmentColumn)]);
+}
+
+#[test]
+fn a_name_is_no_command_to_a_terminal() {
+    let recording = load_text("t_s,gx_rads,\x1b[2Jwiped\n0,1,1\n0.01,2,3\n0.02,1,2\n0.03,1,5\n").unwrap();
+    assert!(recording.channel("\u{fffd}[2Jwiped").is_ok());
+}
+
+#[test]
 fn split_is_contiguous_and_cuts_a_segment_in_two() {
     let recording = load_text(&log(|i| (i == 20).then_some("#"))).unwrap();
     let (first, rest) = recording.split(0.5);

@@ -35,10 +35,12 @@ pub(super) fn must_be_numeric(name: &str, map: &ColumnMap) -> bool {
     map.uses(name) || name == "t_s" || name == "still"
 }
 
-/// Unnamed columns (the index column some programs write) are named by their place.
+/// Unnamed columns (the index column some programs write) are named by their place. A name is shown in terminals, where control
+/// characters are commands.
 pub(super) fn column_name(raw: &str, index: usize) -> String {
-    let name = raw.trim();
-    if name.is_empty() { format!("column_{}", index + 1) } else { name.to_owned() }
+    let shown = |letter: char| if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter };
+    let name: String = raw.trim().chars().map(shown).collect();
+    if name.is_empty() { format!("column_{}", index + 1) } else { name }
 }
 
 /// Refuses two columns of one name.

@@ -172,7 +172,7 @@ fn of_flash(bytes: &[u8]) -> Result<String, String> {
 }
 
 fn of_telemetry(bytes: &[u8]) -> Result<String, String> {
-    let recorded = record(BufReader::new(bytes), |_| true).map_err(|error| error.to_string())?;
+    let recorded = record(BufReader::new(bytes)).map_err(|error| error.to_string())?;
     let report = recorded.report;
     let mut outputs = format!(
         "samples {} lost {} damaged {} unknown {} restarts {}\n",
