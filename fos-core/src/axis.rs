@@ -137,19 +137,24 @@ impl<R: Real> RunningAxis<R> {
 
     /// As before the first sample.
     pub(crate) fn reset(&mut self) {
-        self.restart();
+        self.restart(0);
         (self.repeats, self.missing, self.coasted, self.gain) = (0, 0, 0, R::ONE);
         self.corrected = self.reference;
         // equals nothing, so that the first sample is no repetition
         self.last_measured = R::from_f64(f64::NAN);
     }
 
-    /// Too many samples are missing. Forgets the history: the axis warms up again.
-    pub(crate) fn restart(&mut self) {
+    /// Too many samples are missing, `ticks` of them unseen. Forgets the history: the axis warms up again. What had begun to fade is
+    /// gone: nothing is known that could bring it back.
+    #[cold]
+    pub(crate) fn restart(&mut self, ticks: u32) {
         (self.measured_run, self.missing) = (0, self.gap_limit);
         self.ready = self.depth == 0;
         (self.remainder, self.known, self.steady) = (R::ZERO, false, false);
-        (self.coasted, self.gain) = (0, R::ONE);
+        self.coasted = self.coasted.saturating_add(ticks);
+        if self.coasted > self.coast_limit {
+            self.gain = R::ZERO;
+        }
     }
 
     /// Ticks that the axis coasts over when samples are missing, or remembers: the more of the two.
@@ -241,7 +246,7 @@ impl<R: Real> RunningAxis<R> {
         if coasts {
             self.missing += 1;
         } else {
-            self.restart();
+            self.restart(0);
         }
         self.extrapolate(stochastic, measured, validity | reason, correction);
         // also where the model looks back at no output: what remembers the remainder must not live on predictions

@@ -315,7 +315,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         if ticks > stepped {
             // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
             // old as they should be.
-            self.axes.iter_mut().for_each(RunningAxis::restart);
+            self.axes.iter_mut().for_each(|axis| axis.restart(ticks - stepped));
             for input in &mut self.inputs {
                 input.skip(ticks - stepped);
             }

@@ -302,6 +302,30 @@ fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
 }
 
 #[test]
+fn what_has_faded_does_not_come_back_by_what_is_lost() {
+    // no lags, so that the axis needs no history to be ready
+    let parameters = AxisParameters { constant: 0.7, coast_limit_s: 1.0, gap_limit: 20, ..plain() };
+    let mut moved = OwnedModel::autoregressive(parameters, vec![]).predictor().unwrap();
+    let coast = |predictor: &mut Roomy<f64>| step(predictor, Mode::Coast, &[0.0], &[])[0];
+    assert_eq!(coast(&mut moved).predicted, 0.7);
+    for _ in 0..1000 {
+        let _ = coast(&mut moved);
+    }
+    for lost in [21, 5000] {
+        let mut moved = moved.clone();
+        let _ = moved.skip(lost);
+        let found = coast(&mut moved);
+        assert_eq!((found.predicted, found.validity), (0.0, Validity::COASTING_TOO_LONG), "{lost}");
+        assert_eq!(step(&mut moved, Mode::Track, &[0.7], &[])[0].predicted, 0.7);
+        assert_eq!(coast(&mut moved).predicted, 0.7, "known again");
+    }
+    // longer without a sample than a coast was validated for
+    let mut lost = OwnedModel::autoregressive(parameters, vec![]).predictor().unwrap();
+    let _ = lost.skip(1000);
+    assert_eq!(coast(&mut lost).predicted, 0.0);
+}
+
+#[test]
 fn a_stuck_test_that_is_switched_off_stays_off() {
     // repetitions were counted in 16 bits and 0 was turned into 65535: after 5 minutes of equal values the axis
     // was flagged as stuck and lost its history

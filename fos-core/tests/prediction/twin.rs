@@ -342,7 +342,6 @@ impl TwinAxis {
         if let Some(last) = self.kept.last_mut() {
             *last = Kept::Restart;
         }
-        (self.coasted, self.gain) = (0, 1.0);
     }
 
     fn sum(&self, terms: &[Term<f64>], start: f64, inputs: &[TwinInput]) -> f64 {
@@ -430,11 +429,12 @@ impl TwinAxis {
         };
         self.missing = if unusable { self.missing + 1 } else { 0 };
         let restarted = self.missing > u32::from(parameters.gap_limit);
-        if restarted {
-            (self.coasted, self.gain) = (0, 1.0);
+        let limit = (parameters.coast_limit_s / PERIOD_S).floor();
+        if restarted && f64::from(self.coasted) > limit {
+            self.gain = 0.0;
         }
         self.coasted += 1;
-        if f64::from(self.coasted) > (parameters.coast_limit_s / PERIOD_S).floor() {
+        if f64::from(self.coasted) > limit {
             validity |= Validity::COASTING_TOO_LONG;
             // the crate's own, held against libm's in its unit tests: the last bits differ
             self.gain *= 1.0 + exp_m1(-PERIOD_S / parameters.coast_limit_s);
