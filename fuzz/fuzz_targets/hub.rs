@@ -116,8 +116,12 @@ fuzz_target!(|bytes: &[u8]| {
                 assert!(output.corrected.iter().all(|value| value.is_finite()));
                 ticks = ticks.wrapping_add(raw.skipped.saturating_add(1));
                 assert_eq!(output.tick, ticks.wrapping_sub(1));
-                let gap = if skipped > 0 { Faults::GAP } else { Faults::empty() };
-                assert_eq!(output.faults - Faults::RATE, (raw.faults | gap) - Faults::RATE);
+                let mut faults = raw.faults;
+                faults.set(Faults::GAP, faults.contains(Faults::GAP) || skipped > 0);
+                let saturated = output.validity.iter().any(|validity| validity.contains(Validity::SATURATED));
+                faults.set(Faults::SATURATED, faults.contains(Faults::SATURATED) || saturated);
+                // whether the clock is off is not followed here
+                assert_eq!(output.faults - Faults::RATE, faults - Faults::RATE);
                 let (still, corrections) = expected.sample(&raw);
                 assert_eq!(output.still, still);
                 for (axis, correction) in corrections.iter().enumerate() {
