@@ -14,7 +14,7 @@ const MEAN_THRESHOLD: f64 = 40.0;
 
 /// Excess of the squared innovation, in variances, that the power test lets pass, and its threshold: a doubled
 /// variance is found in 60/(1 − 0.5) = 120 samples. White innovations exceed it once in about 10⁹ samples: e^(−0.29·h),
-/// 0.29 the root θ of E e^(θ(e² − 1.5)) = 1, and as simulated. Correlated ones wander further, see [`Monitor::new`].
+/// 0.29 the root θ of E e^(θ(e² − 1.5)) = 1, and as simulated. Correlated ones wander further, see [`power_inflation`].
 const POWER_SLACK: f64 = 0.5;
 const POWER_THRESHOLD: f64 = 60.0;
 

@@ -316,9 +316,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
             // old as they should be.
             self.axes.iter_mut().for_each(|axis| axis.restart(ticks - stepped));
-            for input in &mut self.inputs {
-                input.skip(ticks - stepped);
-            }
+            self.pass(ticks - stepped);
         }
         for _ in 0..stepped {
             let _ = self.coast(&Sample { measured: &[], quantities: &[] });
@@ -329,7 +327,15 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be called before the
     /// first sample.
     pub fn begin_after(&mut self, ticks: u32) {
-        self.inputs.iter_mut().for_each(|input| input.skip(ticks));
+        self.pass(ticks);
+    }
+
+    /// Time goes on for the inputs. One copy for both who need it: neither is a step.
+    #[inline(never)]
+    fn pass(&mut self, ticks: u32) {
+        for input in &mut self.inputs {
+            input.skip(ticks);
+        }
     }
 
     /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what is known of

@@ -115,7 +115,6 @@ struct Log {
 }
 
 /// Columns of a log, as its start frame names them.
-#[derive(Clone, PartialEq)]
 struct Names {
     axes: Vec<String>,
     quantities: Vec<String>,
