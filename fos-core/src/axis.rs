@@ -87,7 +87,8 @@ pub(crate) struct AxisProgram<R> {
 impl<R: Real> RunningAxis<R> {
     #[inline(never)]
     pub(crate) fn new(parameters: &AxisParameters<R>, program: AxisProgram<R>, period_s: f64) -> Self {
-        let coast_limit_s = parameters.coast_limit_s.to_f64();
+        // −0 is a limit of 0: to divide by it must not turn the sign of the fading
+        let coast_limit_s = parameters.coast_limit_s.to_f64().abs();
         let full_scale = if parameters.full_scale > R::ZERO { parameters.full_scale } else { R::MAX };
         let mut axis = Self {
             physical: program.physical,

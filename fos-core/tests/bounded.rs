@@ -122,11 +122,13 @@ fn beyond_the_coast_limit_the_stochastic_part_fades_to_nothing() {
 
 #[test]
 fn a_coast_limit_of_zero_leaves_the_physical_part_alone() {
-    let parameters = AxisParameters { coast_limit_s: 0.0, offset: 0.25, constant: 0.7, ..plain() };
-    let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.9_f32, &[y(1)])]);
-    let mut predictor = model.predictor().unwrap();
-    warm_up(&mut predictor, &model.axes[0].parameters);
-    assert_eq!(coast(&mut predictor, &[1.0]).0, 0.25);
+    for coast_limit_s in [0.0, -0.0] {
+        let parameters = AxisParameters { coast_limit_s, offset: 0.25, constant: 0.7, ..plain() };
+        let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.9_f32, &[y(1)])]);
+        let mut predictor = model.predictor().unwrap();
+        warm_up(&mut predictor, &model.axes[0].parameters);
+        assert_eq!(coast(&mut predictor, &[1.0]).0, 0.25);
+    }
 }
 
 #[test]
