@@ -44,6 +44,25 @@ impl Numbers<'_> {
     }
 }
 
+/// What a call is to say of a pointer; none if nothing is wrong with it.
+fn wrong_with<T>(pointer: *const T) -> Option<fos_status> {
+    match pointer {
+        _ if pointer.is_null() => Some(fos_status::Null),
+        _ if pointer.is_aligned() => None,
+        _ => Some(fos_status::Misaligned),
+    }
+}
+
+/// Bad pointers are told, unless something else is wrong too, and good ones are not blamed.
+fn hold(status: fos_status, pointers: &[Option<fos_status>], also_wrong: &[fos_status]) {
+    let bad: Vec<fos_status> = pointers.iter().copied().flatten().collect();
+    if bad.is_empty() {
+        assert!(!matches!(status, fos_status::Null | fos_status::Misaligned), "{status:?}");
+    } else {
+        assert!(bad.contains(&status) || also_wrong.contains(&status), "{status:?}, wrong are {bad:?}");
+    }
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let (information, rest) = split(bytes);
     let (body, rest) = split(rest);
@@ -81,7 +100,6 @@ unsafe fn call(
 ) {
     let which = numbers.byte() % 16;
     let hub = numbers.pointer(good);
-    let there = Numbers::is_there(hub);
     // SAFETY: as the caller promised
     unsafe {
         match which {
@@ -90,7 +108,10 @@ unsafe fn call(
                 let size = if numbers.byte() > 200 { usize::from(numbers.byte()) } else { 8 * memory.len() };
                 let place = numbers.pointer(memory.as_mut_ptr()).cast();
                 let out = numbers.pointer(&raw mut made);
-                let status = fos_hub_init(place, size, numbers.pointer(scales), out);
+                let scales = numbers.pointer(scales);
+                let status = fos_hub_init(place, size, scales, out);
+                let pointers = [wrong_with(place.cast::<u64>()), wrong_with(scales), wrong_with(out)];
+                hold(status, &pointers, &[fos_status::NoRoom, fos_status::Argument]);
                 assert!(!Numbers::is_there(out) || made.is_null() == (status != fos_status::Ok));
             }
             1 => {
@@ -111,7 +132,9 @@ unsafe fn call(
                     || image.cast_const() == images[0].as_ptr()
                     || image.cast_const() == images[1].as_ptr()
                 {
-                    let _ = fos_hub_load(hub, image, length);
+                    let status = fos_hub_load(hub, image, length);
+                    hold(status, &[wrong_with(hub), wrong_with(image)], &[fos_status::Argument]);
+                    assert!(length != usize::MAX || status != fos_status::Ok);
                 }
             }
             3..=7 => {
@@ -128,7 +151,9 @@ unsafe fn call(
                     };
                     let mut output = Box::new(MaybeUninit::<fos_output>::uninit());
                     let place = numbers.pointer(output.as_mut_ptr());
-                    let status = fos_hub_update(hub, numbers.pointer((&raw const sample).cast_mut()), place);
+                    let raw = numbers.pointer((&raw const sample).cast_mut());
+                    let status = fos_hub_update(hub, raw, place);
+                    hold(status, &[wrong_with(hub), wrong_with(raw), wrong_with(place)], &[]);
                     if status == fos_status::Ok {
                         let output = output.assume_init();
                         // a huge scale may measure an infinity: then it must say so
@@ -141,26 +166,40 @@ unsafe fn call(
                 }
             }
             8 => {
-                let _ = fos_hub_give(hub, numbers.byte().into(), numbers.float());
-                let _ = fos_hub_give_application(hub, numbers.byte().into(), numbers.float());
+                let also_wrong = [fos_status::Argument];
+                hold(
+                    fos_hub_give(hub, numbers.byte().into(), numbers.float()),
+                    &[wrong_with(hub)],
+                    &also_wrong,
+                );
+                let status = fos_hub_give_application(hub, numbers.byte().into(), numbers.float());
+                hold(status, &[wrong_with(hub)], &[]);
             }
             9 => {
-                let _ = fos_hub_set_motion(hub, numbers.byte().into());
+                let status = fos_hub_set_motion(hub, numbers.byte().into());
+                hold(status, &[wrong_with(hub)], &[fos_status::Argument]);
             }
             10 => {
-                let _ = fos_hub_clock(hub, u64::from_le_bytes(numbers.bytes()));
+                let status = fos_hub_clock(hub, u64::from_le_bytes(numbers.bytes()));
+                assert_eq!(status, wrong_with(hub).unwrap_or(fos_status::Ok));
             }
             11 => {
                 let mut rate = Box::new(0.0);
-                let _ = fos_hub_rate_hz(hub, numbers.pointer(&raw mut *rate));
+                let place = numbers.pointer(&raw mut *rate);
+                let status = fos_hub_rate_hz(hub, place);
+                hold(status, &[wrong_with(hub), wrong_with(place)], &[]);
+                assert!(status != fos_status::Ok || (rate.is_finite() && *rate >= 0.0));
             }
             12 => {
                 let mut drift = Box::new(0);
                 let place = if numbers.byte() == 0 { null_mut() } else { &raw mut *drift };
-                let _ = fos_hub_drift(hub, numbers.byte().into(), place);
+                let axis = usize::from(numbers.byte());
+                let status = fos_hub_drift(hub, axis, place);
+                hold(status, &[wrong_with(hub), wrong_with(place)], &[fos_status::Argument]);
+                assert!(status != fos_status::Ok || axis < FOS_AXES);
             }
             13 => {
-                let _ = fos_hub_restart_watch(hub);
+                assert_eq!(fos_hub_restart_watch(hub), wrong_with(hub).unwrap_or(fos_status::Ok));
             }
             14 => {
                 let mut buffer = vec![0; usize::from(numbers.byte()) * 4];
@@ -169,18 +208,28 @@ unsafe fn call(
                 let start = if numbers.byte() == 0 { null_mut() } else { buffer.as_mut_ptr() };
                 let capacity = if numbers.byte() == 0 { usize::MAX } else { buffer.len() };
                 // the promise of the caller: as many bytes as said, unless that is impossible
+                let pointers = [wrong_with(hub), wrong_with(start), wrong_with(place)];
                 let status = if numbers.byte() & 1 == 0 {
                     let (image, length) = match numbers.byte() {
                         0 => (null(), 0),
                         1 => (null(), 3),
                         n => (images[usize::from(n & 1)].as_ptr(), images[usize::from(n & 1)].len()),
                     };
-                    fos_telemetry_start(hub, image, length, start, capacity, place)
+                    let status = fos_telemetry_start(hub, image, length, start, capacity, place);
+                    // what is wrong with the image may be told first
+                    let image_is_there = length == 0 || !image.is_null();
+                    let fine = image_is_there && pointers.iter().all(Option::is_none);
+                    assert!(fine || status != fos_status::Ok);
+                    assert!(!fine || !matches!(status, fos_status::Null | fos_status::Misaligned));
+                    status
                 } else {
-                    fos_telemetry_sample(hub, start, capacity, place)
+                    let status = fos_telemetry_sample(hub, start, capacity, place);
+                    hold(status, &pointers, &[fos_status::Argument]);
+                    status
                 };
-                assert!(!Numbers::is_there(place) || *used <= buffer.len());
-                assert!(status != fos_status::Ok || (there && *used > 0 && buffer[*used - 1] == 0));
+                let written = if status == fos_status::Ok { 1..=buffer.len() } else { 0..=0 };
+                assert!(!Numbers::is_there(place) || written.contains(&*used), "{status:?}: {used}");
+                assert!(status != fos_status::Ok || buffer[*used - 1] == 0);
             }
             _ => {
                 for text in [

@@ -1,23 +1,41 @@
-//! Any bytes as a study: refused with a place, or one that can be written, read again and exported.
+//! Any bytes as a study or as the description of a case: refused with place and remedy, or one that can be written, read again,
+//! exported, compared, diagnosed and taken back.
 #![no_main]
 
 use std::sync::LazyLock;
 
 use fos_core::Image;
 use fos_fuzz::log;
+use host_fit::case::CaseMeta;
+use host_fit::effects::Library;
+use host_fit::examine::examine;
 use host_fit::export::{c_source, image, rust_source};
+use host_fit::grow::Logs;
+use host_fit::recording::{LoadOptions, Recording, Source};
+use host_fit::simulate::{Simulation, simulate};
 use host_fit::study::Study;
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 
 static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 
+/// What a study may be asked about: too short to find anything in it, long enough to run a model over.
+static LOGS: LazyLock<Logs> = LazyLock::new(|| {
+    let columns = simulate(&Simulation { duration_s: 8.0, motion: false, ..Simulation::default() }).columns;
+    let read = LoadOptions::default();
+    let field = Recording::from_columns(Source::made_by("the fuzzer"), columns, &read).expect("a log");
+    Logs { quiet: Some(field.clone()), judged: Some(field.clone()), field, read }
+});
+
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
+
 fuzz_target!(|bytes: &[u8]| {
+    case(bytes);
     let path = FOLDER.path().join("study.json");
     std::fs::write(&path, bytes).expect("the input is written");
     let study = match Study::read(&path) {
         Ok(study) => study,
-        Err(error) => return assert!(error.to_string().contains("study.json"), "{error}"),
+        Err(error) => return assert!(is_clear(&error.to_string(), "study.json"), "{error}"),
     };
     let written = study.to_bytes();
     std::fs::write(&path, &written).expect("the study is written");
@@ -28,4 +46,37 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(Image::parse(&image).is_ok());
         let _ = (rust_source(&study.model, &provenance), c_source(&study.model, "unit", "", &provenance));
     }
+    if study.growth.iter().all(|growth| growth.stairs.len() < 8) {
+        grown(study);
+    }
 });
+
+/// What is done with an axis that has grown.
+fn grown(mut study: Study) {
+    for growth in study.growth.clone() {
+        let ground = LOGS.ground(&LIBRARY);
+        let _ = examine(&study, &growth, &LOGS, |_| {});
+        let _ = ground.diagnose(&growth).map(|_| ground.add_best(&growth, |_, _| {}));
+        let _ = ground.begin(&study, &growth.column, LOGS.named(ground.fitted_rows()));
+        while study.undo(&growth.column).is_ok() {
+            assert!(study.model.axes.iter().any(|axis| axis.column == growth.column));
+        }
+        assert!(study.undo(&growth.column).is_err());
+    }
+}
+
+/// `meta.json` of a case.
+fn case(bytes: &[u8]) {
+    std::fs::write(FOLDER.path().join("meta.json"), bytes).expect("the input is written");
+    match CaseMeta::read(FOLDER.path()) {
+        Ok(meta) => {
+            let _ = (meta.data_sheet(), meta.full_scale(), meta.lsb());
+        }
+        Err(error) => assert!(is_clear(&error.to_string(), "meta.json"), "{error}"),
+    }
+}
+
+/// Whether an error names the file and what to do.
+fn is_clear(error: &str, file: &str) -> bool {
+    error.contains(file) && error.contains("\nhelp: ")
+}

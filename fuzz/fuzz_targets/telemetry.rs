@@ -2,9 +2,10 @@
 //! length.
 #![no_main]
 
+use fos_embedded::telemetry::{Frame, decode};
 use fos_embedded::{hub_log, replay};
 use fos_fuzz::sealed_frame;
-use host_fit::record::record;
+use host_fit::record::{RecordError, record};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -23,13 +24,37 @@ fuzz_target!(|bytes: &[u8]| {
 fn run(stream: &[u8]) {
     match record(stream) {
         Ok(recorded) => {
+            let (samples, damaged) = counted(stream);
+            assert_eq!(recorded.report.damaged, damaged);
+            // one that says again what was said before is none
+            assert!(recorded.report.samples + recorded.report.unknown <= samples, "{:?}", recorded.report);
             let rows = recorded.report.samples as usize;
             assert!(recorded.columns.iter().all(|(_, values)| values.len() == rows));
             assert!(recorded.columns[0].1.iter().all(|time| time.is_finite()));
             assert_eq!(recorded.report.bytes, stream.len() as u64);
         }
-        Err(error) => assert!(!error.to_string().is_empty()),
+        Err(RecordError::Nothing { damaged, bytes }) => {
+            assert_eq!((damaged, bytes), (counted(stream).1, stream.len() as u64));
+        }
+        Err(error) => assert!(error.to_string().contains("\nhelp: "), "{error}"),
     }
+}
+
+/// Frames of samples in a stream, and frames that are none.
+fn counted(stream: &[u8]) -> (u64, u64) {
+    let (mut samples, mut damaged) = (0, 0);
+    // what comes first may be the end of a frame
+    for (index, frame) in stream.split(|&byte| byte == 0).enumerate().filter(|(_, frame)| !frame.is_empty()) {
+        let mut frame = [frame, &[0]].concat();
+        match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
+            Ok(Frame::Sample(_)) => samples += 1,
+            Ok(Frame::Start(start)) => {
+                damaged += u64::from(!(start.period_s.is_finite() && start.period_s > 0.0))
+            }
+            Err(_) => damaged += u64::from(index > 0),
+        }
+    }
+    (samples, damaged)
 }
 
 /// Logs that firmware reads back.

@@ -6,13 +6,23 @@ use host_fit::recording::ColumnMap;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    if let Ok(map) = ColumnMap::from_toml(text) {
-        for target in ["t_s", "gx_rads", "temp_c"] {
-            let _ = (map.column_of(target), map.ignores(target));
+    for map in [ColumnMap::from_toml(text), ColumnMap::from_specs(text.lines())] {
+        match map {
+            Ok(map) => {
+                for target in ["t_s", "gx_rads", "temp_c"] {
+                    let _ = (map.column_of(target), map.ignores(target));
+                }
+                // as a study remembers it
+                assert_eq!(ColumnMap::from_specs(map.specs()).expect("an entry can be read"), map);
+            }
+            Err(error) => assert!(error.to_string().contains("\nhelp: "), "{error}"),
         }
     }
-    let _ = ColumnMap::from_specs(text.lines());
-    if let Ok(effect) = Effect::parse("own.toml", text) {
+    let effect = Effect::parse("own.toml", text).map_err(|error| error.to_string());
+    if let Err(error) = &effect {
+        assert!(error.contains("own.toml") && error.contains("\nhelp: "), "{error}");
+    }
+    if let Ok(effect) = effect {
         let _ = effect.follows_clock_alone();
         for target in ["ax_mps2", "gz_rads", "pressure"] {
             for value in [None, Some(0.0), Some(1.0), Some(f64::MAX)] {

@@ -29,10 +29,15 @@ pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
                 }
                 let _ = log.still_rows();
             }
-            Err(error) => assert!(error.to_string().contains(name), "{error}"),
+            Err(error) => refused(name, &error.to_string()),
         }
     }
     if let Err(error) = preview(&path) {
-        assert!(error.to_string().contains(name), "{error}");
+        refused(name, &error.to_string());
     }
+}
+
+/// What is refused, is with the file and with what to do.
+fn refused(name: &str, error: &str) {
+    assert!(error.contains(name) && error.contains("\nhelp: "), "{error}");
 }

@@ -118,13 +118,13 @@ pub enum CaseError {
         found: String,
     },
     /// There is no log to explain.
-    #[error("{}: \"files\" names no \"field\": there is no log to explain", path.display())]
+    #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"field\" }}", path.display())]
     NoField {
         /// The file.
         path: PathBuf,
     },
     /// A log of that name is there in no format.
-    #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv", folder.display())]
+    #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
     NoLog {
         /// The folder.
         folder: PathBuf,

@@ -9,7 +9,7 @@ use crate::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_st
 use crate::feed::Feed;
 use crate::fit::{AxisFit, FitOptions};
 use crate::model::{UnitModel, unit_of};
-use crate::recording::{Recording, RecordingError};
+use crate::recording::{LoadOptions, Recording, RecordingError};
 use crate::rest::Rest;
 use crate::signal::noise_floor::{NoiseFloor, noise_floor};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
@@ -148,7 +148,7 @@ pub fn study_of(
     rest: &Rest,
     fits: Vec<AxisFit>,
     settings: FitOptions,
-    columns: Vec<String>,
+    read: LoadOptions,
     progress: impl FnMut(&str),
 ) -> Result<(Study, Comparison, Trace), CompareError> {
     let trained_rows = crate::fit::training_rows(recording, rest, settings.train).end;
@@ -166,7 +166,7 @@ pub fn study_of(
         tool: Tool::this(),
         data: Data {
             sources: recording.sources.clone(),
-            columns,
+            read,
             rows: recording.n_rows(),
             trained_rows,
             true_rate_hz: recording.rate.true_hz,

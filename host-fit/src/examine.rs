@@ -7,7 +7,7 @@ use crate::dependence::Trained;
 use crate::evaluate::Trace;
 use crate::grow::{Growth, Logs};
 use crate::model::UnitModel;
-use crate::recording::{Recording, Source};
+use crate::recording::{LoadOptions, Recording, Source};
 use crate::rest;
 use crate::study::Study;
 
@@ -37,13 +37,11 @@ pub fn examine(
     let model: &UnitModel = growth.last().map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == growth.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let is_own = |log: &Recording| {
-        log.sources.iter().map(|source| &source.sha256).eq(study.data.sources.iter().map(|own| &own.sha256))
-    };
     let field_rest = rest::find(&logs.field);
-    let quiet = logs.quiet.as_ref().filter(|quiet| is_own(quiet)).map(|quiet| (quiet, rest::find(quiet)));
+    let quiet =
+        logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, rest::find(quiet)));
     let trained_rows = 0..study.data.trained_rows;
-    let own_field = is_own(&logs.field);
+    let own_field = study.data.is(&logs.field);
     let trained = match &quiet {
         Some((recording, rest)) => Some(Trained { recording, rest, rows: trained_rows }),
         None => {
@@ -66,9 +64,10 @@ pub fn command_lines<'a>(
     axes: impl IntoIterator<Item = (&'a str, Option<&'a Growth>)>,
 ) -> Vec<String> {
     let path = |log: &Recording| quoted(&log.paths());
-    let maps: String = logs.columns.iter().map(|map| format!(" --map {}", quoted(map))).collect();
-    let rate = logs.rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
-    let read = format!("{maps}{rate}");
+    let LoadOptions { columns, rate_hz, strict } = &logs.read;
+    let maps: String = columns.specs().iter().map(|map| format!(" --map {}", quoted(map))).collect();
+    let rate = rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
+    let read = format!("{maps}{rate}{}", if *strict { " --strict" } else { "" });
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
     let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));

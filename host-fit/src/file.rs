@@ -29,11 +29,15 @@ const MAKE: &str = "make the folder";
 
 /// What to do about it, where that is known.
 fn help(action: &str, error: &io::Error) -> &'static str {
+    let reads = [OPEN, READ].contains(&action);
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "\nhelp: the disk is full: make room, or write elsewhere; what was there before is as it was"
         }
-        _ if [OPEN, READ].contains(&action) => "",
+        ErrorKind::NotFound if reads => "\nhelp: is the path right?",
+        ErrorKind::PermissionDenied if reads => "\nhelp: you may not read it: ask its owner",
+        ErrorKind::IsADirectory if reads => "\nhelp: it is a folder: name a file in it",
+        _ if reads => "",
         ErrorKind::ReadOnlyFilesystem | ErrorKind::PermissionDenied => {
             "\nhelp: nothing can be written there: name another folder"
         }

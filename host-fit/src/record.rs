@@ -86,7 +86,7 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
             Err(error) => return Err(error.into()),
         };
         log.report.bytes += read as u64;
-        if frame.len() > 1 {
+        if frame != [0] {
             match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
                 Ok(Frame::Start(start)) => log.start(&start)?,
                 Ok(Frame::Sample(sample)) => log.sample(&sample),

@@ -115,7 +115,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
         fits[0].report.steps
     );
     let (study, comparison, _) =
-        study_of(&recording, &rest, fits.to_vec(), options, vec![], |_| {}).expect("judged");
+        study_of(&recording, &rest, fits.to_vec(), options, LoadOptions::default(), |_| {}).expect("judged");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {
         let errors = comparison.axes[axis].errors.iter().find(|errors| errors.model == model);

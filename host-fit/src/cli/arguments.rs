@@ -28,6 +28,11 @@ pub(super) struct Reading {
 impl Reading {
     /// Reads `log`.
     pub(super) fn read(&self, log: &Path) -> Result<Recording, Failure> {
+        Ok(load(log, &self.options()?)?)
+    }
+
+    /// What stands in the arguments.
+    pub(super) fn options(&self) -> Result<LoadOptions, Failure> {
         let mut columns = match &self.map_file {
             Some(path) => ColumnMap::from_file(path)?,
             None => ColumnMap::default(),
@@ -35,24 +40,24 @@ impl Reading {
         for spec in &self.map {
             columns.add(spec)?;
         }
-        Ok(load(log, &LoadOptions { columns, rate_hz: self.rate, strict: self.strict })?)
+        Ok(LoadOptions { columns, rate_hz: self.rate, strict: self.strict })
     }
 
-    /// The column map as entries, as a study remembers them.
-    pub(super) fn specs(&self) -> Result<Vec<String>, Failure> {
-        match &self.map_file {
-            None => Ok(self.map.clone()),
-            Some(_) => {
-                Err("--map-file cannot be kept in a study here\nhelp: give the entries with --map".into())
-            }
-        }
+    /// The same; what is not given is as it was `before`.
+    pub(super) fn options_or(&self, before: &LoadOptions) -> Result<LoadOptions, Failure> {
+        let given = self.options()?;
+        Ok(LoadOptions {
+            columns: if given.columns.is_empty() { before.columns.clone() } else { given.columns },
+            rate_hz: given.rate_hz.or(before.rate_hz),
+            strict: given.strict || before.strict,
+        })
     }
+}
 
-    /// Reads several logs of one unit as one recording, never spliced.
-    pub(super) fn read_all(&self, logs: &[PathBuf]) -> Result<Recording, Failure> {
-        let recordings = logs.iter().map(|log| self.read(log)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Recording::join(recordings)?)
-    }
+/// Reads several logs of one unit as one recording, never spliced.
+pub(super) fn read_all(logs: &[PathBuf], options: &LoadOptions) -> Result<Recording, Failure> {
+    let recordings = logs.iter().map(|log| load(log, options)).collect::<Result<Vec<_>, _>>()?;
+    Ok(Recording::join(recordings)?)
 }
 
 /// The axes that `--axis` names: one, several with commas, or all that the log has.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{Reading, describe};
+use super::arguments::{Reading, describe, read_all};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_warning, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
@@ -37,16 +37,12 @@ pub(super) struct Compare {
 impl Compare {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let study = Study::read(&self.study)?;
-        let mut reading = self.reading.clone();
-        if reading.map.is_empty() && reading.map_file.is_none() {
-            reading.map = study.data.columns.clone();
-        }
         let logs: Vec<PathBuf> = match &self.log {
             Some(log) => vec![log.clone()],
             None => study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect(),
         };
-        let recording = reading.read_all(&logs)?;
-        let same = digests(&recording.sources) == digests(&study.data.sources);
+        let recording = read_all(&logs, &self.reading.options_or(&study.data.read)?)?;
+        let same = study.data.is(&recording);
         if self.log.is_none() && !same {
             return Err(format!(
                 "{}: not the log that was fitted: its digest is {}, the study's is {}\nhelp: give the log to compare with as an argument",
@@ -103,10 +99,9 @@ fn digests(sources: &[Source]) -> Vec<String> {
 
 /// The log that the study was fitted to, where it still is what it was.
 fn fitted_log(study: &Study) -> Option<Recording> {
-    let reading = Reading { map: study.data.columns.clone(), ..Reading::default() };
     let paths: Vec<PathBuf> = study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect();
-    let recording = reading.read_all(&paths).ok()?;
-    (digests(&recording.sources) == digests(&study.data.sources)).then_some(recording)
+    let recording = read_all(&paths, &study.data.read).ok()?;
+    study.data.is(&recording).then_some(recording)
 }
 
 /// The errors, the worst stretches and the dependences of every axis.

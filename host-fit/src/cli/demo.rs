@@ -19,7 +19,7 @@ use crate::fit::{FitOptions, fit_axis};
 use crate::grow::Logs;
 use crate::model::UnitModel;
 use crate::plots;
-use crate::recording::{Recording, write_columns};
+use crate::recording::{LoadOptions, Recording, write_columns};
 use crate::replay::replay;
 use crate::rest;
 use crate::simulate::{HIDDEN_IN as AXIS, hidden_effects};
@@ -66,7 +66,8 @@ impl Demo {
             fits.push(fit_axis(&quiet, &quiet_rest, axis, &options)?);
             bar.inc(1);
         }
-        let (mut study, ..) = study_of(&quiet, &quiet_rest, fits, options, Vec::new(), |_| bar.inc(1))?;
+        let (mut study, ..) =
+            study_of(&quiet, &quiet_rest, fits, options, LoadOptions::default(), |_| bar.inc(1))?;
         bar.finish_and_clear();
         say!(
             self,
@@ -113,8 +114,7 @@ impl Demo {
         }
 
         let library = Library::built_in();
-        let logs =
-            Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None };
+        let logs = Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() };
         let ground = logs.ground(&library);
         let mut growth = ground.begin(&study, AXIS, logs.named(ground.fitted_rows()))?;
         say!(self, "4. Diagnosed, and added one after the other until nothing is missing:");

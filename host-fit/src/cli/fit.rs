@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{Reading, axes, describe};
+use super::arguments::{Reading, axes, describe, read_all};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::compare::study_of;
@@ -124,7 +124,8 @@ impl Fit {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
         let file = Seen::now(&self.output)?;
-        let recording = self.reading.read_all(&self.log)?;
+        let read = self.reading.options()?;
+        let recording = read_all(&self.log, &read)?;
         let rest = rest::find(&recording);
         if !self.json {
             println!("{}", describe(&recording));
@@ -138,7 +139,7 @@ impl Fit {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let (study, ..) = study_of(&recording, &rest, fits, options, self.reading.map.clone(), |_| {})?;
+        let (study, ..) = study_of(&recording, &rest, fits, options, read, |_| {})?;
         study.write(&file)?;
         if self.json {
             return print_json(&study);

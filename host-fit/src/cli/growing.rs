@@ -1,6 +1,6 @@
 //! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -9,7 +9,7 @@ use super::error_table::error_table;
 use super::output::{Failure, number, sparkline, table};
 use crate::evaluate::ModelErrors;
 use crate::grow::{Growth, Logs, Stair};
-use crate::recording::{Recording, Source};
+use crate::recording::{Recording, Source, load};
 use crate::study::Study;
 
 /// The logs that an axis grows on.
@@ -34,19 +34,12 @@ pub(super) fn read_logs(
     column: &str,
 ) -> Result<Logs, Failure> {
     let known = study.growth_of(column).map(|growth| &growth.logs);
-    let mut reading = reading.clone();
-    if let Some(known) = known
-        && reading.map.is_empty()
-    {
-        (reading.map, reading.rate) = (known.columns.clone(), reading.rate.or(known.rate_hz));
-    }
-    if reading.map.is_empty() {
-        reading.map = study.data.columns.clone();
-    }
+    let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
+    let given = |path: &PathBuf| load(path, &read);
     let again = |source: &Source| -> Result<Recording, Failure> {
-        let recording = reading.read(Path::new(&source.path))?;
+        let recording = load(&source.path, &read)?;
         match recording.sources.first() {
-            Some(found) if found.sha256 == source.sha256 => Ok(recording),
+            Some(found) if found == source => Ok(recording),
             _ => Err(format!(
                 "{}: not the log that it was: its digest has changed\nhelp: give the log with --from, --quiet or --judge",
                 source.path
@@ -55,29 +48,27 @@ pub(super) fn read_logs(
         }
     };
     let field = match (&logs.from, known) {
-        (Some(path), _) => reading.read(path)?,
+        (Some(path), _) => given(path)?,
         (None, Some(known)) => again(&known.field)?,
         (None, None) => {
             return Err("which log does the model fail on?\nhelp: give it with --from LOG".into());
         }
     };
     let quiet = match (&logs.quiet, known) {
-        (Some(path), _) => Some(reading.read(path)?),
+        (Some(path), _) => Some(given(path)?),
         (None, Some(known)) => known.quiet.as_ref().map(again).transpose()?,
         (None, None) => match &study.data.sources[..] {
             // the study's own log is quiet, unless it is the very log where the model fails
-            [own] if field.sources.first().is_none_or(|field| field.sha256 != own.sha256) => {
-                Some(again(own)?)
-            }
+            [own] if field.sources.first() != Some(own) => Some(again(own)?),
             _ => None,
         },
     };
     let judged = match (&logs.judge, known) {
-        (Some(path), _) => Some(reading.read(path)?),
+        (Some(path), _) => Some(given(path)?),
         (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose()?,
         _ => None,
     };
-    Ok(Logs { field, quiet, judged, columns: reading.map, rate_hz: reading.rate })
+    Ok(Logs { field, quiet, judged, read })
 }
 
 /// The column of `--axis` in a study, or its only one.

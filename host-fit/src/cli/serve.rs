@@ -8,6 +8,7 @@ use clap::Args;
 use super::arguments::Reading;
 use super::output::{Failure, print_warning};
 use crate::effects::Library;
+use crate::recording::LoadOptions;
 use crate::workbench::{Folders, Server};
 
 /// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
@@ -56,9 +57,13 @@ impl Serve {
         }
         let (folders, logs): (Vec<PathBuf>, Vec<PathBuf>) =
             self.of.iter().cloned().partition(|path| path.is_dir());
-        let [field] = match &logs[..] {
-            [] => [None],
-            [field] => [Some(field)],
+        let read = self.reading.options()?;
+        let field = match &logs[..] {
+            [] if self.quiet.is_some() || self.judge.is_some() || read != LoadOptions::default() => {
+                return Err("there is no log that --quiet, --judge, --map, --map-file, --rate or --strict would go with\nhelp: name the log as well; how a log of a folder is read, the page asks".into());
+            }
+            [] => None,
+            [field] => Some(field),
             _ => {
                 return Err("several logs\nhelp: one log with --quiet and --judge, or their folder".into());
             }
@@ -70,16 +75,14 @@ impl Serve {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         }));
-        let folders = Folders::new(&readable, &self.folder)
-            .map_err(|error| format!("{}: cannot be opened: {error}", self.folder.display()))?;
-        let columns = self.reading.specs()?;
+        let folders = Folders::new(&readable, &self.folder)?;
         let text = |path: &PathBuf| path.display().to_string();
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(async {
             let server = Server::bind(self.listen, self.port, folders, library).await?;
             if let Some(field) = field {
                 let (quiet, judged) = (self.quiet.as_ref().map(text), self.judge.as_ref().map(text));
-                server.open(text(field), quiet, judged, columns, self.reading.rate)?;
+                server.open(text(field), quiet, judged, read)?;
             }
             println!("workbench at http://{}/", server.address());
             if !self.listen.is_loopback() {

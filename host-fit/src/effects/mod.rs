@@ -282,7 +282,10 @@ impl Effect {
         Ok(effect)
     }
 
-    fn check(&self) -> Result<(), String> {
+    /// # Errors
+    ///
+    /// What is wrong with it beyond the types of its fields, in words.
+    pub(crate) fn check(&self) -> Result<(), String> {
         if self.id.is_empty()
             || !self.id.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
         {

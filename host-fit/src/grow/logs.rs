@@ -2,7 +2,7 @@
 
 use super::{Ground, GrowthLogs};
 use crate::effects::Library;
-use crate::recording::{Recording, Source};
+use crate::recording::{LoadOptions, Recording, Source};
 
 /// The logs that effects are estimated from and judged on, and how they were read.
 #[derive(Debug, Clone)]
@@ -13,10 +13,8 @@ pub struct Logs {
     pub quiet: Option<Recording>,
     /// The log that errors are of; without one the last part of the field log is kept back.
     pub judged: Option<Recording>,
-    /// Column map specifications.
-    pub columns: Vec<String>,
-    /// Nominal sample rate, Hz, where it was given.
-    pub rate_hz: Option<f64>,
+    /// How they were read.
+    pub read: LoadOptions,
 }
 
 impl Logs {
@@ -35,8 +33,7 @@ impl Logs {
             quiet: self.quiet.as_ref().map(source),
             judged: self.judged.as_ref().map(source),
             fitted_rows,
-            columns: self.columns.clone(),
-            rate_hz: self.rate_hz,
+            read: self.read.clone(),
         }
     }
 }

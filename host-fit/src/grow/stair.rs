@@ -7,7 +7,7 @@ use crate::diagnose::Finding;
 use crate::effects::Effect;
 use crate::evaluate::ModelErrors;
 use crate::model::UnitModel;
-use crate::recording::Source;
+use crate::recording::{LoadOptions, Source};
 
 /// An axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,10 +31,9 @@ pub struct GrowthLogs {
     pub judged: Option<Source>,
     /// Rows of the field log that effects are estimated from, from the first on.
     pub fitted_rows: usize,
-    /// Column map specifications that the logs were read with.
-    pub columns: Vec<String>,
-    /// Nominal sample rate that they were read with, Hz.
-    pub rate_hz: Option<f64>,
+    /// How they were read.
+    #[serde(flatten)]
+    pub read: LoadOptions,
 }
 
 /// A state of the model, and its errors on rows that were not fitted.

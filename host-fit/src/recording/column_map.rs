@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::unit::{Affine, Unit, known_units, parse_unit};
@@ -19,6 +19,7 @@ use super::unit::{Affine, Unit, known_units, parse_unit};
 /// `arithmetic` is what a data sheet prints, applied from left to right (no precedence), each of `+ - * /` with
 /// a number: `/340+36.53`, `-32768*0.061`. `unit` is the unit of the result; without it the numbers are taken to
 /// be in the unit that the target's name states (`gx_rads`: rad/s). A target may replace a column of its own name.
+/// A column with a `:` in its name stands in quotes, `"acc:x"`; a quote in quotes is written twice.
 ///
 /// ```
 /// use host_fit::recording::ColumnMap;
@@ -34,7 +35,7 @@ use super::unit::{Affine, Unit, known_units, parse_unit};
 /// # Ok::<(), host_fit::recording::MapError>(())
 /// ```
 ///
-/// The same as a TOML file; a column whose name has a `:` in it needs the long form:
+/// The same as a TOML file, where an entry may have a long form:
 ///
 /// ```toml
 /// ignore = ["debug"]
@@ -42,7 +43,8 @@ use super::unit::{Affine, Unit, known_units, parse_unit};
 /// gx_rads = "gyro_x:mdps"
 /// ax_mps2 = { column = "acc:x", arithmetic = "-32768*0.061", unit = "mg" }
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<String>", into = "Vec<String>")]
 pub struct ColumnMap {
     mappings: Vec<Mapping>,
     ignored: Vec<String>,
@@ -55,6 +57,8 @@ pub(super) struct Mapping {
     pub(super) column: String,
     pub(super) unit: Unit,
     pub(super) conversion: Affine,
+    /// The entry.
+    spec: String,
 }
 
 /// Why a column map was not understood.
@@ -62,7 +66,7 @@ pub(super) struct Mapping {
 pub enum MapError {
     /// Not of the form `target=column…`.
     #[error(
-        "column map \"{spec}\": write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
+        "column map \"{spec}\": not an entry\nhelp: write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
     )]
     Form {
         /// The entry.
@@ -70,7 +74,7 @@ pub enum MapError {
     },
     /// Not a unit known here.
     #[error(
-        "column map \"{spec}\": unknown unit \"{unit}\"; known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
+        "column map \"{spec}\": unknown unit \"{unit}\"\nhelp: known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
         known_units()
     )]
     UnknownUnit {
@@ -81,7 +85,7 @@ pub enum MapError {
     },
     /// Arithmetic that is not a chain of `+ - * /` with finite numbers.
     #[error(
-        "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"; write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
+        "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"\nhelp: write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
     )]
     Arithmetic {
         /// The entry.
@@ -91,7 +95,7 @@ pub enum MapError {
     },
     /// The unit measures something else than the channel does.
     #[error(
-        "column map \"{spec}\": {target} is in {}, and \"{unit}\" cannot be converted to it",
+        "column map \"{spec}\": {target} is in {}, and \"{unit}\" cannot be converted to it\nhelp: check the unit, or the channel that the column stands for",
         expected.symbol()
     )]
     WrongKind {
@@ -105,7 +109,9 @@ pub enum MapError {
         unit: String,
     },
     /// Two entries for one channel.
-    #[error("column map: {target} is given twice (columns \"{first}\" and \"{second}\"); keep one of them")]
+    #[error(
+        "column map: {target} is given twice (columns \"{first}\" and \"{second}\")\nhelp: keep one of them"
+    )]
     Twice {
         /// The channel.
         target: String,
@@ -115,10 +121,10 @@ pub enum MapError {
         second: String,
     },
     /// A TOML map that is not TOML, or not of the documented shape.
-    #[error("column map: {0}\nwrite a table [columns] of channel = \"column:unit\"")]
+    #[error("column map: {0}\nhelp: write a table [columns] of channel = \"column:unit\"")]
     Toml(#[from] toml::de::Error),
     /// A map that cannot be read.
-    #[error("column map {path}: cannot be read ({source}); check the path")]
+    #[error("column map {path}: cannot be read ({source})\nhelp: check the path")]
     Io {
         /// The file.
         path: String,
@@ -166,17 +172,10 @@ impl ColumnMap {
         let mut map = ColumnMap { mappings: Vec::new(), ignored: file.ignore };
         for (target, value) in file.columns {
             match value {
-                toml::Value::String(rest) => map.add(&format!("{target}={rest}"))?,
+                toml::Value::String(source) => map.add_source(&target, &source)?,
                 table => {
                     let long: TomlMapping = table.try_into()?;
-                    let spec = format!("{target}={}", long.column);
-                    map.add_mapping(
-                        &spec,
-                        &target,
-                        &long.column,
-                        long.arithmetic.as_deref(),
-                        long.unit.as_deref(),
-                    )?;
+                    map.add_mapping(&target, &long.column, long.arithmetic.as_deref(), long.unit.as_deref())?;
                 }
             }
         }
@@ -206,28 +205,36 @@ impl ColumnMap {
             self.ignored.push(column.to_owned());
             return Ok(());
         }
-        let (target, rest) = spec.split_once('=').ok_or_else(form)?;
-        let mut parts = rest.split(':').map(str::trim);
-        let column = parts.next().unwrap_or_default();
-        let mut parts = parts.peekable();
+        let (target, source) = spec.split_once('=').ok_or_else(form)?;
+        self.add_source(target.trim(), source)
+    }
+
+    /// Adds `target` from what stands behind the `=` of an entry.
+    fn add_source(&mut self, target: &str, source: &str) -> Result<(), MapError> {
+        let form = || MapError::Form { spec: format!("{target}={source}") };
+        let (column, rest) = split_column(source).ok_or_else(form)?;
+        let mut parts = rest.split(':').skip(1).map(str::trim).peekable();
         let arithmetic = parts.next_if(|part| part.starts_with(['+', '-', '*', '/']));
         let unit = parts.next();
         if parts.next().is_some() {
             return Err(form());
         }
-        self.add_mapping(spec, target.trim(), column, arithmetic, unit)
+        self.add_mapping(target, &column, arithmetic, unit)
     }
 
     fn add_mapping(
         &mut self,
-        spec: &str,
         target: &str,
         column: &str,
         arithmetic: Option<&str>,
         unit: Option<&str>,
     ) -> Result<(), MapError> {
-        let spec = spec.to_owned();
-        if target.is_empty() || column.is_empty() {
+        let mut spec = format!("{target}={}", quoted(column));
+        for part in [arithmetic, unit].into_iter().flatten() {
+            spec.push(':');
+            spec.push_str(part);
+        }
+        if target.is_empty() || target.starts_with('!') || target.contains('=') || column.is_empty() {
             return Err(MapError::Form { spec });
         }
         if let Some(first) = self.mappings.iter().find(|mapping| mapping.target == target) {
@@ -259,6 +266,7 @@ impl ColumnMap {
             column: column.to_owned(),
             unit: stored,
             conversion,
+            spec,
         });
         Ok(())
     }
@@ -271,6 +279,17 @@ impl ColumnMap {
     /// Was `column` asked to be left out?
     pub fn ignores(&self, column: &str) -> bool {
         self.ignored.iter().any(|name| name == column)
+    }
+
+    /// Its entries, as given on a command line.
+    pub fn specs(&self) -> Vec<String> {
+        let ignored = self.ignored.iter().map(|column| format!("!{column}"));
+        self.mappings.iter().map(|mapping| mapping.spec.clone()).chain(ignored).collect()
+    }
+
+    /// Whether it has no entry.
+    pub fn is_empty(&self) -> bool {
+        self.mappings.is_empty() && self.ignored.is_empty()
     }
 
     pub(super) fn mappings(&self) -> &[Mapping] {
@@ -288,9 +307,54 @@ impl ColumnMap {
     }
 }
 
+impl TryFrom<Vec<String>> for ColumnMap {
+    type Error = MapError;
+    fn try_from(specs: Vec<String>) -> Result<ColumnMap, MapError> {
+        ColumnMap::from_specs(specs)
+    }
+}
+
+impl From<ColumnMap> for Vec<String> {
+    fn from(map: ColumnMap) -> Vec<String> {
+        map.specs()
+    }
+}
+
+/// The column at the begin of `"acc:x":mg`, and what follows it; `None` if a quote is not closed.
+fn split_column(text: &str) -> Option<(String, &str)> {
+    let Some(mut quoted) = text.trim_start().strip_prefix('"') else {
+        let end = text.find(':').unwrap_or(text.len());
+        return Some((text[..end].trim().to_owned(), &text[end..]));
+    };
+    let mut column = String::new();
+    loop {
+        let (part, rest) = quoted.split_once('"')?;
+        column.push_str(part);
+        match rest.strip_prefix('"') {
+            Some(rest) => {
+                column.push('"');
+                quoted = rest;
+            }
+            None if rest.trim_start().is_empty() || rest.trim_start().starts_with(':') => {
+                return Some((column, rest.trim_start()));
+            }
+            None => return None,
+        }
+    }
+}
+
+/// A column as it stands in an entry.
+fn quoted(column: &str) -> String {
+    if column.contains(':') || column.starts_with('"') || column.trim() != column {
+        format!("\"{}\"", column.replace('"', "\"\""))
+    } else {
+        column.to_owned()
+    }
+}
+
 /// `-32768*0.061` as one straight line; `None` if it is not a chain of operators with finite numbers.
 fn parse_arithmetic(chain: &str) -> Option<Affine> {
-    let bytes = chain.as_bytes();
+    let bytes = Some(chain.as_bytes()).filter(|bytes| !bytes.is_empty())?;
     let mut line = Affine::IDENTITY;
     let mut at = 0;
     while at < bytes.len() {
@@ -353,6 +417,8 @@ mod tests {
             ("gx_rads=", "target=column"),
             ("!", "target=column"),
             ("gx_rads=a:b:c:d", "target=column"),
+            ("gx_rads=\"a:b", "target=column"),
+            ("gx_rads=\"a\"b:dps", "target=column"),
             ("gx_rads=gyro:rpm", "mdps"),
             ("gx_rads=gyro:*", "arithmetic"),
             ("gx_rads=gyro:*x:dps", "arithmetic"),
@@ -362,6 +428,16 @@ mod tests {
         ] {
             let message = ColumnMap::from_specs([spec]).unwrap_err().to_string();
             assert!(message.contains(hint), "{spec}: {message}");
+        }
+    }
+
+    #[test]
+    fn any_name_of_a_column_can_be_said() {
+        for column in ["plain", "acc:x", "\"", "a\"b", "\"a\":\"b\"", " padded ", "::"] {
+            let mut map = ColumnMap::default();
+            map.add_mapping("x", column, None, None).unwrap();
+            let again = ColumnMap::from_specs(map.specs()).unwrap();
+            assert_eq!((again.column_of("x"), &again), (column, &map));
         }
     }
 
@@ -376,11 +452,13 @@ mod tests {
         let toml = r#"
             ignore = ["debug"]
             [columns]
-            ax_mps2 = { column = "acc_x", arithmetic = "-32768*0.061", unit = "mg" }
+            ax_mps2 = { column = "acc:x", arithmetic = "-32768*0.061", unit = "mg" }
             gx_rads = "gyro_x:mdps"
         "#;
-        let specs = ["ax_mps2=acc_x:-32768*0.061:mg", "gx_rads=gyro_x:mdps", "!debug"];
-        assert_eq!(ColumnMap::from_toml(toml).unwrap(), ColumnMap::from_specs(specs).unwrap());
+        let specs = ["ax_mps2=\"acc:x\":-32768*0.061:mg", "gx_rads=gyro_x:mdps", "!debug"];
+        let map = ColumnMap::from_toml(toml).unwrap();
+        assert_eq!(map.specs(), specs);
+        assert_eq!(map, ColumnMap::from_specs(specs).unwrap());
         assert!(ColumnMap::from_toml("[colums]\na = \"b\"").is_err());
     }
 }

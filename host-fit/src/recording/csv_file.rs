@@ -7,7 +7,7 @@
 //! with `#` are passed over. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.
 
 use std::collections::HashMap;
-use std::io::{BufRead, Read};
+use std::io::{self, BufRead, Read};
 use std::path::Path;
 
 use super::column_map::ColumnMap;
@@ -29,14 +29,15 @@ const LINES_BETWEEN_CHECKS: u64 = 8192;
 /// Rows looked at to tell text columns from numbers with rubbish in them.
 const ROWS_TO_CLASSIFY: usize = 1000;
 
-/// Reads a whole file. In `strict` mode the first unusable row is an error.
+/// Reads a whole file; `input` unpacks it if it is packed. In `strict` mode the first unusable row is an error.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,
     map: &ColumnMap,
     strict: bool,
+    is_packed: bool,
 ) -> Result<Table, RecordingError> {
-    let mut lines = Lines { input, number: 0, path };
+    let mut lines = Lines { input, number: 0, path, is_packed };
     let mut line = Vec::new();
     if !lines.next(&mut line)? {
         return Err(not_a_log(path, "the file is empty".into()));
@@ -77,6 +78,7 @@ struct Lines<'a, R> {
     /// Number of the line last read, from 1.
     number: u64,
     path: &'a Path,
+    is_packed: bool,
 }
 
 impl<R: BufRead> Lines<'_, R> {
@@ -84,10 +86,14 @@ impl<R: BufRead> Lines<'_, R> {
     fn next(&mut self, line: &mut Vec<u8>) -> Result<bool, RecordingError> {
         loop {
             line.clear();
-            let n = (&mut self.input)
-                .take(LONGEST_LINE)
-                .read_until(b'\n', line)
-                .map_err(FileError::reading(self.path))?;
+            let n = match (&mut self.input).take(LONGEST_LINE).read_until(b'\n', line) {
+                Ok(n) => n,
+                Err(source) if self.is_packed && is_damage(&source) => {
+                    let (path, line) = (self.path.to_owned(), self.number);
+                    return Err(RecordingError::NotUnpacked { path, line, source });
+                }
+                Err(source) => return Err(FileError::reading(self.path)(source).into()),
+            };
             if n == 0 {
                 return Ok(false);
             }
@@ -110,6 +116,12 @@ impl<R: BufRead> Lines<'_, R> {
             }
         }
     }
+}
+
+/// Whether what is packed is damaged; else the system did not deliver it.
+fn is_damage(error: &io::Error) -> bool {
+    use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+    matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof)
 }
 
 /// Names of the columns, and what stands between them.
@@ -238,7 +250,12 @@ impl<'a> Parser<'a> {
             } else if is_text && name == map.column_of("segment") {
                 Kind::Labels(column)
             } else if is_text && needed[i] {
-                return Err(RecordingError::TextColumn { path: path.to_owned(), column: name.clone() });
+                let first = first_text(header, first_lines, i);
+                return Err(RecordingError::TextColumn {
+                    path: path.to_owned(),
+                    column: name.clone(),
+                    first,
+                });
             } else if is_text {
                 table.quality.text_columns.push(name.clone());
                 Kind::LeftOut
@@ -369,6 +386,21 @@ impl<'a> Parser<'a> {
         }
         Ok(self.table)
     }
+}
+
+/// The first row with text in a column.
+fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Option<Box<BadRow>> {
+    lines.iter().find_map(|(line, text)| {
+        let mut found = None;
+        for_each_cell(text, header.separator, |i, cell| {
+            if i == column && matches!(parse_cell(cell), Cell::Text) {
+                let place = Place::Line { line: *line, cell: i as u64 + 1 };
+                let name = header.names[i].as_str();
+                found = Some(Box::new(BadRow::new(place, Some(name), cell, Problem::NotANumber)));
+            }
+        });
+        found
+    })
 }
 
 /// A cell that nobody looks at is not parsed.

@@ -15,7 +15,7 @@ pub enum RecordingError {
     #[error(transparent)]
     File(#[from] FileError),
     /// No recording to make one of.
-    #[error("no log was given")]
+    #[error("no log was given\nhelp: name at least one")]
     NothingToJoin,
     /// Recordings of different sample rates.
     #[error(
@@ -38,7 +38,7 @@ pub enum RecordingError {
         others: String,
     },
     /// Parquet that cannot be read or written.
-    #[error("{}: Parquet: {source}; if it was cut short while being written, export it again", path.display())]
+    #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
     Parquet {
         /// The file.
         path: PathBuf,
@@ -46,15 +46,28 @@ pub enum RecordingError {
         source: parquet::errors::ParquetError,
     },
     /// Not a table of text, nor anything else known.
-    #[error("{}: {problem}; expected CSV (a header line, then numbers), gzip'd CSV or Parquet", path.display())]
+    #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet", path.display())]
     NotALog {
         /// The file.
         path: PathBuf,
         /// What is not as it should be.
         problem: String,
     },
+    /// A compressed log that does not unpack.
+    #[error(
+        "{}:{line}: it cannot be unpacked beyond this line: {source}\nhelp: if it was cut short while being written or copied, copy it again; `gzip -dc` unpacks what is there",
+        path.display()
+    )]
+    NotUnpacked {
+        /// The file.
+        path: PathBuf,
+        /// The last line that can be read, the first is 1; 0 if there is none.
+        line: u64,
+        /// What the library says.
+        source: std::io::Error,
+    },
     /// Two columns have one name.
-    #[error("{}: two columns are named \"{name}\"; rename one in the header", path.display())]
+    #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {
         /// The file.
         path: PathBuf,
@@ -62,7 +75,7 @@ pub enum RecordingError {
         name: String,
     },
     /// The column map names a column that is not there.
-    #[error("{}: the column map names \"{column}\", which the log does not have{}", path.display(), suggest(closest, available))]
+    #[error("{}: the column map names \"{column}\", which the log does not have{}\nhelp: names are those of the header, with its capitals", path.display(), suggest(closest, available))]
     UnknownColumn {
         /// The file.
         path: PathBuf,
@@ -75,18 +88,26 @@ pub enum RecordingError {
     },
     /// A column that must hold numbers holds text.
     #[error(
-        "{}: column \"{column}\" is needed as numbers and holds text; check the header, or map another column to it (target=column:unit)",
-        path.display()
+        "{}: column \"{column}\" is needed as numbers and holds text{}\nhelp: {}",
+        path.display(),
+        first.as_ref().map_or_else(String::new, |row| format!("; the first is {}:{row}", path.display())),
+        if first.as_ref().is_some_and(|row| row.has_decimal_comma()) {
+            "write decimals with a point: 0.25, not 0,25"
+        } else {
+            "check the header, map another column to it (target=column:unit), or leave it out (!column)"
+        }
     )]
     TextColumn {
         /// The file.
         path: PathBuf,
         /// The column.
         column: String,
+        /// The first cell of text in it; none in a file without lines.
+        first: Option<Box<BadRow>>,
     },
     /// No time stamps, and no rate to stand in for them.
     #[error(
-        "{}: no column t_s{}; name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none",
+        "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none",
         path.display(),
         suggest(closest, available)
     )]
@@ -100,7 +121,7 @@ pub enum RecordingError {
     },
     /// Time stamps that do not run forward.
     #[error(
-        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate; check the column map, or leave the column out (!{column}) and give rate_hz",
+        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or leave the column out (!{column}) and give rate_hz",
         path.display()
     )]
     NoClock {
@@ -110,13 +131,13 @@ pub enum RecordingError {
         column: String,
     },
     /// A rate that is no rate.
-    #[error("rate_hz is {rate_hz}; give a positive number of samples per second")]
+    #[error("rate_hz is {rate_hz}\nhelp: give a positive number of samples per second")]
     BadRate {
         /// The rate, Hz.
         rate_hz: f64,
     },
     /// Too little to work with.
-    #[error("{}: {rows} usable rows; at least 2 are needed", path.display())]
+    #[error("{}: {rows} usable rows\nhelp: a log has at least 2; was it cut short?", path.display())]
     TooFewRows {
         /// The file.
         path: PathBuf,
@@ -124,7 +145,7 @@ pub enum RecordingError {
         rows: usize,
     },
     /// A row that cannot be used, in strict mode.
-    #[error("{}:{row}\ncorrect or remove that row, or load without strict to skip such rows", path.display())]
+    #[error("{}:{row}\nhelp: correct or remove that row, or load without strict to skip such rows", path.display())]
     BadRow {
         /// The file.
         path: PathBuf,
@@ -133,7 +154,7 @@ pub enum RecordingError {
     },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(
-        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\ncheck the separator and the column map; a column that is not needed can be left out (!column)",
+        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (!column)",
         path.display(),
         limit * 100.0,
         path.display()
@@ -152,7 +173,7 @@ pub enum RecordingError {
     },
     /// A channel that the recording does not have.
     #[error(
-        "no channel \"{name}\"{}; a column in other units is mapped as in {name}=column:unit",
+        "no channel \"{name}\"{}\nhelp: a column in other units is mapped as in {name}=column:unit",
         suggest(closest, available)
     )]
     NoChannel {
@@ -176,7 +197,7 @@ pub enum RecordingError {
     },
     /// Columns that do not have one length.
     #[error(
-        "column \"{name}\" has {found} values where the first has {expected}; give all columns one length"
+        "column \"{name}\" has {found} values where the first has {expected}\nhelp: give all columns one length"
     )]
     Lengths {
         /// The column.
@@ -187,7 +208,7 @@ pub enum RecordingError {
         found: usize,
     },
     /// A file name that does not tell the format to write.
-    #[error("{}: cannot tell the format from the name; end it in .csv, .csv.gz or .parquet", path.display())]
+    #[error("{}: cannot tell the format from the name\nhelp: end it in .csv, .csv.gz or .parquet", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

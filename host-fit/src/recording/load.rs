@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flate2::bufread::MultiGzDecoder;
+use serde::{Deserialize, Serialize};
 
 use super::channel::Channel;
 use super::closest::closest;
@@ -30,13 +31,16 @@ const MAX_COPIES: f64 = 0.1;
 const READ_BUFFER: usize = 1 << 18;
 
 /// How a log is read. The default suits a log with the columns of the log format.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LoadOptions {
     /// Which column is which channel, in what unit.
     pub columns: ColumnMap,
     /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
     /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,
 }
 
@@ -98,9 +102,9 @@ fn table_of(
         let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
         if magic.starts_with(&[0x1f, 0x8b]) {
             let text = BufReader::with_capacity(READ_BUFFER, MultiGzDecoder::new(input));
-            csv_file::read(path, text.take(longest), map, strict)?
+            csv_file::read(path, text.take(longest), map, strict, true)?
         } else {
-            csv_file::read(path, input.take(longest), map, strict)?
+            csv_file::read(path, input.take(longest), map, strict, false)?
         }
     };
     Ok((table, hashing))

@@ -309,14 +309,40 @@ fn files_that_are_no_logs_say_what_is_expected() {
         ("t_s,gx_rads\nx,2\ny,3\n", "\"t_s\" is needed as numbers"),
         ("t_s,gx_rads\n5,1\n5,2\n5,3\n", "do not increase"),
         ("a,b\nx,y\n", "no column holds numbers"),
+        ("t_s,gx_rads\n# x\n0,up\n1,down\n", "log.csv:3:2: gx_rads: \"up\" is not a number\nhelp: check"),
+        (
+            "t_s;gx_rads\n0;0,25\n1;-1,5e-3\n",
+            "log.csv:2:2: gx_rads: \"0,25\" is not a number\nhelp: write decimals",
+        ),
     ] {
         let message = load_text(text).unwrap_err().to_string();
-        assert!(message.contains(hint), "{text:?}: {message}");
+        assert!(message.contains(hint) && message.contains("\nhelp: "), "{text:?}: {message}");
     }
     assert!(matches!(load("/no/such/file", &LoadOptions::default()), Err(RecordingError::File(_))));
     let folder = folder();
     let cut = file(&folder, "cut.parquet", b"PAR1 and then nothing");
     assert!(matches!(load(cut, &LoadOptions::default()), Err(RecordingError::Parquet { .. })));
+}
+
+#[test]
+fn a_compressed_log_that_is_damaged_says_how_far_it_can_be_read() {
+    let text: String =
+        (0..20_000).map(|i| format!("{},{}\n", f64::from(i) * 0.01, f64::from(i * i % 977))).collect();
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    packed.write_all(format!("t_s,gx_rads\n{text}").as_bytes()).unwrap();
+    let packed = packed.finish().unwrap();
+    let folder = folder();
+    let refused =
+        |bytes: &[u8]| load(file(&folder, "log.csv.gz", bytes), &LoadOptions::default()).unwrap_err();
+    for damaged in [packed[..packed.len() / 2].to_vec(), [&packed[..packed.len() - 8], &[0; 8]].concat()] {
+        let error = refused(&damaged);
+        let RecordingError::NotUnpacked { line, .. } = error else { panic!("{error}") };
+        assert!(line > 1000, "{line}");
+        assert!(
+            error.to_string().contains(&format!("log.csv.gz:{line}: "))
+                && error.to_string().contains("help: ")
+        );
+    }
 }
 
 #[test]

@@ -29,6 +29,7 @@ mod guess;
 mod join;
 mod load;
 mod parquet_file;
+mod parquet_input;
 mod preview;
 mod quality;
 mod rate;

@@ -14,6 +14,7 @@ use parquet::schema::types::ColumnDescriptor;
 
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
+use super::parquet_input::Ending;
 use super::table::{Column, Table, check_names, column_name, must_be_numeric};
 use crate::contained::contained;
 
@@ -50,7 +51,7 @@ pub(super) fn read(
     rows: Option<usize>,
 ) -> Result<Table, RecordingError> {
     let failed = |source: ParquetError| RecordingError::Parquet { path: path.to_owned(), source };
-    let reader = library(|| SerializedFileReader::new(input)).map_err(failed)?;
+    let reader = library(|| SerializedFileReader::new(Ending(input))).map_err(failed)?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let fields = schema.root_schema().get_fields();
     let names: Vec<String> =
@@ -75,7 +76,11 @@ pub(super) fn read(
         };
         let Some(kind) = kind else {
             if must_be_numeric(name, map) {
-                return Err(RecordingError::TextColumn { path: path.to_owned(), column: name.clone() });
+                return Err(RecordingError::TextColumn {
+                    path: path.to_owned(),
+                    column: name.clone(),
+                    first: None,
+                });
             }
             table.quality.text_columns.push(name.clone());
             continue;
@@ -374,6 +379,19 @@ mod tests {
         }
         // or the library does not panic any more, and need not be contained
         assert!(damaged > 0);
+    }
+
+    #[test]
+    fn a_list_longer_than_the_file_ends_with_the_file() {
+        let path = file("message log { required double t_s; }", |group| {
+            put::<DoubleType>(group, &all(&[0.0, 0.005, 0.01]));
+        });
+        let mut bytes = std::fs::read(&path).unwrap();
+        // in the first page header (Thrift, compact protocol): field 15, a list of 2³¹ − 1 numbers of 8 bytes
+        bytes[4..11].copy_from_slice(&[0xf9, 0xf7, 0xff, 0xff, 0xff, 0xff, 0x07]);
+        std::fs::write(&path, bytes).unwrap();
+        let error = read(&path, File::open(&path).unwrap(), &ColumnMap::default(), None).unwrap_err();
+        assert!(error.to_string().contains("end of file"), "{error}");
     }
 
     #[test]

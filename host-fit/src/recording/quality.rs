@@ -96,6 +96,11 @@ impl BadRow {
         let content = String::from_utf8_lossy(content).chars().take(CONTENT_KEPT).collect();
         BadRow { place, column: column.map(str::to_owned), content, problem }
     }
+
+    /// Whether a point instead of the comma would make it a number.
+    pub(super) fn has_decimal_comma(&self) -> bool {
+        self.content.contains(',') && self.content.replacen(',', ".", 1).parse::<f64>().is_ok()
+    }
 }
 
 impl fmt::Display for BadRow {

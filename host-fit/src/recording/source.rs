@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// The file a recording was read from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Source {
     /// Path as it was given; for data that never were a file, what made them.
     pub path: String,
@@ -16,6 +16,15 @@ pub struct Source {
     /// SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file).
     pub sha256: String,
 }
+
+/// The same content is the same source, wherever it lies; what never was a file is told apart by its name.
+impl PartialEq for Source {
+    fn eq(&self, other: &Source) -> bool {
+        self.sha256 == other.sha256 && (!self.sha256.is_empty() || self.path == other.path)
+    }
+}
+
+impl Eq for Source {}
 
 impl Source {
     /// Names data that were not read from a file.

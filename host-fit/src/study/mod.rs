@@ -1,5 +1,7 @@
 //! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
 
+mod check;
+
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -9,7 +11,7 @@ use crate::file::{self, FileError};
 use crate::fit::{AxisReport, FitOptions};
 use crate::grow::Growth;
 use crate::model::UnitModel;
-use crate::recording::Source;
+use crate::recording::{LoadOptions, Recording, Source};
 use crate::rest::KnownBy;
 use crate::unchanged::{Seen, UnchangedError};
 use crate::versioned::{Refused, from_json};
@@ -53,8 +55,9 @@ pub struct Tool {
 pub struct Data {
     /// File, size and digest, of every log.
     pub sources: Vec<Source>,
-    /// Column map specifications that it was read with.
-    pub columns: Vec<String>,
+    /// How they were read.
+    #[serde(flatten)]
+    pub read: LoadOptions,
     /// Rows read.
     pub rows: usize,
     /// Rows that the model was fitted to, from the first row on.
@@ -99,6 +102,16 @@ pub enum StudyError {
         /// What the reader said.
         reason: String,
     },
+    /// Its fields contradict one another.
+    #[error(
+        "{path}: {reason}: such a study was not written by this program\nhelp: `host-fit fit` writes a new one from the log"
+    )]
+    Unsound {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// Another version.
     #[error(
         "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
@@ -118,12 +131,19 @@ impl Tool {
     }
 }
 
+impl Data {
+    /// Whether `recording` is what was fitted.
+    pub fn is(&self, recording: &Recording) -> bool {
+        self.rows == recording.n_rows() && self.sources == recording.sources
+    }
+}
+
 impl Study {
     /// Reads a study.
     ///
     /// # Errors
     ///
-    /// No such file, not a study, or one of another schema.
+    /// No such file, not a study, one of another schema, or one whose fields contradict one another.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         Ok(Self::read_to_change(path)?.0)
     }
@@ -141,7 +161,8 @@ impl Study {
             }
             (Refused::Schema(found), path) => StudyError::Schema { path, found },
         };
-        let study = from_json(&bytes, SCHEMA).map_err(refused)?;
+        let study: Self = from_json(&bytes, SCHEMA).map_err(refused)?;
+        study.check().map_err(|reason| StudyError::Unsound { path: path.display().to_string(), reason })?;
         Ok((study, Seen::of(path, &bytes)))
     }
 

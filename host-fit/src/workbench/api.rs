@@ -23,7 +23,7 @@ use super::tasks::Open;
 use crate::export::{c_source, image, rust_source};
 use crate::file::{Beside, FileError};
 use crate::plots::View;
-use crate::recording::{Preview, preview as preview_of};
+use crate::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 use crate::report::{Card, Report, ReportAxis, html, markdown};
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
@@ -88,13 +88,9 @@ pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wante
         for path in [Some(&field), wanted.quiet.as_ref(), wanted.judged.as_ref()].into_iter().flatten() {
             desk.folders.permitted(path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
         }
-        desk.open(Open::Logs {
-            field,
-            quiet: wanted.quiet,
-            judged: wanted.judged,
-            columns: wanted.columns,
-            rate_hz: wanted.rate_hz,
-        })
+        let columns = ColumnMap::from_specs(wanted.columns).map_err(|why| wrong(why.to_string()))?;
+        let read = LoadOptions { columns, rate_hz: wanted.rate_hz, strict: false };
+        desk.open(Open::Logs { field, quiet: wanted.quiet, judged: wanted.judged, read })
     };
     Ok(Json(json!({ "id": id.map_err(not_now)? })))
 }

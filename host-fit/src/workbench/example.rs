@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::file::make_folder;
 use crate::grow::Logs;
+use crate::recording::LoadOptions;
 use crate::simulate::hidden_effects;
 
 pub(super) use crate::simulate::HIDDEN_IN as AXIS;
@@ -20,5 +21,5 @@ const SEED: u64 = 1;
 pub(super) fn logs(folder: &Path) -> Result<Logs, String> {
     make_folder(folder).map_err(|error| error.to_string())?;
     let [quiet, field, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
-    Ok(Logs { field, quiet: Some(quiet), judged: Some(later), columns: Vec::new(), rate_hz: None })
+    Ok(Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() })
 }

@@ -1,12 +1,11 @@
 //! Which files may be opened: logs below the folders that were named at start, and what was dropped on the page.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::file::make_folder;
+use crate::file::{FileError, make_folder};
 
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;
@@ -36,11 +35,11 @@ impl Folders {
     /// # Errors
     ///
     /// A folder is not there, or the own one cannot be made.
-    pub fn new(readable: &[PathBuf], own: &Path) -> io::Result<Self> {
-        fs::create_dir_all(own)?;
+    pub fn new(readable: &[PathBuf], own: &Path) -> Result<Self, FileError> {
+        make_folder(own)?;
         let mut all: Vec<PathBuf> = Vec::new();
         for folder in readable.iter().map(PathBuf::as_path).chain([own]) {
-            let folder = fs::canonicalize(folder)?;
+            let folder = fs::canonicalize(folder).map_err(FileError::reading(folder))?;
             if !all.contains(&folder) {
                 all.push(folder);
             }

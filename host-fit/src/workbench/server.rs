@@ -14,6 +14,7 @@ use super::guard::{Names, guard};
 use super::tasks::Open;
 use super::{api, assets};
 use crate::effects::Library;
+use crate::recording::LoadOptions;
 
 /// Bytes of a request that is not a file.
 const LARGEST_REQUEST: usize = 64 * 1024;
@@ -70,10 +71,9 @@ impl Server {
         field: String,
         quiet: Option<String>,
         judged: Option<String>,
-        columns: Vec<String>,
-        rate_hz: Option<f64>,
+        read: LoadOptions,
     ) -> Result<u64, String> {
-        self.desk.open(Open::Logs { field, quiet, judged, columns, rate_hz })
+        self.desk.open(Open::Logs { field, quiet, judged, read })
     }
 
     /// Answers until `end` comes.

@@ -13,7 +13,7 @@ use crate::file::name_of;
 use crate::fit::{FitOptions, fit_axis};
 use crate::grow::{Growth, Logs};
 use crate::plots::in_words;
-use crate::recording::{ColumnMap, LoadOptions, Recording, load};
+use crate::recording::{LoadOptions, Recording, load};
 use crate::report::{AxisSection, LogSummary};
 use crate::rest;
 
@@ -57,10 +57,8 @@ pub(super) enum Open {
         quiet: Option<String>,
         /// A log to judge on.
         judged: Option<String>,
-        /// Column map specifications.
-        columns: Vec<String>,
-        /// Nominal sample rate, Hz.
-        rate_hz: Option<f64>,
+        /// How they are read.
+        read: LoadOptions,
     },
 }
 
@@ -131,22 +129,19 @@ fn in_text(error: impl std::fmt::Display) -> String {
 fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     let (logs, first) = match open {
         Open::Example(folder) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
-        Open::Logs { field, quiet, judged, columns, rate_hz } => {
-            let map = ColumnMap::from_specs(columns).map_err(in_text)?;
-            let options = LoadOptions { columns: map, rate_hz: *rate_hz, strict: false };
+        Open::Logs { field, quiet, judged, read: options } => {
             let wanted = [Some(field), quiet.as_ref(), judged.as_ref()].into_iter().flatten().count();
             let mut done = 0;
             let mut read = |path: &String| -> Result<Recording, String> {
                 progress(Job::step(format!("reading {}", name_of(path)), done, wanted));
                 done += 1;
-                load(Path::new(path), &options).map_err(in_text)
+                load(Path::new(path), options).map_err(in_text)
             };
             let logs = Logs {
                 field: read(field)?,
                 quiet: quiet.as_ref().map(&mut read).transpose()?,
                 judged: judged.as_ref().map(&mut read).transpose()?,
-                columns: columns.clone(),
-                rate_hz: *rate_hz,
+                read: options.clone(),
             };
             (logs, None)
         }
@@ -169,7 +164,7 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
     let options = FitOptions::default();
     let fitted = fit_axis(own, &rest, column, &options).map_err(in_text)?;
     let (study, ..) =
-        study_of(own, &rest, vec![fitted], options, logs.columns.clone(), |_| {}).map_err(in_text)?;
+        study_of(own, &rest, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
     let ground = logs.ground(library);
     let growth = ground.begin(&study, column, logs.named(ground.fitted_rows())).map_err(in_text)?;
     let section = AxisSection::of(&study, &growth);

@@ -202,7 +202,8 @@ fn written_study() -> Study {
     let rest = rest::find(&quiet);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
     let fit = fit_axis(&quiet, &rest, "gx", &options).expect("fits");
-    let (mut study, ..) = study_of(&quiet, &rest, vec![fit], options, vec![], |_| {}).expect("judged");
+    let (mut study, ..) =
+        study_of(&quiet, &rest, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
     let library = Library::built_in();
     let ground = Ground::new(&field, Some(&quiet), None, &library);
     let logs = GrowthLogs {
@@ -210,8 +211,7 @@ fn written_study() -> Study {
         quiet: Some(quiet.sources[0].clone()),
         judged: None,
         fitted_rows: ground.fitted_rows(),
-        columns: vec![],
-        rate_hz: Some(200.0),
+        read: LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() },
     };
     let mut growth = ground.begin(&study, "gx_rads", logs).expect("begun");
     let stair = ground.add(&growth, library.get("thermal_lag").expect("an effect")).expect("added");
