@@ -182,8 +182,10 @@ impl<R: Real> RunningAxis<R> {
         let mut out_of_range = Validity::VALID;
         if !self.range.contains(remainder) {
             cold_path();
-            if !remainder.is_finite() {
-                return self.track_faulty(measured, remainder, correction);
+            // in the axis' unit, and twice that: what is finite then, stays so in the innovation
+            let error = (remainder + remainder) * self.scale;
+            if !error.is_finite() {
+                return self.track_faulty(measured, error, correction);
             }
             kept = self.range.limit(remainder);
             out_of_range = Validity::OUTPUT_OUT_OF_RANGE;
