@@ -6,7 +6,7 @@ use core::ptr::null_mut;
 use fos_embedded::c_api::*;
 use fos_embedded::hub::Hub;
 
-use crate::correctors::{POLL, given, raw};
+use crate::correctors::{POLL, raw};
 use crate::faults::{FAULTS, clean};
 use crate::models::{SCALES, TestHub};
 use crate::places::image;
@@ -36,7 +36,7 @@ fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
         let mut hub: TestHub = Hub::new(SCALES);
         hub.load(&image).expect("a model");
         for tick in fault.into(&clean, FROM) {
-            let (raw, supply) = (raw(&tick), given(&tick));
+            let (raw, supply) = (raw(&tick), tick.supply);
             let sample = fos_raw_sample {
                 skipped: raw.skipped,
                 accel: raw.accel,
@@ -45,6 +45,12 @@ fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
                 faults: raw.faults.bits(),
                 has_temperature: u8::from(raw.temperature.is_some()),
             };
+            if tick.reset {
+                hub.load(&image).expect("as before");
+                // SAFETY: as above
+                let status = unsafe { fos_hub_load(in_c, image.as_ptr(), image.len()) };
+                assert_eq!(status, fos_status::Ok);
+            }
             let mut output = MaybeUninit::<fos_output>::uninit();
             hub.give(fos_core::Quantity::Supply, supply);
             let expected = *hub.update(&raw);

@@ -6,6 +6,7 @@ use fos_embedded::raw::{Faults, RawSample};
 
 use crate::faults::Tick;
 use crate::models::{AT_REST, OFFSET, SCALES, SPREAD, TestHub};
+use crate::places::image;
 
 pub(crate) type Roomy = Predictor<f32, AXES, 8, 64, 128>;
 
@@ -48,8 +49,8 @@ pub(crate) trait Corrector {
 /// The predictor, and the monitors behind it.
 pub(crate) struct Predicting {
     pub(crate) predictor: Roomy,
-    /// What it reads of a tick: measured values, quantities.
-    pub(crate) reads: fn(&Tick) -> ([f32; AXES], f32),
+    /// The measured values that it gets.
+    pub(crate) reads: fn(&Tick) -> [f32; AXES],
     pub(crate) monitors: Option<[Monitor<f32>; AXES]>,
 }
 
@@ -64,8 +65,8 @@ impl Corrector for Predicting {
                 *validity = correction.validity;
             }
         }
-        let (measured, quantity) = (self.reads)(tick);
-        let sample = Sample { measured: &measured, quantities: &[quantity, 3.3] };
+        let measured = (self.reads)(tick);
+        let sample = Sample { measured: &measured, quantities: &[tick.temperature, tick.supply] };
         let corrections =
             if tick.moving { self.predictor.coast(&sample) } else { self.predictor.track(&sample) };
         for (axis, correction) in corrections.iter().enumerate() {
@@ -118,13 +119,9 @@ pub(crate) fn raw(tick: &Tick) -> RawSample {
         accel: [ax, ay, az],
         gyro: [gx, gy, gz],
         temperature: temperature.is_finite().then_some(temperature.round() as i16),
-        faults: tick.faults | if tick.reset { Faults::RESET } else { Faults::empty() },
+        // what is flagged, the hub has found itself
+        faults: Faults::empty(),
     }
-}
-
-/// What the application gives a hub.
-pub(crate) fn given(tick: &Tick) -> f32 {
-    if tick.quantity.is_finite() || tick.temperature.is_nan() { 3.3 } else { tick.quantity }
 }
 
 /// The clock is looked at after so many samples.
@@ -132,7 +129,10 @@ pub(crate) const POLL: usize = 10;
 
 impl Corrector for TestHub {
     fn step(&mut self, tick: &Tick) -> Out {
-        self.give(Quantity::Supply, given(tick));
+        if tick.reset {
+            self.load(&image()).expect("as before");
+        }
+        self.give(Quantity::Supply, tick.supply);
         let output = *self.update(&raw(tick));
         if tick.index % POLL == POLL - 1 {
             self.clock(tick.clock_us);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::raw::RawSample;
 
 use crate::models::{AT_REST, OFFSET, Random, SCALES, SPREAD};
 
@@ -12,13 +12,12 @@ pub(crate) struct Tick {
     /// Which instant of the clean stretch it is compared with.
     pub(crate) index: usize,
     pub(crate) axes: [f32; 6],
-    /// What an input logs; the hub is given it where it is not finite.
-    pub(crate) quantity: f32,
     /// °C.
     pub(crate) temperature: f32,
+    /// V, as the application measures it.
+    pub(crate) supply: f32,
     /// Ticks without a sample before this one.
     pub(crate) skipped: u32,
-    pub(crate) faults: Faults,
     /// Whoever corrects it is set back to power-on before it.
     pub(crate) reset: bool,
     pub(crate) clock_us: u64,
@@ -26,8 +25,11 @@ pub(crate) struct Tick {
     pub(crate) moving: bool,
 }
 
-/// The quantity swings by ±3 K around 25 °C once in so many ticks: wider than the play of the backlash.
+/// The temperature swings by ±3 K around 25 °C once in so many ticks: wider than the play of the backlash.
 pub(crate) const SWING: usize = 400;
+
+/// V.
+const SUPPLY: f32 = 3.3;
 
 /// A clean stretch: six axes at rest with the noise of their model, a temperature that goes up and down.
 pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
@@ -42,10 +44,9 @@ pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
             Tick {
                 index,
                 axes,
-                quantity: temperature,
                 temperature,
+                supply: SUPPLY,
                 skipped: 0,
-                faults: Faults::empty(),
                 reset: false,
                 clock_us: (1 << 40) + index as u64 * 5000,
                 moving: false,
@@ -88,33 +89,32 @@ impl Fault {
     }
 }
 
-/// Every measured value, of axes and quantity, is `value`.
+/// Every measured value is `value`.
 fn all(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     for tick in &mut ticks[range] {
-        (tick.axes, tick.quantity) = ([value; 6], value);
+        (tick.axes, tick.temperature, tick.supply) = ([value; 6], value, value);
     }
 }
 
-/// Everything is so many standard deviations off, and the quantity so many K; as a function of the ticks since it began.
+/// The axes are so many standard deviations off, and the temperature so many K; as a function of the ticks since it began.
 fn off(ticks: &mut [Tick], range: Range<usize>, by: impl Fn(usize) -> (f32, f32)) {
     for (since, tick) in ticks[range].iter_mut().enumerate() {
         let (deviations, kelvin) = by(since);
         for (value, spread) in tick.axes.iter_mut().zip(SPREAD) {
             *value += deviations * spread;
         }
-        tick.quantity += kelvin;
+        tick.temperature += kelvin;
     }
 }
 
 fn temperature(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     for tick in &mut ticks[range] {
-        (tick.quantity, tick.temperature) = (value, value);
+        tick.temperature = value;
     }
 }
 
 fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
-    let first_after = &mut ticks[range.end];
-    (first_after.skipped, first_after.faults) = (range.len() as u32, Faults::GAP);
+    ticks[range.end].skipped = range.len() as u32;
     ticks.drain(range);
 }
 
@@ -154,7 +154,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
         happens: |ticks, range| {
             let held = ticks[range.start];
             for tick in &mut ticks[range] {
-                (tick.axes, tick.quantity) = (held.axes, held.quantity);
+                (tick.axes, tick.temperature) = (held.axes, held.temperature);
             }
         },
     },
@@ -166,7 +166,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
             let raw = RawSample { accel: [i16::MAX; 3], gyro: [i16::MIN; 3], ..RawSample::default() };
             for tick in &mut ticks[range] {
                 // and a thermometer at its last code
-                (tick.axes, tick.quantity) = (SCALES.measured(&raw), 153.0);
+                (tick.axes, tick.temperature) = (SCALES.measured(&raw), 153.0);
             }
         },
     },
@@ -237,7 +237,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
             for tick in &mut ticks[range] {
                 tick.axes[..3].iter_mut().for_each(|value| *value /= 9.806_65);
                 tick.axes[3..].iter_mut().for_each(|value| *value = value.to_degrees());
-                tick.quantity += 273.15;
+                tick.temperature += 273.15;
             }
         },
     },
@@ -247,7 +247,7 @@ pub(crate) const FAULTS: [Fault; 27] = [
         on: On::Values,
         happens: |ticks, range| {
             for pair in ticks[range].chunks_exact_mut(2) {
-                (pair[1].axes, pair[1].quantity) = (pair[0].axes, pair[0].quantity);
+                (pair[1].axes, pair[1].temperature) = (pair[0].axes, pair[0].temperature);
             }
         },
     },
@@ -260,8 +260,8 @@ pub(crate) const FAULTS: [Fault; 27] = [
         happens: |ticks, range| {
             for pair in ticks[range].chunks_exact_mut(2) {
                 let (first, second) = (pair[0], pair[1]);
-                (pair[0].axes, pair[0].quantity) = (second.axes, second.quantity);
-                (pair[1].axes, pair[1].quantity) = (first.axes, first.quantity);
+                (pair[0].axes, pair[0].temperature) = (second.axes, second.temperature);
+                (pair[1].axes, pair[1].temperature) = (first.axes, first.temperature);
             }
         },
     },

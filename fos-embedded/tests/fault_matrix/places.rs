@@ -174,7 +174,7 @@ pub(crate) fn places() -> Vec<Place> {
             let monitors = monitored.then(|| SIX.map(|axis| Monitor::new(&parameters(axis), PERIOD_S)));
             Box::new(Predicting {
                 predictor: predictor(&temperature, &physical, &STOCHASTIC),
-                reads: |tick| (tick.axes, tick.temperature),
+                reads: |tick| tick.axes,
                 monitors,
             })
         }),
@@ -307,9 +307,9 @@ fn over(
             Box::new(Predicting {
                 predictor: predictor(&inputs, physical, stochastic),
                 reads: match source {
-                    Source::Remainder(_) => |tick| (tick.axes, tick.temperature),
+                    Source::Remainder(_) => |tick| tick.axes,
                     // the axes are not the subject
-                    _ => |tick| (quiet(tick), tick.quantity),
+                    _ => quiet,
                 },
                 monitors: None,
             })
