@@ -171,6 +171,28 @@ test("a reload keeps the study, and two windows follow it", { timeout: 2 * SLOW 
   await add(first, "thermal_lag");
   await second.waitForSelector('[data-step="thermal_lag"]', { timeout: SLOW });
 
+  // a browser has six connections to a server: windows that nobody sees must not use them up
+  /** @param {import("playwright-core").Page} page @param {boolean} hidden */
+  const hide = (page, hidden) =>
+    page.evaluate((hidden) => {
+      Object.defineProperty(document, "hidden", { get: () => hidden, configurable: true });
+      document.dispatchEvent(new Event("visibilitychange"));
+    }, hidden);
+  const unseen = [];
+  for (let window = 0; window < 7; window += 1) {
+    const page = await first.context().newPage();
+    await page.goto(address);
+    await page.waitForSelector('[data-step="thermal_lag"]');
+    await hide(page, true);
+    unseen.push(page);
+  }
+  await first.locator('[data-key="undo:1"]').click();
+  await first.waitForSelector('[data-step="thermal_lag"]', { state: "detached", timeout: SLOW });
+  await hide(/** @type {import("playwright-core").Page} */ (unseen[0]), false);
+  await unseen[0]?.waitForSelector('[data-step="thermal_lag"]', { state: "detached" });
+  for (const page of unseen) await page.close();
+  await add(first, "thermal_lag");
+
   // another study beside it: the tabs switch, and each keeps its own
   await first.locator('[data-key="tab:new"]').click();
   await openExample(first);

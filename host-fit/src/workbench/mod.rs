@@ -8,6 +8,7 @@
 //! | `assets` | the page, in the binary |
 //! | `desk` | all studies that are open |
 //! | `study` | one study: its logs, its axes, and the one job that runs |
+//! | `queue` | what a study is to do, and what it is doing |
 //! | `tasks` | what a job does |
 //! | `job` | progress of a job, and its end before time |
 //! | `series` | a time series for display, true to its peaks |
@@ -21,6 +22,7 @@ mod example;
 mod folders;
 mod guard;
 mod job;
+mod queue;
 mod series;
 mod server;
 mod study;

@@ -3,7 +3,6 @@
 //! A thread of its own takes one task after the other. What it computes is published whole, under a new revision; a task that
 //! fails or is stopped changes nothing.
 
-use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -12,6 +11,7 @@ use serde::Serialize;
 use tokio::sync::watch;
 
 use super::job::Job;
+use super::queue::Queue;
 use super::tasks::{self, Open, Task};
 use crate::diagnose::Verdict;
 use crate::effects::Library;
@@ -61,6 +61,8 @@ pub(super) struct Summaries {
 pub(super) struct KnownAxis {
     /// The axis alone, as it was fitted.
     pub(super) fitted: Option<Arc<StudyFile>>,
+    /// A fit has failed: it is not tried again unless somebody looks at the axis.
+    pub(super) cannot_be_fitted: bool,
     pub(super) growth: Option<Growth>,
     pub(super) examination: Option<Arc<Examination>>,
     /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
@@ -75,17 +77,9 @@ struct Inner {
     read: Option<Arc<Read>>,
     axes: Vec<KnownAxis>,
     looked_at: Option<String>,
-    tasks: VecDeque<Task>,
-    running: Option<Running>,
+    queue: Queue,
     error: Option<String>,
     closed: bool,
-}
-
-/// What is being done.
-struct Running {
-    task: Task,
-    job: Job,
-    stop: Stop,
 }
 
 /// A study in a list.
@@ -147,8 +141,8 @@ impl Study {
     /// Begins to read the logs of a new study.
     pub(super) fn open(id: u64, open: Open, library: Arc<Library>) -> Arc<Self> {
         let (beat, _) = watch::channel(Beat { revision: 0, job: None });
-        let inner =
-            Inner { name: open.name(), tasks: VecDeque::from([Task::Read(open)]), ..Inner::default() };
+        let mut inner = Inner { name: open.name(), ..Inner::default() };
+        inner.queue.ask([Task::Read(open)]);
         let study = Arc::new(Self {
             id,
             inner: Mutex::new(inner),
@@ -174,7 +168,7 @@ impl Study {
                 tasks::run(&task, &self.snapshot(), library, &progress)
             });
             let mut inner = self.lock();
-            inner.running = None;
+            inner.queue.end();
             match outcome {
                 // asked to stop when it was done already
                 Ok(_) if stop.is_asked() => inner.stopped(),
@@ -197,9 +191,7 @@ impl Study {
             if inner.closed {
                 return None;
             }
-            if let Some(task) = inner.tasks.pop_front() {
-                let stop = Stop::default();
-                inner.running = Some(Running { task: task.clone(), job: task.job(), stop: stop.clone() });
+            if let Some((task, stop)) = inner.queue.begin() {
                 if task.is_asked_for() {
                     inner.error = None;
                 }
@@ -218,9 +210,7 @@ impl Study {
 
     fn progress(&self, job: Job) {
         let mut inner = self.lock();
-        if let Some(running) = &mut inner.running {
-            running.job = job;
-        }
+        inner.queue.progress(job);
         self.tell(&inner);
     }
 
@@ -231,7 +221,7 @@ impl Study {
 
     /// Under the lock, so that what is told last is how it is.
     fn tell(&self, inner: &Inner) {
-        self.beat.send_replace(Beat { revision: inner.revision, job: inner.job() });
+        self.beat.send_replace(Beat { revision: inner.revision, job: inner.queue.job() });
     }
 
     /// Looks at an axis: what is not known of it is computed next.
@@ -244,7 +234,8 @@ impl Study {
         inner.known(column)?;
         inner.looked_at = Some(column.to_owned());
         let tasks = inner.missing_of(column);
-        inner.ask(tasks);
+        inner.queue.ask(tasks);
+        inner.fit_the_rest();
         self.publish(inner);
         self.wake.notify_one();
         Ok(())
@@ -274,7 +265,8 @@ impl Study {
         if inner.known(column)?.growth.is_none() {
             return Err(format!("{column} has no model yet\nhelp: wait until it is fitted"));
         }
-        inner.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
+        inner.queue.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
+        inner.fit_the_rest();
         self.publish(inner);
         self.wake.notify_one();
         Ok(())
@@ -283,10 +275,7 @@ impl Study {
     /// Ends what is being done, and what should come after it.
     pub(super) fn stop(&self) {
         let mut inner = self.lock();
-        inner.tasks.clear();
-        if let Some(running) = &inner.running {
-            running.stop.ask();
-        }
+        inner.queue.stop();
         self.publish(inner);
     }
 
@@ -309,7 +298,7 @@ impl Study {
             id: self.id,
             name: inner.name.clone(),
             verdict: looked_at.and_then(|axis| axis.section.diagnosis.as_ref()).map(|found| found.verdict),
-            working: inner.job().is_some(),
+            working: inner.queue.job().is_some(),
             axis: looked_at.map(AxisEntry::of),
         }
     }
@@ -327,7 +316,7 @@ impl Study {
             id: self.id,
             name: inner.name.clone(),
             revision: inner.revision,
-            job: inner.job(),
+            job: inner.queue.job(),
             error: inner.error.clone(),
             logs: inner.read.as_ref().map(|read| read.summaries.clone()),
             axis: inner.looked_at.clone(),
@@ -383,24 +372,21 @@ impl Study {
         Ok(file)
     }
 
-    /// The same, once every axis is fitted: half a model is not given away.
+    /// The same, once every axis is fitted that can be: half a model is not given away.
     ///
     /// # Errors
     ///
-    /// An axis is still being fitted.
+    /// An axis is not fitted yet.
     pub(super) fn whole_file(&self) -> Result<StudyFile, String> {
         {
             let inner = self.lock();
-            let running = inner.running.iter().map(|running| &running.task);
-            let waiting = running.chain(&inner.tasks).any(|task| matches!(task, Task::Fit(_)));
-            let missing: Vec<&str> = inner
-                .axes
-                .iter()
-                .filter(|axis| axis.fitted.is_none() && waiting)
-                .map(|axis| axis.section.label.as_str())
-                .collect();
+            let missing: Vec<&str> = inner.unfitted().map(|axis| axis.section.label.as_str()).collect();
             if !missing.is_empty() {
-                return Err(format!("not fitted yet: {}\nhelp: wait a moment", missing.join(", ")));
+                let help = match inner.queue.job() {
+                    Some(_) => "wait a moment",
+                    None => "it was stopped; look at an axis, and it goes on",
+                };
+                return Err(format!("not fitted yet: {}\nhelp: {help}", missing.join(", ")));
             }
         }
         self.file()
@@ -461,11 +447,9 @@ impl Change {
                 inner.axes = read.axes.iter().map(|column| KnownAxis::unknown(column)).collect();
                 inner.read = Some(Arc::from(read));
                 inner.looked_at = first;
-                let mut tasks =
-                    inner.looked_at.clone().map_or_else(Vec::new, |first| inner.missing_of(&first));
-                // the others in the background, so that there is a whole unit to take away
-                tasks.extend(inner.axes.iter().map(|axis| Task::Fit(axis.section.column.clone())));
-                inner.ask(tasks);
+                let tasks = inner.looked_at.clone().map_or_else(Vec::new, |first| inner.missing_of(&first));
+                inner.queue.ask(tasks);
+                inner.fit_the_rest();
             }
             Self::Axis { column, edit } => {
                 if let Some(axis) = inner.axes.iter_mut().find(|axis| axis.section.column == column) {
@@ -480,6 +464,7 @@ impl KnownAxis {
     fn unknown(column: &str) -> Self {
         Self {
             fitted: None,
+            cannot_be_fitted: false,
             growth: None,
             examination: None,
             examined: false,
@@ -494,14 +479,6 @@ impl Inner {
             let axes: Vec<&str> = self.axes.iter().map(|axis| axis.section.column.as_str()).collect();
             format!("there is no axis {column}; there is {}", axes.join(", "))
         })
-    }
-
-    /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then refuses.
-    fn job(&self) -> Option<Job> {
-        let running = self.running.as_ref().map(|running| running.job.clone());
-        let mut job = running.or_else(|| self.tasks.front().map(Task::job))?;
-        job.asked_for |= self.tasks.iter().any(Task::is_asked_for);
-        Some(job)
     }
 
     /// The tasks after which all is known of an axis.
@@ -520,33 +497,15 @@ impl Inner {
         tasks
     }
 
-    /// Puts tasks before the fits that wait in the background; what waits already is not done twice.
-    fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
-        for task in tasks {
-            if let Task::Fit(column) = &task {
-                let is_fitted = self.known(column).is_ok_and(|axis| axis.fitted.is_some());
-                let is_running = self.running.as_ref().is_some_and(|running| running.task == task);
-                if is_fitted || is_running || self.tasks.contains(&task) {
-                    continue;
-                }
-            } else {
-                // asked again: it is to see what comes before it now
-                self.tasks.retain(|waiting| *waiting != task);
-            }
-            self.tasks.push_back(task);
-        }
-        // a fit goes with what needs it
-        let needed: Vec<String> = self
-            .tasks
-            .iter()
-            .filter(|task| task.is_asked_for())
-            .filter_map(|task| task.column().map(str::to_owned))
-            .collect();
-        let is_needed = |task: &Task| task.column().is_none_or(|column| needed.iter().any(|it| it == column));
-        let (mut asked, mut background): (VecDeque<Task>, VecDeque<Task>) =
-            std::mem::take(&mut self.tasks).into_iter().partition(is_needed);
-        asked.append(&mut background);
-        self.tasks = asked;
+    /// The axes that have no model and may get one.
+    fn unfitted(&self) -> impl Iterator<Item = &KnownAxis> {
+        self.axes.iter().filter(|axis| axis.fitted.is_none() && !axis.cannot_be_fitted)
+    }
+
+    /// Fits the other axes in the background, so that there is a whole unit to take away; again after a stop.
+    fn fit_the_rest(&mut self) {
+        let fits: Vec<Task> = self.unfitted().map(|axis| Task::Fit(axis.section.column.clone())).collect();
+        self.queue.ask(fits);
     }
 
     fn stopped(&mut self) {
@@ -555,90 +514,12 @@ impl Inner {
     }
 
     fn failed(&mut self, task: &Task, reason: String) {
-        // what was to come after it needs what it did not give; what is of other axes does not
-        self.tasks.retain(|waiting| waiting.column() != task.column());
+        self.queue.drop_after(task);
+        if let Task::Fit(column) = task
+            && let Some(axis) = self.axes.iter_mut().find(|axis| axis.section.column == *column)
+        {
+            axis.cannot_be_fitted = true;
+        }
         self.error = Some(reason);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fit(column: &str) -> Task {
-        Task::Fit(column.to_owned())
-    }
-
-    fn examine(column: &str) -> Task {
-        Task::Examine(column.to_owned())
-    }
-
-    fn diagnose(column: &str) -> Task {
-        Task::Diagnose(column.to_owned())
-    }
-
-    fn add(column: &str) -> Task {
-        Task::Add { column: column.to_owned(), effect: "thermal_lag".to_owned() }
-    }
-
-    impl Inner {
-        fn begin(&mut self) {
-            let task = self.tasks.pop_front().unwrap();
-            self.running = Some(Running { job: task.job(), task, stop: Stop::default() });
-        }
-    }
-
-    #[test]
-    fn a_study_rests_when_nothing_is_left_and_is_free_while_nobody_waits() {
-        let mut inner = Inner::default();
-        assert_eq!(inner.job(), None);
-        inner.ask([fit("gx_rads"), fit("gy_rads")]);
-        assert!(!inner.job().unwrap().asked_for, "the other axes, in the background");
-        inner.begin();
-        inner.ask([add("gx_rads")]);
-        assert!(inner.job().unwrap().asked_for, "it waits for the fit that runs");
-        inner.running = None;
-        assert!(inner.job().unwrap().asked_for, "between two tasks");
-    }
-
-    #[test]
-    fn a_fit_goes_with_what_needs_it_and_the_others_come_last() {
-        let mut inner = Inner::default();
-        inner.ask([fit("gx"), examine("gx"), diagnose("gx"), fit("gy"), fit("gz"), fit("ax")]);
-        inner.begin();
-        inner.ask([fit("gx")]);
-        inner.ask([fit("gy"), examine("gy"), diagnose("gy")]);
-        inner.ask([fit("gz"), examine("gz"), diagnose("gz")]);
-        let expected = [
-            examine("gx"),
-            diagnose("gx"),
-            fit("gy"),
-            examine("gy"),
-            diagnose("gy"),
-            fit("gz"),
-            examine("gz"),
-            diagnose("gz"),
-            fit("ax"),
-        ];
-        // stable: an axis that was asked for earlier comes earlier, each in its own order
-        let of = |column: &str| -> Vec<&Task> {
-            inner.tasks.iter().filter(|task| task.column() == Some(column)).collect()
-        };
-        for column in ["gx", "gy", "gz", "ax"] {
-            let own: Vec<&Task> = expected.iter().filter(|task| task.column() == Some(column)).collect();
-            assert_eq!(of(column), own);
-        }
-        assert_eq!(inner.tasks.len(), expected.len(), "nothing twice");
-        assert_eq!(inner.tasks.back(), Some(&fit("ax")));
-    }
-
-    #[test]
-    fn what_fails_takes_along_only_what_needs_it() {
-        let mut inner = Inner::default();
-        inner.ask([add("gx"), examine("gx"), fit("gz"), fit("ax")]);
-        inner.failed(&fit("gz"), "dead".to_owned());
-        assert_eq!(inner.tasks, [add("gx"), examine("gx"), fit("ax")]);
-        inner.failed(&add("gx"), "no".to_owned());
-        assert_eq!(inner.tasks, [fit("ax")]);
     }
 }

@@ -254,6 +254,14 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
         if format.starts_with("report") {
             assert!(text.contains("alert(1)"), "the log's name is in {format}");
         }
+        if format == "report.md" {
+            let (before, rest) = text.split_once("```sh").unwrap();
+            let (_, after) = rest.split_once("```").unwrap();
+            // every other piece between backticks is code, where nothing is a tag
+            let prose =
+                [before, after].iter().flat_map(|part| part.split('`').step_by(2)).collect::<String>();
+            assert_eq!(prose.matches('<').count(), prose.matches("\\<").count(), "{prose}");
+        }
         if format == "report.html" {
             assert!(!text.contains("<img"), "and stays text");
             assert!(text.contains("default-src 'none'; style-src 'unsafe-inline'"));
@@ -294,6 +302,7 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
     bench.post(&format!("/api/studies/{id}/axis"), json!({ "axis": "gx_rads" })).await;
     let state = bench.settled(id).await;
     assert_eq!(state["error"], Value::Null, "{}", state["error"]);
-    let gyro = state["axes"].as_array().unwrap().iter().find(|axis| axis["column"] == "gx_rads").unwrap();
-    assert!(gyro["diagnosis"].is_object());
+    let axes = state["axes"].as_array().unwrap();
+    assert!(axes.iter().find(|axis| axis["column"] == "gx_rads").unwrap()["diagnosis"].is_object());
+    assert!(axes.iter().all(|axis| axis["model"].is_object()), "and so do the others, in the background");
 }

@@ -61,7 +61,8 @@ export function follow(id, follower) {
   }
 
   function listen() {
-    if (closed) return;
+    // a browser has six connections to a server in all: windows that nobody sees leave theirs to the others
+    if (closed || document.hidden || events) return;
     events = new EventSource(`/api/studies/${id}/events`);
     events.onopen = () => {
       wait = FIRST_WAIT;
@@ -79,17 +80,30 @@ export function follow(id, follower) {
     events.onerror = () => {
       follower.connected(false);
       if (events?.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
+      events = null;
       setTimeout(listen, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT);
       void refresh(); // a study that is gone has no events either
     };
   }
 
-  function close() {
-    closed = true;
+  function rest() {
     events?.close();
+    events = null;
   }
 
+  function seen() {
+    if (document.hidden) rest();
+    else listen();
+  }
+
+  function close() {
+    closed = true;
+    document.removeEventListener("visibilitychange", seen);
+    rest();
+  }
+
+  document.addEventListener("visibilitychange", seen);
   void refresh();
   listen();
   return { close, refresh };
