@@ -196,6 +196,9 @@ fn time_that_goes_back_and_stays_ends_the_segment() {
     assert_eq!(recording.segments[1].boundary, Boundary::ClockBack);
     assert_eq!(recording.segments[1].tick, 600);
     assert_eq!(recording.quality.clock_back, 1);
+    for (row, time_s) in recording.time_s.iter().enumerate() {
+        assert!((time_s - (50.0 + row as f64 * T)).abs() < 1e-9, "{row}: {time_s}");
+    }
     assert!((recording.rate.period_s / T - 1.0).abs() < 1e-9);
 }
 

@@ -69,7 +69,7 @@ pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rad
 pub struct Recording {
     /// Where it came from: one file, or those it was joined of.
     pub sources: Vec<Source>,
-    /// Time of every row as stamped, s.
+    /// Time of every row, s: as stamped, and counted on from the row before where a segment's stamps go back.
     pub time_s: Vec<f64>,
     channels: Vec<Channel>,
     /// Stretches without gaps, in order; together they are all rows. Nothing is fitted or predicted across two.

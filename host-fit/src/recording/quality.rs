@@ -147,7 +147,10 @@ impl fmt::Display for Quality {
         let counts = [
             (self.rows_repeated, "rows repeat the one before and were dropped"),
             (self.stamps_repeated, "rows repeat the time stamp before them and were kept"),
-            (self.clock_back, "times the stamps go back: a segment ends there"),
+            (
+                self.clock_back,
+                "times the stamps go back: a segment ends there, and where they stay back time is counted on",
+            ),
         ];
         lines.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
         if self.gaps > 0 {
