@@ -2,6 +2,7 @@
 
 mod axis_section;
 mod log_summary;
+mod markdown_text;
 mod offer;
 mod render;
 

@@ -2,9 +2,9 @@
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment, Error, Value, context};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context};
 
-use super::Report;
+use super::{Report, markdown_text};
 use crate::figures::{Figure, svg};
 use crate::text::number;
 
@@ -50,7 +50,16 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
 ///
 /// None that a report can cause.
 pub fn markdown(report: &Report) -> Result<String, RenderError> {
-    let environment = environment(AutoEscape::None)?;
+    let mut environment = environment(AutoEscape::Custom("markdown".into()))?;
+    environment.set_formatter(|out, _, value| match value.as_str() {
+        Some(text) if !value.is_safe() => {
+            write!(out, "{}", markdown_text::escaped(text)).map_err(|_| ErrorKind::WriteFailure.into())
+        }
+        _ => write!(out, "{value}").map_err(|_| ErrorKind::WriteFailure.into()),
+    });
+    environment.add_filter("code", |text: &str| Value::from_safe_string(markdown_text::code(text)));
+    environment
+        .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
     let template = environment.template_from_str(include_str!("report.md"))?;
     Ok(template.render(context! { report => Serde(report) })?)
 }
@@ -67,8 +76,6 @@ fn environment(escape: AutoEscape) -> Result<Environment<'static>, Error> {
         value.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
     });
     environment.add_filter("seconds", |value: f64| format!("{value:.1} s"));
-    // a cell of a table of Markdown ends at a bar or a line end
-    environment.add_filter("cell", |text: &str| text.replace('|', "\\|").replace('\n', " "));
     Ok(environment)
 }
 

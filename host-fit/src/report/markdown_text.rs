@@ -1,0 +1,54 @@
+//! Text as Markdown shows it, whatever is in it.
+
+/// What would otherwise begin something: emphasis, code, a link, a tag, a cell.
+const ACTIVE: [char; 7] = ['\\', '`', '*', '[', '<', '|', '&'];
+
+/// In a line of text.
+pub(super) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if ACTIVE.contains(&letter) {
+            escaped.push('\\');
+        }
+        escaped.push(if letter.is_control() { ' ' } else { letter });
+    }
+    escaped
+}
+
+/// As code in a line of text.
+pub(super) fn code(text: &str) -> String {
+    let fence = fence(text, 1);
+    // a space at both ends is taken off, and needed beside a backtick
+    let text: String = text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let beside = if text.starts_with(['`', ' ']) || text.ends_with(['`', ' ']) { " " } else { "" };
+    format!("{fence}{beside}{text}{beside}{fence}")
+}
+
+/// As lines of a shell.
+pub(super) fn shell(lines: &[String]) -> String {
+    let text = lines.join("\n");
+    let fence = fence(&text, 3);
+    format!("{fence}sh\n{text}\n{fence}")
+}
+
+/// More backticks than there are anywhere in the text, `least` at least.
+fn fence(text: &str, least: usize) -> String {
+    let longest = text.split(|letter| letter != '`').map(str::len).max().unwrap_or(0);
+    "`".repeat(least.max(longest + 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_markdown_would_take_for_its_own_is_shown() {
+        assert_eq!(
+            escaped("a|b\n<img src=x> [link](http://x) *"),
+            "a\\|b \\<img src=x> \\[link](http://x) \\*"
+        );
+        assert_eq!(escaped("thermal lag, 60 s × 0.5"), "thermal lag, 60 s × 0.5");
+        assert_eq!([code("gx_rads"), code("a`b"), code("`a")], ["`gx_rads`", "``a`b``", "`` `a ``"]);
+        assert_eq!(shell(&["fit '```'".into(), "add".into()]), "````sh\nfit '```'\nadd\n````");
+    }
+}
