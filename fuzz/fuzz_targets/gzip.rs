@@ -7,14 +7,12 @@ use std::sync::LazyLock;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use fos_fuzz::{log, split};
-use host_fit::contained::announce_no_contained_panic;
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 
 static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 
-// else the first panic, contained or not, ends the fuzzer
-fuzz_target!(init: announce_no_contained_panic(), |bytes: &[u8]| {
+fuzz_target!(init: log::init(), |bytes: &[u8]| {
     log::read(&FOLDER, "log.csv.gz", bytes);
     let (tail, text) = split(bytes);
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());

@@ -9,7 +9,6 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
 use fos_fuzz::log;
-use host_fit::contained::announce_no_contained_panic;
 use host_fit::effects::Library;
 use host_fit::recording::write_columns;
 use host_fit::simulate::{Simulation, simulate};
@@ -48,8 +47,7 @@ static BENCH: LazyLock<Bench> = LazyLock::new(|| {
     Bench { address, log: path.display().to_string(), _folder: folder, _runtime: runtime }
 });
 
-// else the first panic, contained or not, ends the fuzzer
-fuzz_target!(init: announce_no_contained_panic(), |bytes: &[u8]| {
+fuzz_target!(init: log::init(), |bytes: &[u8]| {
     let study = format!("/studies/{}", opened());
     for request in bytes.split(|&byte| byte == 0).take(8) {
         let (head, body) =

@@ -2,8 +2,14 @@
 
 use std::path::Path;
 
+use host_fit::contained::announce_no_contained_panic;
 use host_fit::recording::{ColumnMap, LoadOptions, load, preview};
 use tempfile::TempDir;
+
+/// Before the first input: else a panic ends the fuzzer, contained or not.
+pub fn init() {
+    announce_no_contained_panic();
+}
 
 /// A folder in memory, where there is one.
 pub fn folder() -> TempDir {

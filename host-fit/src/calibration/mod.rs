@@ -46,7 +46,8 @@ pub struct Calibration {
     pub figures: Vec<Figure>,
 }
 
-/// Simulates `count` cases from `seed` and counts how often the diagnosis is right. `progress` is told the cases done.
+/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. `progress` is told
+/// the cases done.
 ///
 /// # Errors
 ///
@@ -54,16 +55,16 @@ pub struct Calibration {
 pub fn calibrate(
     seed: u64,
     count: usize,
+    library: &Library,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
     let plans = suite(seed, count);
-    let library = Library::built_in();
     let done = AtomicUsize::new(0);
     let outcomes: Vec<Outcome> = plans
         .par_iter()
         .enumerate()
         .map(|(case, plan)| {
-            let outcome = examine(case, plan, &library);
+            let outcome = examine(case, plan, library);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             outcome
         })

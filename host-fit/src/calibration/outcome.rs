@@ -4,9 +4,7 @@ use serde::Serialize;
 
 use super::CalibrationError;
 use crate::case::Case;
-use crate::diagnose::{
-    DiagnoseError, Diagnosis, Gls, NoiseLevels, Question, Reduced, Verdict, correction, diagnose,
-};
+use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Reduced, Verdict, correction, diagnose};
 use crate::effects::Library;
 use crate::recording::{LoadOptions, Recording, Source};
 use crate::signal;
@@ -88,13 +86,13 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
         Recording::from_columns(Source::made_by(name), columns, &options)
             .map_err(|error| failed(error.into()))
     };
-    let (baseline, field) = (Some(recording("baseline", baseline)?), recording("field", field)?);
-    let asked = Case { meta, baseline, field, eval: None };
-    let eval = recording("eval", eval)?;
+    let (field, eval) = (recording("field", field)?, recording("eval", eval)?);
+    let baseline = Some(recording("baseline", baseline)?);
+    let asked = Case { meta, baseline, field: field.clone(), eval: Some(eval.clone()) };
     let start = std::time::Instant::now();
-    let answer = diagnose(&Question { judged: Some(&eval), ..asked.question(library) }).map_err(failed)?;
+    let answer = diagnose(&asked.question(library)).map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
-    let corrected = Corrected { target: &asked.meta.target, field: &asked.field, eval: &eval };
+    let corrected = Corrected { target: &asked.meta.target, field: &field, eval: &eval };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
     let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
     Ok(Outcome {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::output::{Failure, number, print_json, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, calibrate};
+use crate::effects::Library;
 use crate::file::write_atomically;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
@@ -21,6 +22,9 @@ pub(super) struct Calibrate {
     /// Write what came out of every case to this file, JSON
     #[arg(long, value_name = "FILE")]
     outcomes: Option<PathBuf>,
+    /// Effects of your own, one TOML file each. May be repeated
+    #[arg(long = "effect", value_name = "FILE")]
+    effects: Vec<PathBuf>,
     /// Fail if a figure is certainly not as it must be, its 95 % interval considered
     #[arg(long)]
     check: bool,
@@ -31,8 +35,9 @@ pub(super) struct Calibrate {
 
 impl Calibrate {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        let library = Library::with_files(&self.effects)?;
         let bar = progress(self.cases as u64, "diagnosing");
-        let calibration = calibrate(self.seed, self.cases, |done| bar.set_position(done as u64))?;
+        let calibration = calibrate(self.seed, self.cases, &library, |done| bar.set_position(done as u64))?;
         bar.finish_and_clear();
         if let Some(path) = &self.outcomes {
             write_atomically(path, &serde_json::to_vec_pretty(&calibration.outcomes)?)?;
