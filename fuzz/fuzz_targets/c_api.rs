@@ -146,7 +146,7 @@ unsafe fn call(
                         accel: [code(0), code(1), code(2)],
                         gyro: [code(3), code(4), code(5)],
                         temperature: i16::from_le_bytes(numbers.bytes()),
-                        faults: u16::from(numbers.byte()),
+                        faults: u16::from_le_bytes(numbers.bytes()),
                         has_temperature: numbers.byte(),
                     };
                     let mut output = Box::new(MaybeUninit::<fos_output>::uninit());

@@ -22,9 +22,9 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
     read(&good).expect("sound");
     let stair = "/growth/0/stairs/1";
     for (place, value, says) in [
-        ("/model/axes", json!([]), "model: the model has no axis"),
-        ("/model/period_s", json!(0), "model: the sample period"),
-        ("/model/inputs", json!([]), "no such input"),
+        ("/model/axes", json!([]), "model: there is no axis"),
+        ("/model/period_s", json!(0), "the sample period"),
+        ("/model/inputs", json!([]), "an input that is not there"),
         ("/model/axes/0/physical/0/factors", json!([]), "1 to 3 factors"),
         ("/axes", json!([]), "those of the model"),
         ("/steps/0/errors", json!([]), "the errors of 0 axes"),
@@ -32,7 +32,7 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         ("/data/columns", json!(["gx_rads=gyro:furlong"]), "furlong"),
         ("/growth/0/column", json!("gy_rads"), "no axis of the model"),
         ("/growth/0/stairs", json!([]), "there is no stair"),
-        ("/growth/0/stairs/0/model/axes", json!([]), "stair 0: the model has no axis"),
+        ("/growth/0/stairs/0/model/axes", json!([]), "stair 0: there is no axis"),
         (&format!("{stair}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
         (&format!("{stair}/added"), Value::Null, "each stair but the first"),
         (&format!("{stair}/added/effect/id"), json!("Thermal Lag"), "small letters"),
@@ -92,7 +92,7 @@ fn a_study_remembers_how_its_logs_are_read() {
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.data.read.columns.specs(), ["gx_rads=\"gyro:x\""]);
     assert_eq!(study.growth[0].logs.read, study.data.read);
-    assert!(study.data.read.strict && study.data.read.rate_hz == Some(200.0));
+    assert_eq!((study.data.read.rate_hz, study.data.read.strict), (Some(200.0), false));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use fos_embedded::c_api::*;
 use fos_embedded::hub::Hub;
 
 use crate::correctors::{POLL, raw};
-use crate::faults::{FAULTS, clean};
+use crate::faults::{FAULTS, Strikes, clean};
 use crate::models::{SCALES, TestHub};
 use crate::places::image;
 use crate::{FROM, SEED, TICKS};
@@ -35,7 +35,7 @@ fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
         }
         let mut hub: TestHub = Hub::new(SCALES);
         hub.load(&image).expect("a model");
-        for tick in fault.into(&clean, FROM) {
+        for tick in fault.into(&clean, FROM, Strikes::All) {
             let (raw, supply) = (raw(&tick), tick.supply);
             let sample = fos_raw_sample {
                 skipped: raw.skipped,

@@ -80,11 +80,36 @@ pub(crate) enum On {
     Reset,
 }
 
+/// Which measured values a fault of them strikes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Strikes {
+    Axes,
+    /// Temperature and supply.
+    Quantities,
+    All,
+}
+
 impl Fault {
+    /// A fault of values strikes axes and quantities each alone, where one cannot hide the other, and all at once.
+    pub(crate) fn strikes(&self) -> &'static [Strikes] {
+        match self.on {
+            On::Values | On::NotInCodes => &[Strikes::Axes, Strikes::Quantities, Strikes::All],
+            _ => &[Strikes::All],
+        }
+    }
+
     /// The stretch with the fault in it, from tick `from` on.
-    pub(crate) fn into(&self, clean: &[Tick], from: usize) -> Vec<Tick> {
+    pub(crate) fn into(&self, clean: &[Tick], from: usize, strikes: Strikes) -> Vec<Tick> {
         let mut ticks = clean.to_vec();
         (self.happens)(&mut ticks, from..from + self.lasts);
+        for tick in &mut ticks {
+            let clean = &clean[tick.index];
+            match strikes {
+                Strikes::Axes => (tick.temperature, tick.supply) = (clean.temperature, clean.supply),
+                Strikes::Quantities => tick.axes = clean.axes,
+                Strikes::All => {}
+            }
+        }
         ticks
     }
 }
@@ -113,6 +138,14 @@ fn temperature(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     }
 }
 
+/// The application's clock takes so many µs more for every tick of the range.
+fn rate_off(ticks: &mut [Tick], range: Range<usize>, more_us: i64) {
+    let long = range.len() as i64;
+    for (since, tick) in (0..).zip(&mut ticks[range.start..]) {
+        tick.clock_us = tick.clock_us.wrapping_add_signed(more_us * long.min(since));
+    }
+}
+
 fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
     ticks[range.end].skipped = range.len() as u32;
     ticks.drain(range);
@@ -125,7 +158,7 @@ const SMALL: f32 = 2.0;
 /// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
 const LONG: usize = 3600;
 
-pub(crate) const FAULTS: [Fault; 27] = [
+pub(crate) const FAULTS: [Fault; 29] = [
     Fault { name: "NaN", lasts: 30, on: On::NotInCodes, happens: |ticks, range| all(ticks, range, f32::NAN) },
     Fault {
         name: "+inf",
@@ -283,15 +316,16 @@ pub(crate) const FAULTS: [Fault; 27] = [
         },
     },
     Fault {
-        name: "rate 5 % off",
+        name: "rate 5 % too high",
         lasts: 5000,
         on: On::Clock,
-        happens: |ticks, range| {
-            let (begun, long) = (ticks[range.start].clock_us, range.len() as u64);
-            for (since, tick) in (0..).zip(&mut ticks[range.start..]) {
-                tick.clock_us = begun + 5000 * since - 250 * long.min(since);
-            }
-        },
+        happens: |ticks, range| rate_off(ticks, range, -250),
+    },
+    Fault {
+        name: "rate 5 % too low",
+        lasts: 5000,
+        on: On::Clock,
+        happens: |ticks, range| rate_off(ticks, range, 250),
     },
     Fault {
         name: "temperature invalid",
@@ -309,10 +343,16 @@ pub(crate) const FAULTS: [Fault; 27] = [
         },
     },
     Fault {
-        name: "temperature out of range",
+        name: "temperature above its range",
         lasts: 60,
         on: On::Temperature,
         happens: |ticks, range| temperature(ticks, range, 84.0),
+    },
+    Fault {
+        name: "temperature below its range",
+        lasts: 60,
+        on: On::Temperature,
+        happens: |ticks, range| temperature(ticks, range, -40.0),
     },
     Fault {
         name: "reset in mid-stream",

@@ -10,7 +10,7 @@ use fos_embedded::hub::{AXES, Hub};
 use fos_embedded::raw::RawSample;
 
 use crate::correctors::{Corrector, POLL, Predicting, Roomy, quiet};
-use crate::faults::{Fault, On, SWING};
+use crate::faults::{Fault, On, SWING, Strikes};
 use crate::models::{PHYSICAL, SCALES, SIX, STOCHASTIC, TestHub, limits, parameters};
 
 /// Where a fault is met.
@@ -48,16 +48,19 @@ impl Column {
         (Self::Hub, "hub and C interface"),
     ];
 
-    /// The faults that cannot be met there, and so the cells with a dash.
-    pub(crate) fn cannot_meet(self) -> &'static [On] {
+    /// Whether a fault can be met there; else the cell has a dash.
+    pub(crate) fn meets(self, on: On, strikes: Strikes) -> bool {
+        let of_axes = on == On::Axes || strikes == Strikes::Axes;
+        let of_quantities = on == On::Temperature || strikes == Strikes::Quantities;
         match self {
             // a predictor counts samples and reads no clock
-            Self::Track | Self::Coast | Self::Monitor => &[On::Clock],
-            Self::OverQuantity => &[On::Clock, On::Axes],
+            Self::Track | Self::Coast | Self::Monitor => on != On::Clock,
+            Self::OverQuantity => on != On::Clock && !of_axes,
             // nothing measured goes into it
-            Self::OverClock => &[On::Clock, On::Axes, On::Values, On::NotInCodes, On::Temperature],
-            Self::OverRemainder => &[On::Clock, On::Temperature],
-            Self::Hub => &[],
+            Self::OverClock => matches!(on, On::Gap | On::Reset),
+            Self::OverRemainder => on != On::Clock && !of_quantities,
+            // a code is always a number
+            Self::Hub => !(on == On::NotInCodes && strikes == Strikes::Axes),
         }
     }
 }

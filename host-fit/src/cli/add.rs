@@ -9,6 +9,7 @@ use super::diagnose::print_diagnosis;
 use super::growing::{LogArguments, column_of, print_growth, read_logs};
 use super::output::{Failure, print_json, spinner};
 use crate::effects::Library;
+use crate::grow::GrowError;
 use crate::plots;
 use crate::study::Study;
 
@@ -83,6 +84,8 @@ impl Add {
         }
         bar.finish_and_clear();
         study.keep(growth.clone());
+        // an axis runs alone, and with the others may have outgrown a predictor
+        study.model.predictor::<f64>().map_err(GrowError::Model)?;
         study.write(&file)?;
         if let Some(folder) = &self.figures {
             plots::write_staircase(folder, &growth)?;

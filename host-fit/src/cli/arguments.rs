@@ -11,7 +11,7 @@ use crate::recording::{ColumnMap, LoadOptions, Recording, load};
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
-    /// gx_rads=gx_cnt:*1.33e-4:rad/s. May be repeated
+    /// gx_rads=gx_cnt:*1.33e-4:rad/s; a column with a colon in its name stands in quotes, gx_rads="gyro:x":mdps. May be repeated
     #[arg(long = "map", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
     pub(super) map: Vec<String>,
     /// The same, from a TOML file
@@ -43,13 +43,13 @@ impl Reading {
         Ok(LoadOptions { columns, rate_hz: self.rate, strict: self.strict })
     }
 
-    /// The same; what is not given is as it was `before`.
+    /// The same; which columns and what rate, where they are not given, is as it was `before`.
     pub(super) fn options_or(&self, before: &LoadOptions) -> Result<LoadOptions, Failure> {
         let given = self.options()?;
         Ok(LoadOptions {
             columns: if given.columns.is_empty() { before.columns.clone() } else { given.columns },
             rate_hz: given.rate_hz.or(before.rate_hz),
-            strict: given.strict || before.strict,
+            strict: given.strict,
         })
     }
 }
@@ -75,14 +75,12 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 /// What was read, in a few lines.
 pub(super) fn describe(recording: &Recording) -> String {
     let rate = &recording.rate;
-    let duration_s =
-        recording.time_s.last().copied().unwrap_or(0.0) - recording.time_s.first().copied().unwrap_or(0.0);
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
         "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
         recording.paths(),
         recording.n_rows(),
-        duration_s,
+        recording.duration_s(),
         recording.segments.len(),
         rate.true_hz,
         rate.stamps,

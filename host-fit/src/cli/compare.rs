@@ -44,11 +44,19 @@ impl Compare {
         let recording = read_all(&logs, &self.reading.options_or(&study.data.read)?)?;
         let same = study.data.is(&recording);
         if self.log.is_none() && !same {
+            let differs = match recording.sources == study.data.sources {
+                true => {
+                    format!("it is read as {} rows, the study has {}", recording.n_rows(), study.data.rows)
+                }
+                false => format!(
+                    "its digest is {}, the study's is {}",
+                    digests(&recording.sources).join(", "),
+                    digests(&study.data.sources).join(", ")
+                ),
+            };
             return Err(format!(
-                "{}: not the log that was fitted: its digest is {}, the study's is {}\nhelp: give the log to compare with as an argument",
-                logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
-                digests(&recording.sources).join(", "),
-                digests(&study.data.sources).join(", ")
+                "{}: not the log that was fitted: {differs}\nhelp: give the log to compare with as an argument",
+                recording.paths()
             )
             .into());
         }

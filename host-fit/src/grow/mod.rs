@@ -49,7 +49,9 @@ pub enum GrowError {
     #[error(transparent)]
     Effect(#[from] EffectError),
     /// fos-core refuses the model.
-    #[error("the grown model cannot be run: {0}")]
+    #[error(
+        "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too (`host-fit undo`), or fit fewer axes together"
+    )]
     Model(#[from] ModelError),
     /// The study has no such axis.
     #[error("the study has no axis {column}; it has {}\nhelp: --axis names one of them", .axes.join(", "))]

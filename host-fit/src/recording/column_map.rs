@@ -169,7 +169,10 @@ impl ColumnMap {
     /// Text that is not TOML, or the first entry that is not understood.
     pub fn from_toml(text: &str) -> Result<ColumnMap, MapError> {
         let file: TomlMap = toml::from_str(text)?;
-        let mut map = ColumnMap { mappings: Vec::new(), ignored: file.ignore };
+        let mut map = ColumnMap::default();
+        for column in file.ignore {
+            map.ignore(&column)?;
+        }
         for (target, value) in file.columns {
             match value {
                 toml::Value::String(source) => map.add_source(&target, &source)?,
@@ -199,22 +202,26 @@ impl ColumnMap {
     pub fn add(&mut self, spec: &str) -> Result<(), MapError> {
         let form = || MapError::Form { spec: spec.to_owned() };
         if let Some(column) = spec.strip_prefix('!') {
-            if column.is_empty() {
-                return Err(form());
-            }
-            self.ignored.push(column.to_owned());
-            return Ok(());
+            return self.ignore(column);
         }
         let (target, source) = spec.split_once('=').ok_or_else(form)?;
-        self.add_source(target.trim(), source)
+        self.add_source(target, source)
+    }
+
+    fn ignore(&mut self, column: &str) -> Result<(), MapError> {
+        if column.is_empty() {
+            return Err(MapError::Form { spec: "!".to_owned() });
+        }
+        self.ignored.push(column.to_owned());
+        Ok(())
     }
 
     /// Adds `target` from what stands behind the `=` of an entry.
     fn add_source(&mut self, target: &str, source: &str) -> Result<(), MapError> {
         let form = || MapError::Form { spec: format!("{target}={source}") };
         let (column, rest) = split_column(source).ok_or_else(form)?;
-        let mut parts = rest.split(':').skip(1).map(str::trim).peekable();
-        let arithmetic = parts.next_if(|part| part.starts_with(['+', '-', '*', '/']));
+        let mut parts = rest.split(':').skip(1).peekable();
+        let arithmetic = parts.next_if(|part| part.trim_start().starts_with(['+', '-', '*', '/']));
         let unit = parts.next();
         if parts.next().is_some() {
             return Err(form());
@@ -229,6 +236,8 @@ impl ColumnMap {
         arithmetic: Option<&str>,
         unit: Option<&str>,
     ) -> Result<(), MapError> {
+        // as they read back
+        let (target, arithmetic, unit) = (target.trim(), arithmetic.map(str::trim), unit.map(str::trim));
         let mut spec = format!("{target}={}", quoted(column));
         for part in [arithmetic, unit].into_iter().flatten() {
             spec.push(':');
@@ -344,7 +353,7 @@ fn split_column(text: &str) -> Option<(String, &str)> {
 }
 
 /// A column as it stands in an entry.
-fn quoted(column: &str) -> String {
+pub(super) fn quoted(column: &str) -> String {
     if column.contains(':') || column.starts_with('"') || column.trim() != column {
         format!("\"{}\"", column.replace('"', "\"\""))
     } else {
@@ -438,6 +447,16 @@ mod tests {
             map.add_mapping("x", column, None, None).unwrap();
             let again = ColumnMap::from_specs(map.specs()).unwrap();
             assert_eq!((again.column_of("x"), &again), (column, &map));
+        }
+        for toml in [
+            "ignore = [\" a\", \"!\"]",
+            "[columns]\n\" x \" = { column = \"a\", arithmetic = \" *2 \", unit = \" mg \" }",
+        ] {
+            let map = ColumnMap::from_toml(toml).unwrap();
+            assert_eq!(ColumnMap::from_specs(map.specs()).unwrap(), map, "{toml}");
+        }
+        for toml in ["ignore = [\"\"]", "[columns]\n\"!x\" = \"a\"", "[columns]\n\"x=y\" = \"a\""] {
+            assert!(matches!(ColumnMap::from_toml(toml), Err(MapError::Form { .. })), "{toml}");
         }
     }
 

@@ -258,6 +258,8 @@ impl<'a> Parser<'a> {
                 });
             } else if is_text {
                 table.quality.text_columns.push(name.clone());
+                let first = || first_text(header, first_lines, i).map(|row| *row);
+                table.quality.first_text = table.quality.first_text.take().or_else(first);
                 Kind::LeftOut
             } else if numbers[i] + texts[i] == 0 {
                 Kind::Undecided(column)
@@ -316,6 +318,9 @@ impl<'a> Parser<'a> {
                     // the first content after many empty cells: remarks, not measurements
                     self.kinds[i] = Kind::LeftOut;
                     self.table.quality.text_columns.push(names[i].clone());
+                    let place = Place::Line { line: number, cell: i as u64 + 1 };
+                    let row = || BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber);
+                    self.table.quality.first_text.get_or_insert_with(row);
                     (column, f64::NAN)
                 }
                 (_, Cell::Text) => {

@@ -187,13 +187,15 @@ pub enum RecordingError {
     /// Not one of the inertial channels.
     #[error(
         "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the axis with --axis COLUMN, or map the columns with --map",
-        left_out(text_columns)
+        left_out(text_columns, first.as_deref())
     )]
     NoAxes {
         /// The file.
         path: String,
         /// Columns that hold text.
         text_columns: Vec<String>,
+        /// The first text that was seen in one of them.
+        first: Option<Box<BadRow>>,
     },
     /// Columns that do not have one length.
     #[error(
@@ -224,9 +226,10 @@ fn suggest(closest: &Option<String>, available: &[String]) -> String {
     format!("{meant}; there are {}", available.join(", "))
 }
 
-fn left_out(text_columns: &[String]) -> String {
+fn left_out(text_columns: &[String], first: Option<&BadRow>) -> String {
+    let place = first.map_or_else(String::new, |row| format!("; the first is {row}"));
     match text_columns {
         [] => String::new(),
-        names => format!("; left out, since they hold text: {}", names.join(", ")),
+        names => format!("; left out, since they hold text: {}{place}", names.join(", ")),
     }
 }

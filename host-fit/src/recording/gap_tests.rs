@@ -196,10 +196,24 @@ fn time_that_goes_back_and_stays_ends_the_segment() {
     assert_eq!(recording.segments[1].boundary, Boundary::ClockBack);
     assert_eq!(recording.segments[1].tick, 600);
     assert_eq!(recording.quality.clock_back, 1);
-    for (row, time_s) in recording.time_s.iter().enumerate() {
+    assert!((recording.duration_s() - 999.0 * T).abs() < 1e-9);
+    assert!((recording.rate.period_s / T - 1.0).abs() < 1e-9);
+    for (row, time_s) in recording.counted_on().time_s.iter().enumerate() {
         assert!((time_s - (50.0 + row as f64 * T)).abs() < 1e-9, "{row}: {time_s}");
     }
-    assert!((recording.rate.period_s / T - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_stamp_that_is_wrong_moves_no_other() {
+    let stamps = |wrong: usize| -> Vec<f64> {
+        let stamps = (0..1000).map(|i| if i < 600 { i as f64 * T } else { i as f64 * T + 3.0 });
+        stamps.enumerate().map(|(i, stamp)| if i == wrong { 1e6 } else { stamp }).collect()
+    };
+    for wrong in [300, 599, 600, 800] {
+        let recording = record(stamps(wrong));
+        assert_eq!(recording.segments.len(), 2, "{wrong}");
+        assert_eq!(recording.counted_on().time_s, stamps(wrong), "{wrong}");
+    }
 }
 
 #[test]

@@ -89,6 +89,7 @@ impl Quality {
         self.samples_missing += other.samples_missing;
         self.missing_cells.extend(other.missing_cells);
         self.text_columns.extend(other.text_columns);
+        self.first_text = self.first_text.take().or(other.first_text);
     }
 }
 

@@ -40,8 +40,15 @@ pub struct LoadOptions {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
     /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(skip)]
     pub strict: bool,
+}
+
+impl LoadOptions {
+    /// What a study remembers of them: a log that was read once is read again, however strictly.
+    pub fn remembered(&self) -> LoadOptions {
+        LoadOptions { strict: false, ..self.clone() }
+    }
 }
 
 /// Reads a CSV, gzip'd CSV or Parquet file, told apart by their first bytes.
@@ -193,7 +200,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     let still = take("still").map(|cells| cells.into_iter().map(|cell| cell > 0.5).collect());
     let marks = find_marks(take("segment").as_deref().unwrap_or_default(), &skipped);
 
-    let (mut time_s, grid, rate) = match (stamps, options.rate_hz) {
+    let (time_s, grid, rate) = match (stamps, options.rate_hz) {
         (Some(time_s), nominal_hz) => {
             let (grid, rate) = measure(&time_s, nominal_hz, &marks)
                 .ok_or_else(|| RecordingError::NoClock { path, column: map.column_of("t_s").to_owned() })?;
@@ -205,23 +212,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     quality.clock_back = grid.clock_back;
     quality.gaps = grid.segments.iter().filter(|segment| segment.missing_before > 0).count() as u64;
     quality.samples_missing = grid.segments.iter().map(|segment| segment.missing_before).sum();
-    count_on(&mut time_s, &grid.segments, rate.period_s);
     Ok(Recording { sources: vec![source], time_s, channels, segments: grid.segments, rate, still, quality })
-}
-
-/// Lets times go on where a segment is stamped as if it began before the end of the one before it.
-fn count_on(time_s: &mut [f64], segments: &[Segment], period_s: f64) {
-    let mut shift_s = 0.0;
-    let mut last_s = f64::NEG_INFINITY;
-    for segment in segments {
-        let times = &mut time_s[segment.rows.clone()];
-        let first_s = times[0] + shift_s;
-        if first_s <= last_s {
-            shift_s += last_s + period_s - first_s;
-        }
-        times.iter_mut().for_each(|time_s| *time_s += shift_s);
-        last_s = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    }
 }
 
 /// Refuses a map that names columns the log does not have.

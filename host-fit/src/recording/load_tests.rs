@@ -309,10 +309,10 @@ fn files_that_are_no_logs_say_what_is_expected() {
         ("t_s,gx_rads\nx,2\ny,3\n", "\"t_s\" is needed as numbers"),
         ("t_s,gx_rads\n5,1\n5,2\n5,3\n", "do not increase"),
         ("a,b\nx,y\n", "no column holds numbers"),
-        ("t_s,gx_rads\n# x\n0,up\n1,down\n", "log.csv:3:2: gx_rads: \"up\" is not a number\nhelp: check"),
+        ("t_s,gx_rads\n# x\nup,0\ndown,1\n", "log.csv:3:1: t_s: \"up\" is not a number\nhelp: check"),
         (
-            "t_s;gx_rads\n0;0,25\n1;-1,5e-3\n",
-            "log.csv:2:2: gx_rads: \"0,25\" is not a number\nhelp: write decimals",
+            "t_s;gx_rads\n0,25;0\n-1,5e-3;1\n",
+            "log.csv:2:1: t_s: \"0,25\" is not a number\nhelp: write decimals",
         ),
     ] {
         let message = load_text(text).unwrap_err().to_string();
@@ -322,6 +322,20 @@ fn files_that_are_no_logs_say_what_is_expected() {
     let folder = folder();
     let cut = file(&folder, "cut.parquet", b"PAR1 and then nothing");
     assert!(matches!(load(cut, &LoadOptions::default()), Err(RecordingError::Parquet { .. })));
+}
+
+#[test]
+fn an_axis_of_text_is_left_out_and_told_of_where_an_axis_is_needed() {
+    let recording = load_text("t_s,gx_rads\n0,up\n1,down\n").unwrap();
+    let error = recording.axes().unwrap_err().to_string();
+    assert!(
+        error.contains("gx_rads; the first is 2:2: gx_rads: \"up\"") && error.contains("help: "),
+        "{error}"
+    );
+    // another column in its place
+    let options = mapped(&["gx_rads=gyro"]);
+    let recording = load_with("t_s,gx_rads,gyro\n0,up,1\n1,down,2\n", &options).unwrap();
+    assert_eq!(recording.channel("gx_rads").unwrap().values[..], [1.0, 2.0]);
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rad
 pub struct Recording {
     /// Where it came from: one file, or those it was joined of.
     pub sources: Vec<Source>,
-    /// Time of every row, s: as stamped, and counted on from the row before where a segment's stamps go back.
+    /// Time of every row as stamped, s.
     pub time_s: Vec<f64>,
     channels: Vec<Channel>,
     /// Stretches without gaps, in order; together they are all rows. Nothing is fitted or predicted across two.
@@ -114,7 +114,8 @@ impl Recording {
         let axes: Vec<String> = axes.map(str::to_owned).collect();
         if axes.is_empty() {
             let text_columns = self.quality.text_columns.clone();
-            return Err(RecordingError::NoAxes { path: self.paths(), text_columns });
+            let first = self.quality.first_text.clone().map(Box::new);
+            return Err(RecordingError::NoAxes { path: self.paths(), text_columns, first });
         }
         Ok(axes)
     }
@@ -158,6 +159,29 @@ impl Recording {
         other
     }
 
+    /// From the first sample to the last by the sample grid, s: stamps may go back.
+    pub fn duration_s(&self) -> f64 {
+        let last = self.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
+        last.saturating_sub(1) as f64 * self.rate.period_s
+    }
+
+    /// The same with times that go on where a segment is stamped as if it began before the end of the one before it.
+    pub fn counted_on(mut self) -> Self {
+        let period_s = self.rate.period_s;
+        let mut shift_s = 0.0;
+        let mut ended_s = f64::NEG_INFINITY;
+        for segment in &self.segments {
+            let times = &mut self.time_s[segment.rows.clone()];
+            let begins_s = level(times.iter().copied(), period_s) + shift_s;
+            if begins_s < ended_s - 0.5 * period_s {
+                shift_s += ended_s + period_s - begins_s;
+            }
+            times.iter_mut().for_each(|time_s| *time_s += shift_s);
+            ended_s = -level(times.iter().rev().map(|time_s| -time_s), period_s);
+        }
+        self
+    }
+
     /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
     pub fn still_rows(&self) -> Vec<Range<usize>> {
         self.stretches_where(|row| self.still.as_ref().is_none_or(|still| still[row]))
@@ -172,6 +196,14 @@ impl Recording {
     pub fn paths(&self) -> String {
         self.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The first time of rows a period apart, by the median of some: one stamp may be wrong.
+fn level(times: impl Iterator<Item = f64>, period_s: f64) -> f64 {
+    let mut levels: Vec<f64> =
+        times.take(9).enumerate().map(|(row, time_s)| time_s - row as f64 * period_s).collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    levels[levels.len() / 2]
 }
 
 /// Ranges cut into pieces of `length`, each from the begin of its own; the last of each may be shorter.

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::AXES;
+use super::column_map::quoted;
 use super::error::RecordingError;
 use super::guess::{Guess, guesses};
 use super::load;
@@ -33,6 +34,8 @@ pub struct Preview {
 pub struct ColumnPreview {
     /// Its name.
     pub name: String,
+    /// The same as it stands in an entry of a column map.
+    pub quoted: String,
     /// Its first values.
     pub values: Vec<String>,
     /// The channel that it seems to be.
@@ -62,10 +65,11 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
             true => "–".to_owned(),
             false => value.to_string(),
         });
-        let (name, values) = ((*name).to_owned(), values.collect());
+        let (quoted, name, values) = (quoted(name), (*name).to_owned(), values.collect());
         match guess {
             None => ColumnPreview {
                 name,
+                quoted,
                 values,
                 target: None,
                 unit: None,
@@ -76,11 +80,12 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
             Some(Guess { target, unit, why, sure }) => {
                 let own = target == name && unit.is_none_or(|unit| unit == Unit::of_column(&target).symbol());
                 let unit_part = unit.map_or_else(String::new, |unit| format!(":{unit}"));
-                let spec = (!own).then(|| format!("{target}={name}{unit_part}"));
+                let spec = (!own).then(|| format!("{target}={quoted}{unit_part}"));
                 ColumnPreview {
                     unit: Some(unit.unwrap_or(Unit::of_column(&target).symbol()).to_owned()),
                     target: Some(target),
                     name,
+                    quoted,
                     values,
                     spec,
                     why,
@@ -91,6 +96,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     });
     let text = table.quality.text_columns.iter().map(|name| ColumnPreview {
         name: name.clone(),
+        quoted: quoted(name),
         values: Vec::new(),
         target: None,
         unit: None,

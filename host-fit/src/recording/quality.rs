@@ -33,6 +33,8 @@ pub struct Quality {
     pub samples_missing: u64,
     /// Columns that hold text and were left out.
     pub text_columns: Vec<String>,
+    /// The first text that was seen in one of them, in a file with lines.
+    pub first_text: Option<BadRow>,
 }
 
 /// Cells of one channel without a usable number; they read NaN.
@@ -147,10 +149,7 @@ impl fmt::Display for Quality {
         let counts = [
             (self.rows_repeated, "rows repeat the one before and were dropped"),
             (self.stamps_repeated, "rows repeat the time stamp before them and were kept"),
-            (
-                self.clock_back,
-                "times the stamps go back: a segment ends there, and where they stay back time is counted on",
-            ),
+            (self.clock_back, "times the stamps go back; where they stay back a segment ends"),
         ];
         lines.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
         if self.gaps > 0 {

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::AXES;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::quality::{BadRow, MissingCells, Place, Problem, Quality};
@@ -33,7 +32,7 @@ pub(super) struct Skipped {
 
 /// Are numbers needed in this column, so that text in it is an error?
 pub(super) fn must_be_numeric(name: &str, map: &ColumnMap) -> bool {
-    map.uses(name) || name == "t_s" || name == "still" || AXES.contains(&name)
+    map.uses(name) || (["t_s", "still"].contains(&name) && map.column_of(name) == name)
 }
 
 /// Unnamed columns (the index column some programs write) are named by their place. A name is shown in terminals, where control

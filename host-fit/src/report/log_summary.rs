@@ -57,7 +57,7 @@ impl LogSummary {
             path: log.paths(),
             sha256: log.sources.first().map_or_else(String::new, |source| source.sha256.clone()),
             rows: log.n_rows(),
-            seconds: to_s - from_s,
+            seconds: log.duration_s(),
             from_s,
             to_s,
             rate_hz: log.rate.true_hz,

@@ -1,16 +1,23 @@
 //! Text as Markdown shows it, whatever is in it.
 
 /// What would otherwise begin something: emphasis, code, a link, a tag, a cell.
-const ACTIVE: [char; 7] = ['\\', '`', '*', '[', '<', '|', '&'];
+const ACTIVE: [char; 8] = ['\\', '`', '*', '~', '[', '<', '|', '&'];
 
 /// In a line of text.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        if ACTIVE.contains(&letter) {
+    let mut before = ' ';
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let next = letters.peek().copied().unwrap_or(' ');
+        // inside a word it begins nothing, and names are full of it
+        let emphasis = letter == '_' && !(before.is_alphanumeric() && next.is_alphanumeric());
+        let address = letter == ':' && next == '/' || letter == '.' && before == 'w';
+        if ACTIVE.contains(&letter) || emphasis || address {
             escaped.push('\\');
         }
         escaped.push(if letter.is_control() { ' ' } else { letter });
+        before = letter;
     }
     escaped
 }
@@ -45,8 +52,9 @@ mod tests {
     fn what_markdown_would_take_for_its_own_is_shown() {
         assert_eq!(
             escaped("a|b\n<img src=x> [link](http://x) *"),
-            "a\\|b \\<img src=x> \\[link](http://x) \\*"
+            "a\\|b \\<img src=x> \\[link](http\\://x) \\*"
         );
+        assert_eq!(escaped("_imu_t_c_ ~~x~~ www.x.org"), "\\_imu_t_c\\_ \\~\\~x\\~\\~ www\\.x.org");
         assert_eq!(escaped("thermal lag, 60 s × 0.5"), "thermal lag, 60 s × 0.5");
         assert_eq!([code("gx_rads"), code("a`b"), code("`a")], ["`gx_rads`", "``a`b``", "`` `a ``"]);
         assert_eq!(shell(&["fit '```'".into(), "add".into()]), "````sh\nfit '```'\nadd\n````");

@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use fos_core::Term;
+use fos_core::{Channel, Factor, Source, Term};
 
 use super::Study;
 use crate::diagnose::{Finding, step_time};
 use crate::effects::Regressor;
 use crate::grow::{Added, Growth};
-use crate::model::{FittedAxis, UnitModel};
+use crate::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 impl Study {
     /// # Errors
@@ -41,17 +41,48 @@ impl Study {
 }
 
 fn check_model(model: &UnitModel) -> Result<(), String> {
+    let UnitModel { quantities, inputs, axes, .. } = model;
+    if axes.is_empty() {
+        return Err("there is no axis".to_owned());
+    }
+    // they are counted in a byte
+    if [quantities.len(), inputs.len(), axes.len()].into_iter().any(|count| count > usize::from(u8::MAX)) {
+        return Err("more quantities, inputs or axes than 255".to_owned());
+    }
+    for NamedInput { name, input } in inputs {
+        let is_there = match input.source {
+            Source::Clock => true,
+            Source::Quantity(index) => usize::from(index) < quantities.len(),
+            Source::Remainder(index) => usize::from(index) < axes.len(),
+        };
+        if !is_there {
+            return Err(format!("{name}: what it is computed from is not there"));
+        }
+    }
     let mut columns = HashSet::new();
-    for FittedAxis { column, physical, stochastic, .. } in &model.axes {
+    for FittedAxis { column, physical, stochastic, .. } in axes {
         if !columns.insert(column) {
             return Err(format!("two axes of the column {column:?}"));
         }
-        let is_term = |factors: &[_]| Term::try_new(0.0, factors).is_some();
-        if !physical.iter().chain(stochastic).all(|term| is_term(&term.factors)) {
-            return Err(format!("{column}: a term has 1 to 3 factors, and no output at lag 0"));
+        for FittedTerm { coefficient, factors, .. } in physical.iter().chain(stochastic) {
+            if Term::try_new(*coefficient, factors).is_none() {
+                return Err(format!("{column}: a term has 1 to 3 factors, and no output at lag 0"));
+            }
+            let is_there = |factor: &Factor| match factor.channel {
+                Channel::Output => true,
+                Channel::Input(index) => usize::from(index) < inputs.len(),
+            };
+            if !factors.iter().all(is_there) {
+                return Err(format!("{column}: a term names an input that is not there"));
+            }
         }
     }
-    model.predictor::<f64>().map(drop).map_err(|error| error.to_string())
+    // each alone: together they may have outgrown a predictor, and can be taken back one by one
+    for (index, axis) in axes.iter().enumerate() {
+        let alone = model.only(index).predictor::<f64>();
+        alone.map_err(|error| format!("{}: {error}", axis.column))?;
+    }
+    Ok(())
 }
 
 fn check_growth(growth: &Growth) -> Result<(), String> {

@@ -25,7 +25,10 @@ impl Queue {
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         for task in tasks {
             if matches!(task, Task::Fit(_)) {
-                let is_running = self.running.as_ref().is_some_and(|running| running.task == task);
+                let is_running = self
+                    .running
+                    .as_ref()
+                    .is_some_and(|running| running.task == task && !running.stop.is_asked());
                 if is_running || self.waiting.contains(&task) {
                     continue;
                 }
@@ -175,5 +178,11 @@ mod tests {
         assert!(stop.is_asked());
         queue.end();
         assert_eq!(queue.job(), None);
+        // one that is being stopped gives nothing
+        queue.ask([fit("gx")]);
+        queue.begin().unwrap();
+        queue.stop();
+        queue.ask([fit("gx"), examine("gx")]);
+        assert_eq!(queue.waiting, [fit("gx"), examine("gx")]);
     }
 }

@@ -51,7 +51,7 @@ export class MappingTable {
       if (target === LEFT_OUT) return `!${column.name}`;
       if (target === column.target && unit === column.unit) return column.spec ?? [];
       if (target === null) return [];
-      return unit === null ? `${target}=${column.name}` : `${target}=${column.name}:${unit}`;
+      return unit === null ? `${target}=${column.quoted}` : `${target}=${column.quoted}:${unit}`;
     });
   }
 

@@ -147,7 +147,7 @@
 /** @typedef {{name: string, figure: Figure}} NamedFigure */
 
 /** @typedef {{path: string, bytes: number}} LogEntry */
-/** @typedef {{name: string, values: string[], target: string | null, unit: string | null, spec: string | null, why: string, sure: boolean}} PreviewColumn */
+/** @typedef {{name: string, quoted: string, values: string[], target: string | null, unit: string | null, spec: string | null, why: string, sure: boolean}} PreviewColumn */
 /** @typedef {{columns: PreviewColumn[], targets: string[], units: Record<string, string[]>}} Preview */
 /** @typedef {{example: true} | {field: string, quiet: string | null, judged: string | null, columns: string[], rate_hz: number | null}} NewStudy */
 /**
