@@ -1,6 +1,7 @@
 //! Any requests to the workbench over the wire, with a study open: an answer to every one, none of them an error of the program.
 //!
-//! Requests are separated by zero bytes: method and path, a line feed, the body.
+//! Requests are separated by zero bytes: method and path, a line feed, the body. One that begins with `!` has headers of its own, as they are,
+//! up to an empty line: without those that a page of the workbench sends nothing may be answered but a refusal.
 #![no_main]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -50,6 +51,10 @@ static BENCH: LazyLock<Bench> = LazyLock::new(|| {
 fuzz_target!(init: log::init(), |bytes: &[u8]| {
     let study = format!("/studies/{}", opened());
     for request in bytes.split(|&byte| byte == 0).take(8) {
+        if let Some(foreign) = request.strip_prefix(b"!") {
+            from_elsewhere(foreign);
+            continue;
+        }
         let (head, body) =
             request.split_at(request.iter().position(|&byte| byte == b'\n').unwrap_or(request.len()));
         let body = body.strip_prefix(b"\n").unwrap_or(body);
@@ -62,8 +67,32 @@ fuzz_target!(init: log::init(), |bytes: &[u8]| {
         let body = String::from_utf8_lossy(body).replace("LOG", &BENCH.log);
         let (status, answer) = ask(method, &path.replace("/studies/1", &study), body.as_bytes());
         assert_ne!(status, 500, "{head}: {answer}");
+        // what is a request has an answer
+        let is_token = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric());
+        let is_plain = |path: &str| path.starts_with('/') && path.bytes().all(|byte| byte.is_ascii_graphic());
+        assert!(status != 0 || !(is_token(method) && is_plain(path)), "{head}: no answer");
     }
 });
+
+/// A request with any headers: refused, unless they are those that a page of the workbench sends.
+fn from_elsewhere(request: &[u8]) {
+    let text = String::from_utf8_lossy(request);
+    let (head, body) = text.split_once("\n\n").unwrap_or((&text, ""));
+    let mut lines = head.lines();
+    let line = lines.next().unwrap_or_default();
+    let headers: Vec<&str> = lines.collect();
+    let raw = format!(
+        "{line} HTTP/1.1\r\nconnection: close\r\ncontent-length: {}\r\n{}\r\n\r\n",
+        body.len(),
+        headers.join("\r\n")
+    );
+    // headers may keep the connection open
+    let (status, answer) = exchange(raw.as_bytes(), body.as_bytes(), Duration::from_secs(2));
+    assert_ne!(status, 500, "{head}: {answer}");
+    // nobody guesses the port that is in the host of a request from here
+    let of_here = headers.iter().any(|header| header.contains(&BENCH.address.port().to_string()));
+    assert!(of_here || !(200..300).contains(&status), "{head}: {status} {answer}");
+}
 
 /// Number and revision of the study that was opened last.
 static OPENED: Mutex<Option<(u64, u64)>> = Mutex::new(None);
@@ -108,16 +137,21 @@ fn answer(method: &str, path: &str, body: &[u8]) -> Value {
 
 /// Status and body of the answer. 0 where the server took the request for none and closed.
 fn ask(method: &str, path: &str, body: &[u8]) -> (u16, String) {
-    let mut stream = TcpStream::connect(BENCH.address).expect("the server listens");
-    // what is computed meanwhile may take a while
-    stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a limit");
     let head = format!(
         "{method} {path} HTTP/1.1\r\nhost: {}\r\nx-fos-workbench: 1\r\ncontent-type: application/json\r\nconnection: close\r\ncontent-length: {}\r\n\r\n",
         BENCH.address,
         body.len()
     );
+    // what is computed meanwhile may take a while
+    exchange(head.as_bytes(), body, Duration::from_secs(60))
+}
+
+/// The same of a request as it is sent, as far as it comes within `limit`.
+fn exchange(head: &[u8], body: &[u8], limit: Duration) -> (u16, String) {
+    let mut stream = TcpStream::connect(BENCH.address).expect("the server listens");
+    stream.set_read_timeout(Some(limit)).expect("a limit");
     // it may close before it has read all
-    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
+    let _ = stream.write_all(head).and_then(|()| stream.write_all(body));
     let mut answer = BufReader::new(stream);
     let mut line = String::new();
     if answer.read_line(&mut line).is_err() || line.is_empty() {

@@ -15,7 +15,7 @@ use host_fit::study::{self, Study};
 
 use crate::digest::Digest;
 use crate::flash::{Flash, images, store};
-use crate::{folder, make};
+use crate::{folder, kinds, make};
 
 /// Makes of a file one that says it is of that version.
 pub(crate) type AsVersion = fn(&[u8], u32) -> Vec<u8>;
@@ -50,6 +50,16 @@ pub(crate) const FORMATS: &[Format] = &[
         as_version: Some(with_version_in_header),
         payload: every_byte,
         make: make::image,
+    },
+    Format {
+        title: "model image, every kind of input",
+        name: "kinds",
+        extension: "fosm",
+        version: fos_core::image::VERSION as u32,
+        outputs: kinds::outputs,
+        as_version: Some(with_version_in_header),
+        payload: every_byte,
+        make: kinds::image,
     },
     Format {
         title: "hub log",
@@ -150,7 +160,7 @@ fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result
     Ok(format!("samples {n_records}\noutputs {:016x}\n", digest.value()))
 }
 
-fn of_image(bytes: &[u8]) -> Result<String, String> {
+pub(crate) fn of_image(bytes: &[u8]) -> Result<String, String> {
     let image = Image::parse(bytes).map_err(|error| error.to_string())?;
     let info = image.info();
     let lines = |text: &str| text.lines().collect::<Vec<_>>().join(", ");

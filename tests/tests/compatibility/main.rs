@@ -5,6 +5,7 @@
 mod digest;
 mod flash;
 mod formats;
+mod kinds;
 mod make;
 
 use std::collections::BTreeMap;
@@ -12,6 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::{FORMATS, Format};
+use host_fit::study::Study;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
@@ -84,6 +86,28 @@ fn what_is_written_today_is_among_the_fixtures() {
             path.display()
         );
     }
+}
+
+#[test]
+fn what_is_written_today_is_written_as_it_was() {
+    for (name, make) in [
+        ("kinds", kinds::image as fn() -> Vec<u8>),
+        ("hub_log", make::hub_log),
+        ("replay_log", make::replay_log),
+        ("telemetry", make::telemetry),
+    ] {
+        let format = FORMATS.iter().find(|format| format.name == name).expect("a format");
+        // nothing but the writer decides: no fit is in them
+        assert!(
+            make() == read(&file_of(format, format.version)),
+            "{}: other bytes, and no other version",
+            format.title
+        );
+    }
+    let study = folder().join("study_v1.json");
+    let written = Study::read(&study).expect("it is read").to_bytes();
+    assert_eq!(String::from_utf8_lossy(&written), String::from_utf8_lossy(&read(&study)));
+    // of an image: the writer against the format's description, byte by byte, in fos-core/tests/image.rs
 }
 
 #[test]
