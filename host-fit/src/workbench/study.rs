@@ -234,8 +234,7 @@ impl Study {
         inner.known(column)?;
         inner.looked_at = Some(column.to_owned());
         let tasks = inner.missing_of(column);
-        inner.queue.ask(tasks);
-        inner.fit_the_rest();
+        inner.ask(tasks);
         self.publish(inner);
         self.wake.notify_one();
         Ok(())
@@ -265,8 +264,7 @@ impl Study {
         if inner.known(column)?.growth.is_none() {
             return Err(format!("{column} has no model yet\nhelp: wait until it is fitted"));
         }
-        inner.queue.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
-        inner.fit_the_rest();
+        inner.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
         self.publish(inner);
         self.wake.notify_one();
         Ok(())
@@ -448,8 +446,7 @@ impl Change {
                 inner.read = Some(Arc::from(read));
                 inner.looked_at = first;
                 let tasks = inner.looked_at.clone().map_or_else(Vec::new, |first| inner.missing_of(&first));
-                inner.queue.ask(tasks);
-                inner.fit_the_rest();
+                inner.ask(tasks);
             }
             Self::Axis { column, edit } => {
                 if let Some(axis) = inner.axes.iter_mut().find(|axis| axis.section.column == column) {
@@ -502,8 +499,9 @@ impl Inner {
         self.axes.iter().filter(|axis| axis.fitted.is_none() && !axis.cannot_be_fitted)
     }
 
-    /// Fits the other axes in the background, so that there is a whole unit to take away; again after a stop.
-    fn fit_the_rest(&mut self) {
+    /// Does these, and fits the other axes in the background, so that there is a whole unit to take away; again after a stop.
+    fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
+        self.queue.ask(tasks);
         let fits: Vec<Task> = self.unfitted().map(|axis| Task::Fit(axis.section.column.clone())).collect();
         self.queue.ask(fits);
     }
