@@ -4,24 +4,17 @@
 use core::ptr::null_mut;
 
 use fos_embedded::c_api::*;
+use fos_fuzz::C_SCALES;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let image = bytes.to_vec().into_boxed_slice();
-    let scales = fos_scales {
-        accel_mps2: 0.001,
-        gyro_rads: 0.001,
-        temperature_k: 0.01,
-        temperature_zero_c: 25.0,
-        period_s: 0.005,
-        values: 0,
-    };
     let mut memory = vec![0_u64; fos_hub_size().div_ceil(8)];
     let mut hub = null_mut();
     let lie = usize::from(image.starts_with(b"FOSM") && image.len().is_multiple_of(2));
     // SAFETY: as large as said, but for the lie: the image is held against its checksum to the last byte
     unsafe {
-        let _ = fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &scales, &mut hub);
+        let _ = fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &C_SCALES, &mut hub);
         let _ = fos_hub_load(hub, image.as_ptr(), image.len() + lie);
     }
 });

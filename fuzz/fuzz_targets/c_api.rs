@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 
 use fos_embedded::c_api::*;
-use fos_fuzz::{sealed_image, split};
+use fos_fuzz::{C_SCALES, sealed_image, split};
 use libfuzzer_sys::fuzz_target;
 
 /// Numbers, one after the other, zeros at the end.
@@ -69,14 +69,7 @@ fuzz_target!(|bytes: &[u8]| {
     let images = [sealed_image(body, information), body.to_vec()];
     let mut numbers = Numbers(rest);
     let mut memory = vec![MaybeUninit::<u64>::uninit(); fos_hub_size().div_ceil(8)];
-    let mut scales = fos_scales {
-        accel_mps2: 0.001,
-        gyro_rads: 0.001,
-        temperature_k: 0.01,
-        temperature_zero_c: 25.0,
-        period_s: 0.005,
-        values: 0,
-    };
+    let mut scales = C_SCALES;
     let mut hub = null_mut();
     // SAFETY: the memory is as large as said
     let made = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &scales, &mut hub) };

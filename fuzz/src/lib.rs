@@ -2,6 +2,7 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
+use fos_embedded::c_api::{FOS_VALUES_RAW, fos_scales};
 
 pub mod drawn;
 #[path = "../../fos-core/tests/models/mod.rs"]
@@ -13,6 +14,16 @@ pub mod twin;
 pub mod log;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// A sensor, as a C caller describes it.
+pub const C_SCALES: fos_scales = fos_scales {
+    accel_mps2: 0.001,
+    gyro_rads: 0.001,
+    temperature_k: 0.01,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: FOS_VALUES_RAW,
+};
 
 /// An image around a body and information that a fuzzer made up: its header and checksum are right, or nothing behind
 /// them would ever be reached.

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnose::DataSheet;
+use crate::diagnose::{DataSheet, Question};
+use crate::effects::Library;
 use crate::file::{self, FileError};
 use crate::recording::{LoadOptions, Recording, RecordingError, load};
 use crate::versioned::{Refused, from_json};
@@ -168,6 +169,27 @@ impl CaseMeta {
         })
     }
 
+    /// What is asked of these logs: what in `field` is to be explained and corrected in `judged`.
+    pub fn question<'a>(
+        &'a self,
+        field: &'a Recording,
+        quiet: Option<&'a Recording>,
+        judged: Option<&'a Recording>,
+        library: &'a Library,
+    ) -> Question<'a> {
+        Question {
+            field,
+            quiet,
+            judged,
+            target: &self.target,
+            sheet: self.data_sheet(),
+            full_scale: self.full_scale(),
+            lsb: self.lsb(),
+            library,
+            given: &[],
+        }
+    }
+
     /// The target is a gyro.
     fn is_gyro(&self) -> bool {
         self.target.ends_with("_rads")
@@ -225,17 +247,7 @@ impl Case {
     }
 
     /// What the case asks.
-    pub fn question<'a>(&'a self, library: &'a crate::effects::Library) -> crate::diagnose::Question<'a> {
-        crate::diagnose::Question {
-            field: &self.field,
-            quiet: self.baseline.as_ref(),
-            judged: self.eval.as_ref(),
-            target: &self.meta.target,
-            sheet: self.meta.data_sheet(),
-            full_scale: self.meta.full_scale(),
-            lsb: self.meta.lsb(),
-            library,
-            given: &[],
-        }
+    pub fn question<'a>(&'a self, library: &'a Library) -> Question<'a> {
+        self.meta.question(&self.field, self.baseline.as_ref(), self.eval.as_ref(), library)
     }
 }

@@ -166,7 +166,7 @@ pub fn study_of(
         tool: Tool::this(),
         data: Data {
             sources: recording.sources.clone(),
-            read: read.remembered(),
+            read: read.clone(),
             rows: recording.n_rows(),
             trained_rows,
             true_rate_hz: recording.rate.true_hz,

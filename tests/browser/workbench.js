@@ -55,7 +55,8 @@ export async function startServer() {
   return { url, folder, pid: process_.pid, stop };
 }
 
-export const startBrowser = () => chromium.launch({ executablePath: BROWSER, args: FLAGS });
+/** @param {string[]} [flags] */
+export const startBrowser = (flags = []) => chromium.launch({ executablePath: BROWSER, args: [...FLAGS, ...flags] });
 
 /** A server and a browser, there from before the first test of a file to after its last, and the pages that they open. */
 export function bench() {

@@ -234,7 +234,7 @@ impl Chip {
 
 /// The bus of the LSM6DSV16X.
 #[derive(Debug, Clone)]
-pub(crate) struct I2cBus(Shared);
+pub(crate) struct I2cBus(pub(crate) Shared);
 
 impl i2c::Error for NoAnswer {
     fn kind(&self) -> i2c::ErrorKind {
@@ -278,7 +278,7 @@ impl I2c for I2cBus {
 
 /// The bus of the BMI323.
 #[derive(Debug, Clone)]
-pub(crate) struct SpiBus(Shared);
+pub(crate) struct SpiBus(pub(crate) Shared);
 
 impl spi::Error for NoAnswer {
     fn kind(&self) -> spi::ErrorKind {
@@ -319,7 +319,7 @@ impl SpiDevice for SpiBus {
 
 /// A delay in which the sensor goes on.
 #[derive(Debug, Clone)]
-pub(crate) struct Delay(Shared);
+pub(crate) struct Delay(pub(crate) Shared);
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::CalibrationError;
-use crate::case::Case;
 use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Reduced, Verdict, correction, diagnose};
 use crate::effects::Library;
 use crate::recording::{LoadOptions, Recording, Source};
@@ -87,19 +86,18 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
             .map_err(|error| failed(error.into()))
     };
     let (field, eval) = (recording("field", field)?, recording("eval", eval)?);
-    let baseline = Some(recording("baseline", baseline)?);
-    let asked = Case { meta, baseline, field: field.clone(), eval: Some(eval.clone()) };
+    let baseline = recording("baseline", baseline)?;
     let start = std::time::Instant::now();
-    let answer = diagnose(&asked.question(library)).map_err(failed)?;
+    let answer = diagnose(&meta.question(&field, Some(&baseline), Some(&eval), library)).map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
-    let corrected = Corrected { target: &asked.meta.target, field: &field, eval: &eval };
+    let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
     let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
     Ok(Outcome {
         case,
         kind: plan.kind,
         setup: format!("{:?}", plan.setup),
-        target: asked.meta.target.clone(),
+        target: meta.target.clone(),
         planted: truth
             .planted
             .iter()

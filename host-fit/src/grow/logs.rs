@@ -33,7 +33,7 @@ impl Logs {
             quiet: self.quiet.as_ref().map(source),
             judged: self.judged.as_ref().map(source),
             fitted_rows,
-            read: self.read.remembered(),
+            read: self.read.clone(),
         }
     }
 }

@@ -39,16 +39,10 @@ pub struct LoadOptions {
     /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them.
+    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them. No study remembers it: a log
+    /// that was read once is read again, however strictly.
     #[serde(skip)]
     pub strict: bool,
-}
-
-impl LoadOptions {
-    /// What a study remembers of them: a log that was read once is read again, however strictly.
-    pub fn remembered(&self) -> LoadOptions {
-        LoadOptions { strict: false, ..self.clone() }
-    }
 }
 
 /// Reads a CSV, gzip'd CSV or Parquet file, told apart by their first bytes.

@@ -1,0 +1,165 @@
+//! A bus that loses, damages and makes up what a sensor says, against the sources of samples and the hub behind them: every poll ends
+//! and gives what is finite; once the bus is sound, the samples are those of the sensor, without a fault.
+//!
+//! First the part. Then what happens: before a poll the time since the last one, at a transfer what is wrong with it.
+#![no_main]
+#![allow(dead_code, reason = "the simulated parts have more for others")]
+
+#[path = "../../fos-embedded/tests/sample_source/simulated.rs"]
+mod simulated;
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use embedded_hal::i2c::{self, I2c};
+use embedded_hal::spi::{self, SpiDevice};
+use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::hub::Hub;
+use fos_embedded::raw::RawSample;
+use fos_embedded::sample_source::{Address, Bmi323, Lsm6dsv16x, MAX_SAMPLES, Part, SampleSource};
+use libfuzzer_sys::fuzz_target;
+use simulated::{Chip, Delay, I2cBus, Kind, NoAnswer, Shared, SpiBus, codes};
+
+/// A source that has given up comes back after 64 polls at most; the sensor begins within two.
+const RECOVERED_AFTER: usize = 80;
+
+/// Polls that are held against the sensor then.
+const COMPARED: usize = 10;
+
+/// Transfers within a poll: to find it not set up in each of three attempts takes both looks, and to set it up 40.
+const TRANSFERS_A_POLL: u64 = 150;
+
+/// What is still to go wrong.
+type Script = Rc<RefCell<VecDeque<u8>>>;
+
+fn next(script: &Script) -> Option<u8> {
+    script.borrow_mut().pop_front()
+}
+
+/// A bus on which things go wrong.
+struct Hostile<B> {
+    bus: B,
+    script: Script,
+}
+
+impl<B> Hostile<B> {
+    /// Lets a transfer happen, or not; `damage` changes what was read, from a place on.
+    fn transfer<T>(
+        &mut self,
+        transfer: &mut T,
+        sound: impl Fn(&mut B, &mut T) -> Result<(), NoAnswer>,
+        damage: impl Fn(&mut T, usize, u8),
+    ) -> Result<(), NoAnswer> {
+        match next(&self.script) {
+            Some(0) => return Err(NoAnswer),
+            Some(1) => sound(&mut self.bus, transfer).and(Err(NoAnswer)),
+            // nobody has heard it
+            Some(2) => return Ok(()),
+            Some(wrong @ 3..64) => {
+                sound(&mut self.bus, transfer)?;
+                let place = usize::from(next(&self.script).unwrap_or(0));
+                for byte in place..place + usize::from(wrong) - 2 {
+                    damage(transfer, byte, next(&self.script).unwrap_or(0));
+                }
+                Ok(())
+            }
+            _ => sound(&mut self.bus, transfer),
+        }
+    }
+}
+
+impl<B> i2c::ErrorType for Hostile<B> {
+    type Error = NoAnswer;
+}
+
+impl I2c for Hostile<I2cBus> {
+    fn transaction(&mut self, address: u8, operations: &mut [i2c::Operation<'_>]) -> Result<(), NoAnswer> {
+        self.transfer(
+            &mut &mut *operations,
+            |bus, operations| bus.transaction(address, operations),
+            |operations, place, byte| {
+                if let Some(i2c::Operation::Read(read)) = operations.last_mut() {
+                    read.get_mut(place).into_iter().for_each(|read| *read = byte);
+                }
+            },
+        )
+    }
+}
+
+/// The same over SPI.
+struct HostileSpi(Hostile<SpiBus>);
+
+impl spi::ErrorType for HostileSpi {
+    type Error = NoAnswer;
+}
+
+impl SpiDevice for HostileSpi {
+    fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), NoAnswer> {
+        self.0.transfer(
+            &mut &mut *operations,
+            |bus, operations| bus.transaction(operations),
+            |operations, place, byte| {
+                if let Some(spi::Operation::Read(read)) = operations.last_mut() {
+                    read.get_mut(place).into_iter().for_each(|read| *read = byte);
+                }
+            },
+        )
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((part, script)) = bytes.split_first() else { return };
+    let script = Rc::new(RefCell::new(script.iter().copied().collect()));
+    if part.is_multiple_of(2) {
+        let chip = Chip::new(Kind::Lsm6dsv16x);
+        let bus = Hostile { bus: I2cBus(chip.clone()), script: script.clone() };
+        let delay = Delay(chip.clone());
+        follow(&chip, &script, Lsm6dsv16x::new(Blocking(bus), Address::High, Blocking(delay)));
+    } else {
+        let chip = Chip::new(Kind::Bmi323);
+        let bus = HostileSpi(Hostile { bus: SpiBus(chip.clone()), script: script.clone() });
+        follow(&chip, &script, Bmi323::new(Blocking(bus), Blocking(Delay(chip.clone()))));
+    }
+});
+
+/// Polls as long as something goes wrong, and until it must be well again.
+fn follow<P: Part>(chip: &Shared, script: &Script, part: P) {
+    let mut hub: Hub<8, 64, 128> = Hub::new(P::scales());
+    let mut source = SampleSource::new(part);
+    let mut poll = |after_ms: u8| -> Vec<RawSample> {
+        chip.borrow_mut().pass(f64::from(after_ms) * 1000.0);
+        let (now_us, transfers) = (chip.borrow().now_us as u64, chip.borrow().transfers);
+        let samples = now(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec).unwrap_or_default();
+        assert!(samples.len() <= MAX_SAMPLES);
+        assert!(chip.borrow().transfers - transfers <= TRANSFERS_A_POLL, "a poll has no end");
+        for sample in &samples {
+            let output = hub.update(sample);
+            assert!(output.corrected.iter().all(|value| value.is_finite()));
+        }
+        if !samples.is_empty() && !source.has_more() {
+            hub.clock(now_us);
+        }
+        samples
+    };
+    while let Some(after_ms) = next(script) {
+        if after_ms == 255 {
+            chip.borrow_mut().reset();
+        }
+        poll(after_ms);
+    }
+    for _ in 0..RECOVERED_AFTER {
+        poll(50);
+    }
+    for _ in 0..COMPARED {
+        let samples = poll(50);
+        assert!(samples.len() >= 9, "{} samples in 50 ms: the source does not recover", samples.len());
+        let tick = chip.borrow().tick;
+        let first = (0..tick).rev().take(64).find(|n| codes(*n) == (samples[0].accel, samples[0].gyro));
+        let first = first.expect("a sample that the sensor has not given");
+        for (n, sample) in (first..).zip(&samples) {
+            assert_eq!((sample.accel, sample.gyro), codes(n), "a sample that the sensor has not given");
+            assert_eq!((sample.skipped, sample.faults.bits()), (0, 0), "{sample:?}");
+        }
+    }
+}
