@@ -162,6 +162,48 @@ fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
 }
 
 #[test]
+fn what_a_fault_has_left_in_the_running_statistics_fades_with_their_time_constant() {
+    // what is off by `off` is off by 10⁻³ after 30 s·ln(off/10⁻³), in deviations and variances of the fit
+    let (near, samples_a_tau) = (1e-3, 30.0 / PERIOD_S);
+    let mut longest = 0;
+    for lasts in [1, 60, 2000] {
+        for size in [4.0, 1e3, f64::from(f32::MAX)] {
+            let (mut clean, mut faulty, mut noise) =
+                (monitor::<f32>(0.0), monitor::<f32>(0.0), Noise::new(9));
+            for _ in 0..lasts {
+                let e = noise.normal();
+                let _ = (clean.update(&correction(e)), faulty.update(&correction(e + size)));
+            }
+            let differences = |clean: &Monitor<f32>, faulty: &Monitor<f32>| {
+                let (clean, faulty) = (clean.statistics(), faulty.statistics());
+                let mean = f64::from(faulty.mean - clean.mean).abs() / VARIANCE.sqrt();
+                let variance = f64::from(faulty.variance - clean.variance).abs() / VARIANCE;
+                [mean, variance, f64::from(faulty.lag_1_correlation - clean.lag_1_correlation).abs()]
+            };
+            let [mean, variance, _] = differences(&clean, &faulty);
+            // a variance is that around the mean: the mean that is off goes into it, as its square and times the noise
+            let off = variance + mean * mean + mean;
+            let samples = (samples_a_tau * (off / near).ln()).ceil() as u32;
+            for _ in 0..samples {
+                let e = correction(noise.normal());
+                let _ = (clean.update(&e), faulty.update(&e));
+            }
+            let left = differences(&clean, &faulty);
+            // a step down is rounded to 10⁻⁴ of it: 26 time constants may be as much longer; a correlation is off by both that
+            // it is the ratio of
+            assert!(
+                left.iter().zip([1.0, 1.0, 2.0]).all(|(left, of)| *left <= 1.01 * of * near),
+                "{lasts} samples of {size}: {left:?} after {samples}"
+            );
+            longest = longest.max(samples);
+        }
+    }
+    // 10 s as far off as a monitor counts
+    assert!(longest < 200_000, "{longest}");
+    println!("longest: {longest} samples");
+}
+
+#[test]
 fn an_innovation_that_is_no_number_is_not_counted() {
     let (mut clean, mut poisoned, mut noise) = (monitor::<f32>(0.0), monitor::<f32>(0.0), Noise::new(1));
     for n in 0..1000 {

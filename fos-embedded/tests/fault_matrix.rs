@@ -13,12 +13,15 @@ mod page;
 #[path = "fault_matrix/places.rs"]
 mod places;
 
+use std::array;
 use std::fmt::Write;
 
 use correctors::{Naive, Out};
 use faults::{FAULTS, Fault, On, Strikes, Tick, clean};
 use fos_core::Validity;
+use fos_embedded::hub::AXES;
 use fos_embedded::raw::Faults;
+use models::SCALES;
 use places::{Column, DEPTH, Place, places};
 
 /// The tick of the fault: in the middle of a window of the hub's clock, the history long full.
@@ -26,6 +29,9 @@ const FROM: usize = 3000;
 
 /// Longest fault, longest way back, and a second in which all stays as it is.
 const TICKS: usize = FROM + 5000 + 4100 + 200;
+
+/// The time constant of a monitor's running statistics, s.
+const MONITOR_TAU_S: f32 = 30.0;
 
 /// Of the noise behind the table.
 const SEED: u64 = 11;
@@ -105,6 +111,7 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
         On::Clock => clean.len(),
         _ => end + usize::from(!faulty.iter().any(|tick| (FROM..end).contains(&tick.index))),
     };
+    let mut off = [0.0; AXES];
     for tick in &faulty {
         let (out, expected) = (corrector.step(tick), &without[tick.index]);
         if !out.finite || !out.predicted.iter().all(|value| value.is_finite()) {
@@ -137,21 +144,42 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
         // an alarm stays until then
         if tick.index == end + DEPTH - 1 {
             corrector.restart();
+            off = differences(&out.means, &expected.means);
+        }
+        // what is left of it in the running mean fades with its time constant
+        if tick.index == TICKS - 1 {
+            let share = (-((TICKS - end - DEPTH) as f32) * SCALES.period_s as f32 / MONITOR_TAU_S).exp();
+            let left = differences(&out.means, &expected.means);
+            if left.iter().zip(off).any(|(left, off)| *left > 1.01 * share * off + 1e-5) {
+                return Err(format!("the running means are off by {left:?}, from {off:?}"));
+            }
         }
     }
     Ok(cell)
 }
 
-/// What is taken off differs by no more than this, scaled; nothing speaks against it that did not.
+fn differences(one: &[f32; AXES], other: &[f32; AXES]) -> [f32; AXES] {
+    array::from_fn(|axis| (one[axis] - other[axis]).abs())
+}
+
+/// What is taken off, and what is left of the error, differ by no more than this, scaled; nothing speaks against it that did not.
 fn same(found: &Out, expected: &Out, tolerance: f32) -> bool {
-    let values = found.predicted.iter().zip(expected.predicted).zip(models::SPREAD);
-    let mut near = values.map(|((found, expected), scale)| {
+    let near = |(found, expected): (f32, f32), scale: f32| {
         // of the hub it is a difference of two roundings
         tolerance > 0.0 && (found - expected).abs() <= tolerance * scale
             || found.to_bits() == expected.to_bits()
+    };
+    let all_near = (0..AXES).all(|axis| {
+        let scale = models::SPREAD[axis];
+        near((found.predicted[axis], expected.predicted[axis]), scale)
+            && match (found.innovation[axis], expected.innovation[axis]) {
+                (Some(found), Some(expected)) => near((found, expected), scale),
+                (found, expected) => found == expected,
+            }
     });
-    near.all(|near| near)
+    all_near
         && found.validity == expected.validity
+        && (found.still, found.temperature_c) == (expected.still, expected.temperature_c)
         && (found.faults, found.drift, found.left_out) == (expected.faults, expected.drift, expected.left_out)
 }
 

@@ -5,7 +5,7 @@ use fos_embedded::hub::AXES;
 use fos_embedded::raw::{Faults, RawSample};
 
 use crate::faults::Tick;
-use crate::models::{AT_REST, OFFSET, SCALES, SPREAD, TestHub};
+use crate::models::{AT_REST, OFFSET, SCALES, SIX, SPREAD, TestHub, parameters};
 use crate::places::image;
 
 pub(crate) type Roomy = Predictor<f32, AXES, 8, 64, 128>;
@@ -15,6 +15,13 @@ pub(crate) type Roomy = Predictor<f32, AXES, 8, 64, 128>;
 pub(crate) struct Out {
     /// What is taken off each axis.
     pub(crate) predicted: [f32; AXES],
+    /// Where it is known.
+    pub(crate) innovation: [Option<f32>; AXES],
+    /// As the hub says them.
+    pub(crate) still: bool,
+    pub(crate) temperature_c: Option<f32>,
+    /// The monitors' running means, in standard deviations of the fit.
+    pub(crate) means: [f32; AXES],
     /// All other numbers are finite.
     pub(crate) finite: bool,
     pub(crate) validity: [Validity; AXES],
@@ -30,6 +37,10 @@ impl Out {
     /// Nothing taken off, nothing said.
     const NOTHING: Self = Self {
         predicted: [0.0; AXES],
+        innovation: [None; AXES],
+        still: true,
+        temperature_c: None,
+        means: [0.0; AXES],
         finite: true,
         validity: [Validity::VALID; AXES],
         faults: Faults::empty(),
@@ -70,7 +81,7 @@ impl Corrector for Predicting {
         let corrections =
             if tick.moving { self.predictor.coast(&sample) } else { self.predictor.track(&sample) };
         for (axis, correction) in corrections.iter().enumerate() {
-            out.predicted[axis] = correction.predicted;
+            (out.predicted[axis], out.innovation[axis]) = (correction.predicted, correction.innovation);
             out.finite &=
                 correction.corrected.is_finite() && correction.innovation.is_none_or(f32::is_finite);
             out.validity[axis] = correction.validity;
@@ -82,12 +93,14 @@ impl Corrector for Predicting {
             out.finite &= statistics.mean.is_finite()
                 && statistics.variance.is_finite()
                 && statistics.lag_1_correlation.abs() <= 1.0;
+            let fitted = parameters(SIX[axis]).innovation;
+            out.means[axis] = (statistics.mean - fitted.mean) / fitted.variance.sqrt();
             out.drift |= drift.mean || drift.variance;
             out.left_out |= monitor.samples() == before;
         }
         if self.monitors.is_some() {
             // the monitor's own word alone
-            out.predicted = [0.0; AXES];
+            (out.predicted, out.innovation) = ([0.0; AXES], [None; AXES]);
             (out.validity, out.of_gap) = ([Validity::VALID; AXES], [Validity::VALID; AXES]);
         }
         out
@@ -137,9 +150,14 @@ impl Corrector for TestHub {
         if tick.index % POLL == POLL - 1 {
             self.clock(tick.clock_us);
         }
+        let known = |value: f32| Some(value).filter(|value| !value.is_nan());
         let rest = output.innovation.iter().all(|value| value.is_nan() || value.is_finite());
         Out {
             predicted: core::array::from_fn(|axis| output.measured[axis] - output.corrected[axis]),
+            innovation: output.innovation.map(known),
+            still: output.still,
+            temperature_c: known(output.temperature_c),
+            means: [0.0; AXES],
             finite: rest && output.corrected.iter().chain(&output.measured).all(|value| value.is_finite()),
             validity: output.validity,
             faults: output.faults,
