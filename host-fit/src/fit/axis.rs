@@ -57,7 +57,7 @@ pub enum AxisError {
     },
     /// All values are the same.
     #[error(
-        "{column}: every value in the training part is {value}: a stuck or unconnected axis\nhelp: leave the axis out"
+        "{column}: every value in the training part is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
     )]
     Constant {
         /// The column.
@@ -90,7 +90,9 @@ pub enum AxisError {
         source: AutoregressionError,
     },
     /// fos-core refuses the model.
-    #[error("{column}: {source}")]
+    #[error(
+        "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
+    )]
     Model {
         /// The column.
         column: String,

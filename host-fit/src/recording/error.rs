@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::column_map::MapError;
+use super::load::RATES_HZ;
 use super::quality::BadRow;
 use crate::file::FileError;
 
@@ -130,8 +131,21 @@ pub enum RecordingError {
         /// The column of the stamps.
         column: String,
     },
+    /// Time stamps in another unit than is said.
+    #[error(
+        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or leave the column out (!{column}) and give rate_hz",
+        path.display()
+    )]
+    NoSuchClock {
+        /// The file.
+        path: PathBuf,
+        /// The column of the stamps.
+        column: String,
+        /// Time between two samples, s.
+        period_s: f64,
+    },
     /// A rate that is no rate.
-    #[error("rate_hz is {rate_hz}\nhelp: give a positive number of samples per second")]
+    #[error("rate_hz is {rate_hz:?}\nhelp: give the samples per second, from {} to {}", RATES_HZ.start(), RATES_HZ.end())]
     BadRate {
         /// The rate, Hz.
         rate_hz: f64,

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,6 +27,9 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 /// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
 /// clock of the log is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
+
+/// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
+pub(super) const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Bytes read at once.
 const READ_BUFFER: usize = 1 << 18;
@@ -155,7 +159,7 @@ impl Recording {
 fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = Path::new(&source.path).to_owned();
     let map = &options.columns;
-    if let Some(rate_hz) = options.rate_hz.filter(|hz| !(hz.is_finite() && *hz > 0.0)) {
+    if let Some(rate_hz) = options.rate_hz.filter(|hz| !RATES_HZ.contains(hz)) {
         return Err(RecordingError::BadRate { rate_hz });
     }
     check_map(&path, &table, map)?;
@@ -196,8 +200,13 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
 
     let (time_s, grid, rate) = match (stamps, options.rate_hz) {
         (Some(time_s), nominal_hz) => {
+            let column = || map.column_of("t_s").to_owned();
             let (grid, rate) = measure(&time_s, nominal_hz, &marks)
-                .ok_or_else(|| RecordingError::NoClock { path, column: map.column_of("t_s").to_owned() })?;
+                .ok_or_else(|| RecordingError::NoClock { path: path.clone(), column: column() })?;
+            if !RATES_HZ.contains(&rate.true_hz) {
+                let period_s = rate.period_s;
+                return Err(RecordingError::NoSuchClock { path, column: column(), period_s });
+            }
             (time_s, grid, rate)
         }
         (None, rate_hz) => without_stamps(n_rows, rate_hz.unwrap_or(1.0), &marks),

@@ -308,6 +308,9 @@ fn files_that_are_no_logs_say_what_is_expected() {
         ("t_s,gx_rads\n1,2\n", "at least 2"),
         ("t_s,gx_rads\nx,2\ny,3\n", "\"t_s\" is needed as numbers"),
         ("t_s,gx_rads\n5,1\n5,2\n5,3\n", "do not increase"),
+        // in ns, and in years
+        ("t_s,gx_rads\n0,1\n5000000,2\n10000000,3\n", "a sample every 5e6 s"),
+        ("t_s,gx_rads\n0,1\n1e-9,2\n2e-9,3\n", "a sample every 1e-9 s"),
         ("a,b\nx,y\n", "no column holds numbers"),
         ("t_s,gx_rads\n# x\nup,0\ndown,1\n", "log.csv:3:1: t_s: \"up\" is not a number\nhelp: check"),
         (

@@ -16,6 +16,7 @@
 //! | a column holds text | left out and listed (`segment`: its labels count) |
 //! | the value of `segment` changes | the segment ends |
 //! | `still` is above 0.5 | the sensor is known to be still |
+//! | stamps that mean fewer than 0.01 or more than 10⁶ samples a second | refused: in another unit |
 //! | no `t_s` | row number over the stated rate, else refused |
 
 mod channel;
