@@ -4,8 +4,7 @@ use core::hint::cold_path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::transform::Running;
-use crate::{Range, Real, Transform, Validity};
+use crate::{Range, Real, Transform, Transformer, Validity};
 
 /// By how much of its width a fitted range of an input is widened before a value counts as outside: the noise
 /// and the steps of a thermometer, not an extrapolation.
@@ -50,28 +49,39 @@ pub(crate) struct RunningInput<R> {
     per_scale: R,
     source_range: Range<R>,
     range: Range<R>,
-    transform: Running<R>,
-    /// The last usable x; none before the first.
-    held: Option<R>,
+    transformer: Transformer<R>,
 }
 
 impl<R: Real> RunningInput<R> {
     pub(crate) fn new(input: &Input<R>, period_s: f64) -> Self {
-        Self {
+        let transformer = Transformer::scaled(&input.transform, period_s, input.centre, input.scale);
+        let mut running = Self {
             source: input.source,
             centre: input.centre,
             per_scale: R::from_f64(1.0 / input.scale.to_f64()),
             source_range: input.source_range.widened(MARGIN),
             range: input.range.widened(MARGIN),
-            transform: Running::new(&input.transform, period_s, input.centre, input.scale),
-            held: None,
+            transformer,
+        };
+        running.start();
+        running
+    }
+
+    /// A long memory of the remainder starts at its mean, 0: one noisy sample would stay in it for long.
+    fn start(&mut self) {
+        if self.is_of_remainder() {
+            self.transformer.start_at(R::ZERO);
         }
+    }
+
+    fn is_of_remainder(&self) -> bool {
+        matches!(self.source, Source::Remainder(_))
     }
 
     /// As at power-on.
     pub(crate) fn reset(&mut self) {
-        self.held = None;
-        self.transform.reset();
+        self.transformer.reset();
+        self.start();
     }
 
     /// The largest |u| that can come out.
@@ -87,7 +97,7 @@ impl<R: Real> RunningInput<R> {
     #[inline]
     pub(crate) fn update(&mut self, logged: Option<R>) -> (R, Validity) {
         let mut validity = Validity::VALID;
-        let x = match logged {
+        let mut u = match logged {
             Some(value) if value.is_finite() => {
                 let mut x = (value - self.centre) * self.per_scale;
                 if !self.source_range.contains(x) {
@@ -95,20 +105,16 @@ impl<R: Real> RunningInput<R> {
                     x = self.source_range.limit(x);
                     validity |= Validity::INPUT_OUT_OF_RANGE;
                 }
-                // a long memory of the remainder starts at its mean, 0: one noisy sample would stay in it for long
-                if self.held.is_none() && !matches!(self.source, Source::Remainder(_)) {
-                    self.transform.start_at(x);
-                }
-                self.held = Some(x);
-                x
+                self.transformer.take(x)
             }
+            // gone to its mean, so that the long memory of it fades as it would have
+            _ if self.is_of_remainder() => self.transformer.take(R::ZERO),
             _ => {
                 let logged_quantity = matches!(self.source, Source::Quantity(_));
                 validity |= Validity::when(logged_quantity, Validity::INPUT_NOT_FINITE);
-                self.stand_in()
+                self.transformer.hold()
             }
         };
-        let mut u = self.transform.update(x);
         if !self.range.contains(u) {
             cold_path();
             u = self.range.limit(u);
@@ -120,15 +126,9 @@ impl<R: Real> RunningInput<R> {
     /// `ticks` missing samples in bounded time.
     #[inline(never)]
     pub(crate) fn skip(&mut self, ticks: u32) {
-        self.transform.skip(self.stand_in(), ticks);
-    }
-
-    /// x where there is none: a logged quantity is taken to have stayed; a remainder to have gone to its mean, so
-    /// that the long memory of it fades as it would have.
-    fn stand_in(&self) -> R {
-        match self.source {
-            Source::Remainder(_) => R::ZERO,
-            _ => self.held.unwrap_or(R::ZERO),
+        match self.is_of_remainder() {
+            true => self.transformer.skip_at(R::ZERO, ticks),
+            false => self.transformer.skip(ticks),
         }
     }
 }

@@ -1,46 +1,81 @@
-//! A transform at work on its own, as an input runs it: for a host that looks for inputs.
+//! A transform at work: its state, and where it starts.
 
 use crate::transform::Running;
 use crate::{Real, Transform};
 
-/// A [`Transform`] with its state. The logged values are taken as they are: centre 0, scale 1.
+/// A [`Transform`] with its state: what an input of a model runs, and what a host that looks for inputs runs.
+///
+/// It starts at the first finite value as if that had been there for ever: until then nothing is known of the quantity, and
+/// what comes out is the transform of 0.
 ///
 /// ```
 /// use fos_core::{Transform, Transformer};
 ///
 /// let mut low_pass = Transformer::new(&Transform::LowPass { tau_s: 2.0 }, 0.005);
+/// assert_eq!(low_pass.update(f64::NAN), 0.0); // a cell that is empty: not known yet
 /// assert_eq!(low_pass.update(21.5), 21.5); // starts at the first value
+/// assert_eq!(low_pass.update(f64::NAN), 21.5); // and stays where one is missing
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Transformer<R> {
     running: Running<R>,
+    /// The last finite x; none before the first.
     held: Option<R>,
 }
 
 impl<R: Real> Transformer<R> {
-    /// The transform at power-on, for a sample period in seconds.
+    /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0, scale 1.
     pub fn new(transform: &Transform<R>, period_s: f64) -> Self {
-        Self { running: Running::new(transform, period_s, R::ZERO, R::ONE), held: None }
+        Self::scaled(transform, period_s, R::ZERO, R::ONE)
+    }
+
+    /// The transform of x = (logged − centre)/scale, at power-on.
+    pub(crate) fn scaled(transform: &Transform<R>, period_s: f64, centre: R, scale: R) -> Self {
+        Self { running: Running::new(transform, period_s, centre, scale), held: None }
+    }
+
+    /// As at power-on.
+    pub(crate) fn reset(&mut self) {
+        self.held = None;
+        self.running.reset();
+    }
+
+    /// Starts at `x`, whatever comes first.
+    pub(crate) fn start_at(&mut self, x: R) {
+        self.running.start_at(x);
+        self.held = Some(x);
     }
 
     /// One sample: u(n) from x(n). A value that is not finite stands for the last one before it.
     #[inline]
     pub fn update(&mut self, x: R) -> R {
-        let x = match (x.is_finite(), self.held) {
-            (true, None) => {
-                self.running.start_at(x);
-                x
-            }
-            (true, Some(_)) => x,
-            (false, held) => held.unwrap_or(R::ZERO),
-        };
+        if x.is_finite() { self.take(x) } else { self.hold() }
+    }
+
+    /// One sample with a finite x.
+    #[inline]
+    pub(crate) fn take(&mut self, x: R) -> R {
+        if self.held.is_none() {
+            self.running.start_at(x);
+        }
         self.held = Some(x);
         self.running.update(x)
     }
 
-    /// `ticks` missing samples, x taken to have stayed.
+    /// One sample without a value: x is taken to have stayed.
+    #[inline]
+    pub(crate) fn hold(&mut self) -> R {
+        self.running.update(self.held.unwrap_or(R::ZERO))
+    }
+
+    /// `ticks` missing samples, x taken to have stayed; in bounded time.
     pub fn skip(&mut self, ticks: u32) {
         self.running.skip(self.held.unwrap_or(R::ZERO), ticks);
+    }
+
+    /// `ticks` missing samples, x taken to have been `x`.
+    pub(crate) fn skip_at(&mut self, x: R, ticks: u32) {
+        self.running.skip(x, ticks);
     }
 }
 

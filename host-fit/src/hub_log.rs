@@ -38,9 +38,8 @@ pub fn hub_log(
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCEL.map(column), GYRO.map(column));
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
-    let held = |name: &str| -> Result<Vec<f64>, RecordingError> {
-        Ok(recording.channel(name)?.held(0..recording.n_rows()).collect())
-    };
+    let held =
+        |name: &str| -> Result<Vec<f64>, RecordingError> { Ok(recording.held(recording.channel(name)?)) };
     let given = given.map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
     let temperature = held("temp_c").unwrap_or_default();
 

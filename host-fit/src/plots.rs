@@ -258,7 +258,7 @@ impl View<'_> {
         let block_s = rows_per_block as f64 * self.trace.period_s;
         others
             .filter_map(|channel| {
-                let held: Vec<f64> = channel.held(self.trace.rows.clone()).collect();
+                let held = &self.recording.held_from_first(channel)[self.trace.rows.clone()];
                 let values = blocks.iter().map(|block| mean_of(&held[of_trace(block)]));
                 let dots = values.zip(&errors).zip(&blocks);
                 let (mut usual, mut apart) = (Vec::new(), Vec::new());

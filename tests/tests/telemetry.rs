@@ -58,8 +58,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
 
     // on the device
     let field = recording("field", case.field);
-    let column =
-        |name: &str| field.channel(name).expect("a column").held(0..field.n_rows()).collect::<Vec<f64>>();
+    let column = |name: &str| field.held(field.channel(name).expect("a column"));
     let (rate, temperature) = (column("gx_rads"), column("temp_c"));
     let mut predictor: Predictor<f32, 6, 16, 128, 256> =
         Image::parse(&bytes).expect("an image").predictor().expect("it fits");

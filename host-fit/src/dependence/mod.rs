@@ -193,7 +193,7 @@ fn of_axis(
     let null = remainder.constant();
     let grid = Grid::new(recording);
     let of_channel = |channel: &Channel| -> Option<ChannelDependence> {
-        let held = from_the_first(channel, recording.n_rows());
+        let held = recording.held_from_first(channel);
         let values = blocks.means(&held);
         let size = held[rows.clone()].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let spread = crate::signal::variance(&[&values]).sqrt();
@@ -226,10 +226,4 @@ fn of_axis(
         channels,
         power: bands::power_map(recording, rows, left),
     })
-}
-
-/// The values of a channel as a device would see them; before the first, that one.
-fn from_the_first(channel: &Channel, n_rows: usize) -> Vec<f64> {
-    let first = channel.values.iter().copied().find(|value| !value.is_nan()).unwrap_or(f64::NAN);
-    channel.held(0..n_rows).map(|value| if value.is_nan() { first } else { value }).collect()
 }

@@ -133,7 +133,7 @@ pub struct Rejected {
 pub struct Untested {
     /// Its identifier.
     pub effect: String,
-    /// Columns that the log does not have, or that never change.
+    /// What of its columns the log does not have, in words: that they are not there, begin too late, never change.
     pub needs: Vec<String>,
 }
 

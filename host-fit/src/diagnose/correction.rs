@@ -7,7 +7,8 @@ use crate::recording::{Recording, RecordingError};
 /// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they were
 /// found in: the correction of a slow effect is 0 on its mean, since the mean belongs to the bias.
 ///
-/// A step that was found in one log is a constant in the next.
+/// A step that was found in one log is a constant in the next. Before a quantity has its first value it is taken to have stood
+/// at it.
 ///
 /// # Errors
 ///
@@ -27,14 +28,10 @@ pub fn correction(
             }
             let Ok(regressor) = Regressor::parse(regressor) else { continue };
             let at_fit = own.regressor(&regressor)?;
-            let finite = || at_fit.iter().copied().filter(|value| value.is_finite());
-            let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
+            let mean = at_fit.iter().sum::<f64>() / at_fit.len().max(1) as f64;
             let values = other.regressor_within(&regressor, &finding.limits)?;
             for (sum, value) in sum.iter_mut().zip(values.iter()) {
-                // a quantity that was not logged yet takes nothing out
-                if value.is_finite() {
-                    *sum += coefficient * (value - mean);
-                }
+                *sum += coefficient * (value - mean);
             }
         }
     }

@@ -63,35 +63,6 @@ impl<'a> Hypotheses<'a> {
         Self { inputs, blocks, target, made: RefCell::default() }
     }
 
-    /// Columns that `effect` needs and the recording does not have; `None` if the effect cannot strike the target at all.
-    ///
-    /// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single
-    /// accelerometer axis already shows vibration.
-    pub(super) fn missing_columns(&self, effect: &Effect) -> Option<Vec<String>> {
-        if !effect.strikes(self.target) {
-            return None;
-        }
-        if effect.search != Search::Terms {
-            return Some(Vec::new());
-        }
-        let regressors = effect.regressors(self.target, effect.parameter.as_ref().map(|p| p.low)).ok()?;
-        let is_known = |(_, regressor): &(usize, Regressor)| {
-            self.inputs.logged(regressor).is_some_and(|logged| logged.columns().next().is_some())
-        };
-        if regressors.iter().any(is_known) {
-            return Some(Vec::new());
-        }
-        let mut missing: Vec<String> = regressors
-            .iter()
-            .flat_map(|(_, regressor)| regressor.columns())
-            .filter(|column| self.inputs.recording().channel(column).is_err())
-            .map(str::to_owned)
-            .collect();
-        missing.sort_unstable();
-        missing.dedup();
-        Some(missing)
-    }
-
     /// The values of the parameter to look at first; one `None` for an effect without one.
     pub(super) fn grid(&self, effect: &Effect) -> Vec<Option<f64>> {
         match (&effect.parameter, effect.search) {

@@ -22,6 +22,7 @@ mod quiet;
 mod reduced;
 mod shape;
 mod slow;
+mod testable;
 
 #[cfg(test)]
 mod faults_tests;
@@ -59,6 +60,7 @@ use lines::Line;
 pub(crate) use reduced::Reduced;
 use shape::Misshape;
 use slow::{ExtraNoise, SlowResult, SlowSearch};
+use testable::{Testable, lacking};
 
 /// What to explain, and what is known beside it.
 #[derive(Debug, Clone, Copy)]
@@ -138,6 +140,7 @@ const STAIRS: f64 = 2.5;
 struct Prepared {
     column: String,
     faults: Vec<Fault>,
+    testable: Testable,
     reduced: Reduced,
     prior: LevelPrior,
     given: Vec<Vec<f64>>,
@@ -153,7 +156,9 @@ impl Prepared {
         let column = field.axis(target)?.name.clone();
         let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
         let faults = faults::find(field, question.quiet, &column, &converter);
-        let reduced = Reduced::new(field, &column, &faults)?;
+        let inputs = Inputs::new(field);
+        let testable = Testable::of(question, &inputs, &column)?;
+        let reduced = Reduced::where_known(field, &column, &faults, &testable.known)?;
         if reduced.blocks.len() < MIN_BLOCKS {
             let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
             return Err(DiagnoseError::TooShort { column, blocks, length_s });
@@ -168,14 +173,13 @@ impl Prepared {
             false => (prior, reduced),
         };
         let mut given = vec![vec![1.0; reduced.blocks.len()]];
-        let inputs = Inputs::new(field);
         let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
         for Given { effect, value } in question.given {
             let effect = Rc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
         let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
-        Ok(Self { column, faults, reduced, prior, given, shaken, fast_deviation })
+        Ok(Self { column, faults, testable, reduced, prior, given, shaken, fast_deviation })
     }
 
     fn search<'s>(&'s self, hypotheses: &'s Hypotheses<'s>, effects: &'s [Rc<Effect>]) -> SlowSearch<'s> {
@@ -224,14 +228,22 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
-    let (effects, untested) = candidates(question, &hypotheses);
     let stairs = prepared.in_stairs();
+    let effects = if stairs { &[][..] } else { &prepared.testable.effects };
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
-    let slow = prepared.search(&hypotheses, if stairs { &[] } else { &effects }).run()?;
+    let slow = prepared.search(&hypotheses, effects).run()?;
     let left = match stairs {
         true => LeftOver::default(),
         false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
     };
+    let mut untested = prepared.testable.untested.clone();
+    let silent = slow.silent.iter().map(|effect| Testable::adds_nothing(effect, &inputs, column));
+    untested.extend(silent);
+    if stairs {
+        let needs = vec!["samples that are neither clipped nor in coarse steps".to_owned()];
+        let hidden = prepared.testable.effects.iter();
+        untested.extend(hidden.map(|effect| Untested { effect: effect.id.clone(), needs: needs.clone() }));
+    }
     prepared.assembly(question, &lines, &slow, left, untested).diagnosis()
 }
 
@@ -253,7 +265,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let mut wanted = Vec::new();
     for id in effects {
         let effect = question.library.get(id)?;
-        match hypotheses.missing_columns(effect) {
+        match lacking(effect, &inputs, column) {
             None => return Err(not_there(id, &format!("it does not strike {column}"))),
             Some(missing) if !missing.is_empty() => {
                 return Err(not_there(id, &format!("the log has no {}", missing.join(", "))));
@@ -264,10 +276,9 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
             Some(_) => {}
         }
     }
-    let (all, untested) = candidates(question, &hypotheses);
-    let slow = prepared.search(&hypotheses, &all).estimate(&wanted)?;
+    let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
-    let assembly = prepared.assembly(question, &lines, &slow, LeftOver::default(), untested);
+    let assembly = prepared.assembly(question, &lines, &slow, LeftOver::default(), Vec::new());
     let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
     let mut line_findings = assembly.line_findings()?.into_iter();
     effects
@@ -357,27 +368,6 @@ fn learnt_from(question: &Question<'_>) -> String {
         (false, false) => "the log itself; neither a quiet log nor a data sheet was given",
     }
     .to_owned()
-}
-
-/// The slow effects that can be tried, and those that cannot for want of a column.
-fn candidates(question: &Question<'_>, hypotheses: &Hypotheses<'_>) -> (Vec<Rc<Effect>>, Vec<Untested>) {
-    let (mut effects, mut untested) = (Vec::new(), Vec::new());
-    for effect in question.library.effects() {
-        if question.given.iter().any(|given| given.effect == effect.id) {
-            continue;
-        }
-        match hypotheses.missing_columns(effect) {
-            None => {}
-            Some(missing) if !missing.is_empty() => {
-                untested.push(Untested { effect: effect.id.clone(), needs: missing });
-            }
-            Some(_) if matches!(effect.search, Search::Terms | Search::Step) => {
-                effects.push(Rc::new(effect.clone()));
-            }
-            Some(_) => {}
-        }
-    }
-    (effects, untested)
 }
 
 /// What the library leaves.

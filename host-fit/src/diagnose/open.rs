@@ -195,7 +195,7 @@ impl Left<'_> {
         let channels = self.recording.channels().iter().filter(|channel| !is_cousin(&channel.name));
         channels
             .filter_map(|channel| {
-                let held: Vec<f64> = channel.held(0..self.recording.n_rows()).collect();
+                let held = self.recording.held_from_first(channel);
                 let means = self.blocks.means(&held);
                 let mean = crate::signal::mean(&[&means]);
                 let means = centred(means);

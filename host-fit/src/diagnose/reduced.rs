@@ -35,6 +35,16 @@ impl Reduced {
         Self::in_blocks_of(recording, column, faults, length_for(recording))
     }
 
+    /// The same over those rows only that `inputs_known` marks too.
+    pub(super) fn where_known(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        inputs_known: &[bool],
+    ) -> Result<Self, RecordingError> {
+        Self::over(recording, column, faults, length_for(recording), |row| inputs_known[row])
+    }
+
     /// The same in the blocks of the slow error.
     pub(crate) fn in_slow_blocks(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, &[], SLOW_BLOCK_S)
@@ -46,6 +56,16 @@ impl Reduced {
         column: &str,
         faults: &[Fault],
         length_s: f64,
+    ) -> Result<Self, RecordingError> {
+        Self::over(recording, column, faults, length_s, |_| true)
+    }
+
+    fn over(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        length_s: f64,
+        counts: impl Fn(usize) -> bool,
     ) -> Result<Self, RecordingError> {
         let series = recording.error_series(column)?;
         let measured = &recording.channel(column)?.values;
@@ -61,17 +81,17 @@ impl Reduced {
             }
         };
         let at_rest = |row: usize| recording.still.as_ref().is_none_or(|still| still[row]);
+        let is_candidate = |row: usize, vouched: bool| {
+            series.values[row].is_finite() && counts(row) && (vouched || at_rest(row))
+        };
         let rest_share =
             (0..recording.n_rows()).filter(|row| at_rest(*row)).count() as f64 / recording.n_rows() as f64;
         // a reference vouches for motion too; but where a log is at rest most of the time, the rest is handling
         let vouched = matches!(series.reference, Reference::Channel(_)) && rest_share < AT_REST;
-        let known: Vec<bool> = (0..recording.n_rows())
-            .map(|row| series.values[row].is_finite() && inside(measured[row]) && (vouched || at_rest(row)))
-            .collect();
+        let known: Vec<bool> =
+            (0..recording.n_rows()).map(|row| is_candidate(row, vouched) && inside(measured[row])).collect();
         let unclipped = known.iter().filter(|known| **known).count();
-        let all: Vec<bool> = (0..recording.n_rows())
-            .map(|row| series.values[row].is_finite() && (vouched || at_rest(row)))
-            .collect();
+        let all: Vec<bool> = (0..recording.n_rows()).map(|row| is_candidate(row, vouched)).collect();
         let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
         let blocks = Blocks::new(recording, length_s, if clipped_through { all } else { known });
         let means = blocks.means(&series.values);

@@ -87,7 +87,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         if AXES.contains(&channel.name.as_str()) {
             continue;
         }
-        let held: Vec<f64> = channel.held(0..recording.n_rows()).collect();
+        let held = recording.held_from_first(channel);
         let means = blocks.means(&held);
         let mean = means.iter().sum::<f64>() / n;
         let square = means.iter().map(|v| (v - mean).powi(2)).collect();

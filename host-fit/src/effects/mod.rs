@@ -1,5 +1,6 @@
 //! The library of physical effects. An effect is data: a TOML file, the built-in ones and the user's own alike.
 
+mod inputs;
 mod size;
 mod terms;
 
@@ -7,8 +8,9 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+pub use inputs::Inputs;
 pub use size::SizeUnit;
-pub use terms::{Inputs, Product, Regressor};
+pub use terms::{Product, Regressor};
 
 use crate::file::{self, FileError};
 

@@ -1,14 +1,9 @@
-//! The terms of an effect: products of inputs, filled in for an axis, and evaluated over a recording by fos-core.
+//! The terms of an effect: products of inputs, filled in for an axis.
 
-use std::cell::RefCell;
-use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::rc::Rc;
 
-use fos_core::Transformer;
-
 use crate::fit::InputSpec;
-use crate::recording::{Boundary, Recording, RecordingError};
 
 /// A product of inputs.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +74,7 @@ impl Regressor {
     }
 
     /// Its values where those of its inputs are known.
-    fn over<E>(&self, input: impl Fn(&InputSpec) -> Result<Rc<[f64]>, E>) -> Result<Rc<[f64]>, E> {
+    pub(super) fn over<E>(&self, input: impl Fn(&InputSpec) -> Result<Rc<[f64]>, E>) -> Result<Rc<[f64]>, E> {
         let product = |product: &Product| combined(product.inputs.iter().map(&input), |a, b| a * b);
         combined(self.products.iter().map(product), |a, b| a + b)
     }
@@ -138,103 +133,6 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
             "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter",
             &filled[at..]
         )),
-    }
-}
-
-/// Evaluates inputs over a recording, one value per row, as fos-core does on the device.
-#[derive(Debug)]
-pub struct Inputs<'a> {
-    recording: &'a Recording,
-    /// Inputs without a parameter, which are asked for again and again.
-    kept: RefCell<HashMap<String, Rc<[f64]>>>,
-}
-
-impl<'a> Inputs<'a> {
-    /// Of this recording.
-    pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, kept: RefCell::default() }
-    }
-
-    /// The recording.
-    pub fn recording(&self) -> &'a Recording {
-        self.recording
-    }
-
-    /// What the recording has of a regressor: the sum of those of its products whose columns are all logged, if any are.
-    pub fn logged(&self, regressor: &Regressor) -> Option<Regressor> {
-        let is_logged =
-            |product: &&Product| product.columns().all(|column| self.recording.channel(column).is_ok());
-        let products: Vec<Product> = regressor.products.iter().filter(is_logged).cloned().collect();
-        (!products.is_empty()).then_some(Regressor { products })
-    }
-
-    /// A regressor over all rows.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
-    pub fn regressor(&self, regressor: &Regressor) -> Result<Rc<[f64]>, RecordingError> {
-        regressor.over(|spec| self.input(spec))
-    }
-
-    /// A regressor over all rows, its inputs kept inside these limits.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
-    pub fn regressor_within(
-        &self,
-        regressor: &Regressor,
-        limits: &BTreeMap<String, [f64; 2]>,
-    ) -> Result<Rc<[f64]>, RecordingError> {
-        regressor.over(|spec| {
-            let values = self.input(spec)?;
-            Ok(match limits.get(&spec.to_string()) {
-                Some([low, high]) => values.iter().map(|value| value.clamp(*low, *high)).collect(),
-                None => values,
-            })
-        })
-    }
-
-    /// An input over all rows. A missing value is held; what came before the first is not known (NaN).
-    ///
-    /// # Errors
-    ///
-    /// The column is missing.
-    pub fn input(&self, spec: &InputSpec) -> Result<Rc<[f64]>, RecordingError> {
-        let name = spec.to_string();
-        if let Some(known) = self.kept.borrow().get(&name) {
-            return Ok(known.clone());
-        }
-        let values: Rc<[f64]> = self.evaluate(spec)?.into();
-        if !name.contains('(') {
-            self.kept.borrow_mut().insert(name, values.clone());
-        }
-        Ok(values)
-    }
-
-    fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
-        let n_rows = self.recording.n_rows();
-        let held: Box<dyn Iterator<Item = f64>> = match &spec.column {
-            Some(column) => Box::new(self.recording.channel(column)?.held(0..n_rows)),
-            None => Box::new(std::iter::repeat_n(0.0, n_rows)),
-        };
-        if spec.transform == fos_core::Transform::Identity {
-            return Ok(held.collect());
-        }
-        let period_s = self.recording.rate.period_s;
-        let mut transformer = Transformer::new(&spec.transform, period_s);
-        let mut values = Vec::with_capacity(n_rows);
-        let mut held = held;
-        for segment in &self.recording.segments {
-            match segment.boundary {
-                Boundary::Start => {}
-                Boundary::Recording => transformer = Transformer::new(&spec.transform, period_s),
-                _ => transformer.skip(u32::try_from(segment.missing_before).unwrap_or(u32::MAX)),
-            }
-            values.extend(held.by_ref().take(segment.rows.len()).map(|x| transformer.update(x)));
-        }
-        Ok(values)
     }
 }
 

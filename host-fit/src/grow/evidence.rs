@@ -61,7 +61,7 @@ impl Ground<'_> {
         let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
         let against = match &finding.shows_against {
             Some(column) => {
-                let held: Vec<f64> = field.channel(column)?.held(0..field.n_rows()).collect();
+                let held = field.held_from_first(field.channel(column)?);
                 Some(Against { column: column.clone(), values: blocks.means(&held) })
             }
             None => None,

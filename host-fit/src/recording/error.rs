@@ -67,6 +67,16 @@ pub enum RecordingError {
         /// What the library says.
         source: std::io::Error,
     },
+    /// A column without a value.
+    #[error(
+        "{path}: every cell of {column} is empty or not a number: there is nothing to follow\nhelp: another log, or leave the effect or input out that needs {column}"
+    )]
+    NoValues {
+        /// The log.
+        path: String,
+        /// The column.
+        column: String,
+    },
     /// Two columns have one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {

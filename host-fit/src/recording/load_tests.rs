@@ -186,7 +186,7 @@ fn empty_and_not_finite_cells_are_missing_in_their_channel_only() {
     assert_eq!((recording.n_rows(), recording.segments.len()), (100, 1));
     let channel = recording.channel("gx_rads").unwrap();
     assert!(channel.values[5..9].iter().all(|value| value.is_nan()));
-    assert_eq!(channel.held(5..10).collect::<Vec<_>>(), [40.0, 40.0, 40.0, 40.0, 90.0]);
+    assert_eq!(recording.held(channel)[5..10], [40.0, 40.0, 40.0, 40.0, 90.0]);
     let missing = MissingCells { column: "gx_rads".into(), empty: 2, not_finite: 2 };
     assert_eq!(recording.quality.missing_cells, [missing]);
 }

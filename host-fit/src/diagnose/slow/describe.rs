@@ -1,6 +1,6 @@
 //! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from it.
 
-use super::{ExtraNoise, Found, INSEPARABLE, SlowResult, SlowSearch, State};
+use super::{ExtraNoise, Found, INSEPARABLE, SlowResult, SlowSearch, State, Tried};
 use crate::diagnose::gls::{Gls, dot};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::noise::NoiseLevels;
@@ -18,11 +18,7 @@ const NESTED: f64 = 1e-3;
 
 impl SlowSearch<'_> {
     /// Gains, errors of parameters and rivals of what was accepted.
-    pub(super) fn describe(
-        &self,
-        state: State,
-        tried: Vec<(String, f64)>,
-    ) -> Result<SlowResult, RecordingError> {
+    pub(super) fn describe(&self, state: State, tried: Tried) -> Result<SlowResult, RecordingError> {
         let mut found = Vec::new();
         for (place, current) in state.accepted.iter().enumerate() {
             let (without, _) = self.without(&state, place);
@@ -79,7 +75,8 @@ impl SlowSearch<'_> {
             fitted: state.fitted,
             prior,
             quiet_prior: self.prior,
-            tried,
+            tried: tried.scores,
+            silent: tried.silent,
         })
     }
 

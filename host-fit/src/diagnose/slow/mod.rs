@@ -83,6 +83,8 @@ pub(super) struct SlowResult {
     pub(super) prior: LevelPrior,
     /// Every effect that was tried alone: its best score; first those that explain most.
     pub(super) tried: Vec<(String, f64)>,
+    /// Effects of which no regressor adds anything to what is given.
+    pub(super) silent: Vec<Rc<Effect>>,
 }
 
 /// The search.
@@ -100,6 +102,13 @@ pub(super) struct SlowSearch<'a> {
     pub(super) effects: &'a [Rc<Effect>],
     /// What is known of the noise levels.
     pub(super) prior: LevelPrior,
+}
+
+/// What became of the effects that were tried alone.
+#[derive(Debug, Clone, Default)]
+struct Tried {
+    scores: Vec<(String, f64)>,
+    silent: Vec<Rc<Effect>>,
 }
 
 /// A model under construction.
@@ -132,11 +141,12 @@ impl SlowSearch<'_> {
             noise: ExtraNoise::None,
             fitted: self.fit(&[], ExtraNoise::None, base),
         };
-        let mut tried = Vec::new();
+        let mut tried = Tried::default();
         for round in 0..MAX_FOUND {
-            let candidates = self.candidates(&state)?;
+            let first_pass = self.first_pass(&state)?;
+            let candidates = self.fitted(&state, &first_pass)?;
             if round == 0 {
-                tried = candidates.iter().map(|c| (c.hypothesis.effect.id.clone(), c.score)).collect();
+                tried = self.tried(&first_pass, &candidates);
             }
             let noise = self.best_noise(&state);
             let best = candidates.into_iter().next();
@@ -187,7 +197,7 @@ impl SlowSearch<'_> {
             let all: Vec<&Hypothesis> = state.accepted.iter().collect();
             state.fitted = self.fit(&all, state.noise, again.fitted.levels);
         }
-        self.describe(state, Vec::new())
+        self.describe(state, Tried::default())
     }
 
     fn prior_of(&self, noise: ExtraNoise) -> LevelPrior {
@@ -232,8 +242,41 @@ impl SlowSearch<'_> {
         k as f64 * (self.blocks.len() as f64).ln() + 2.0 * grid.ln() + parameter + clock
     }
 
-    /// Every effect at the best value of its parameter on top of `state`, best score first.
+    /// Every effect at the best value of its parameter on top of `state`, those of them fitted that explain most; best score
+    /// first.
     fn candidates(&self, state: &State) -> Result<Vec<Candidate>, RecordingError> {
+        self.fitted(state, &self.first_pass(state)?)
+    }
+
+    /// The best of a first pass, their parameters refined and the levels fitted under each; best score first.
+    fn fitted(
+        &self,
+        state: &State,
+        first_pass: &[(f64, Hypothesis)],
+    ) -> Result<Vec<Candidate>, RecordingError> {
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let best = first_pass.iter().take(FITTED);
+        let mut candidates = best
+            .map(|(_, hypothesis)| self.candidate(&accepted, state, hypothesis.clone()))
+            .collect::<Result<Vec<_>, _>>()?;
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        Ok(candidates)
+    }
+
+    /// What became of every effect that was tried alone: those fitted with the score of the fit, the others with that of the
+    /// first pass, which left them behind.
+    fn tried(&self, first_pass: &[(f64, Hypothesis)], candidates: &[Candidate]) -> Tried {
+        let id = |hypothesis: &Hypothesis| hypothesis.effect.id.clone();
+        let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
+        let behind = first_pass.iter().skip(FITTED).map(|(score, hypothesis)| (id(hypothesis), *score));
+        let scores: Vec<(String, f64)> = fitted.chain(behind).collect();
+        let is_silent = |effect: &&Rc<Effect>| scores.iter().all(|(id, _)| *id != effect.id);
+        Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
+    }
+
+    /// Every effect at the best value of its parameter on top of `state`, under given levels; best score first. Effects of which
+    /// no regressor adds anything are left out.
+    fn first_pass(&self, state: &State) -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
         // at the prior's levels: those of the null have swollen to hold what is missing
         let mut levels = NoiseLevels::from_logs(&self.prior.mean);
         if state.noise != ExtraNoise::None {
@@ -263,13 +306,7 @@ impl SlowSearch<'_> {
             first_pass.extend(best);
         }
         first_pass.sort_by(|a, b| b.0.total_cmp(&a.0));
-        first_pass.truncate(FITTED);
-        let mut candidates = first_pass
-            .into_iter()
-            .map(|(_, hypothesis)| self.candidate(&accepted, state, hypothesis))
-            .collect::<Result<Vec<_>, _>>()?;
-        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-        Ok(candidates)
+        Ok(first_pass)
     }
 
     /// A hypothesis on top of `accepted`, its parameter refined and the levels fitted.

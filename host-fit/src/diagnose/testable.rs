@@ -1,0 +1,111 @@
+//! Which slow effects a log can be asked for, which rows tell of all of them, and what the log lacks for the others.
+
+use std::rc::Rc;
+
+use super::answer::Untested;
+use super::{DiagnoseError, Question};
+use crate::effects::{Effect, Inputs, Regressor, Search};
+
+/// The slow effects that a log can be asked for.
+#[derive(Debug)]
+pub(super) struct Testable {
+    /// Those that can be tried.
+    pub(super) effects: Vec<Rc<Effect>>,
+    /// Those that cannot, with what they need.
+    pub(super) untested: Vec<Untested>,
+    /// Rows in which every column that one of them follows is known: what it did before its first value would have to be
+    /// guessed.
+    pub(super) known: Vec<bool>,
+}
+
+impl Testable {
+    /// Of the effects that a question asks for, but for those that are given.
+    ///
+    /// # Errors
+    ///
+    /// An effect that is given is not known, or a column is missing.
+    pub(super) fn of(
+        question: &Question<'_>,
+        inputs: &Inputs<'_>,
+        target: &str,
+    ) -> Result<Self, DiagnoseError> {
+        let (mut effects, mut untested, mut columns) = (Vec::new(), Vec::new(), Vec::new());
+        for effect in question.library.effects() {
+            let is_slow = matches!(effect.search, Search::Terms | Search::Step);
+            let is_given = question.given.iter().any(|given| given.effect == effect.id);
+            match lacking(effect, inputs, target) {
+                Some(needs) if !needs.is_empty() && !is_given => {
+                    untested.push(Untested { effect: effect.id.clone(), needs });
+                }
+                Some(needs) if needs.is_empty() && is_slow => {
+                    columns.extend(followed(effect, inputs, target));
+                    if !is_given {
+                        effects.push(Rc::new(effect.clone()));
+                    }
+                }
+                _ => {}
+            }
+        }
+        columns.sort_unstable();
+        columns.dedup();
+        let known = inputs.known_rows(columns.iter().map(String::as_str))?;
+        Ok(Self { effects, untested, known })
+    }
+
+    /// What keeps an effect from being tried though its columns are there: none of its regressors adds anything to what the
+    /// model has already.
+    pub(super) fn adds_nothing(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Untested {
+        let followed = followed(effect, inputs, target);
+        let changes = |column: &&String| {
+            let values = inputs.recording().channel(column).map(|channel| channel.values.as_slice());
+            let mut known = values.unwrap_or(&[]).iter().filter(|value| !value.is_nan());
+            known.next().is_some_and(|first| known.any(|value| value != first))
+        };
+        let constant: Vec<String> = followed
+            .iter()
+            .filter(|column| !changes(column))
+            .map(|column| format!("{column} (never changes)"))
+            .collect();
+        let needs = match constant.is_empty() {
+            true => vec!["a log in which it differs from what the model has already".to_owned()],
+            false => constant,
+        };
+        Untested { effect: effect.id.clone(), needs }
+    }
+}
+
+/// The regressors of an effect on an axis, whatever its parameter.
+fn regressors(effect: &Effect, target: &str) -> Option<Vec<Regressor>> {
+    let low = effect.parameter.as_ref().map(|parameter| parameter.low);
+    let regressors = effect.regressors(target, low).ok()?;
+    Some(regressors.into_iter().map(|(_, regressor)| regressor).collect())
+}
+
+/// The columns of the log that an effect follows.
+fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Vec<String> {
+    let regressors = regressors(effect, target).unwrap_or_default();
+    let logged = regressors.iter().filter_map(|regressor| inputs.logged(regressor));
+    logged.flat_map(|regressor| regressor.columns().map(str::to_owned).collect::<Vec<_>>()).collect()
+}
+
+/// What `effect` needs of columns and the log does not have, in words; `None` if the effect cannot strike the target at all.
+///
+/// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single accelerometer
+/// axis already shows vibration.
+pub(super) fn lacking(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Option<Vec<String>> {
+    if !effect.strikes(target) {
+        return None;
+    }
+    if effect.search != Search::Terms {
+        return Some(Vec::new());
+    }
+    let regressors = regressors(effect, target)?;
+    if !followed(effect, inputs, target).is_empty() {
+        return Some(Vec::new());
+    }
+    let columns = regressors.iter().flat_map(Regressor::columns);
+    let mut missing: Vec<String> = columns.filter_map(|column| inputs.lacks(column)).collect();
+    missing.sort_unstable();
+    missing.dedup();
+    Some(missing)
+}

@@ -1,0 +1,145 @@
+//! Cells that are missing at the edges of a log change no diagnosis, and no hypothesis is dropped without a word.
+
+use host_fit::diagnose::{Diagnosis, diagnose};
+use host_fit::effects::{Library, Search};
+use host_fit::recording::{LoadOptions, Recording, Source};
+use host_fit::simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, SimulatedCase, simulate_case};
+
+const NAN: f64 = f64::NAN;
+
+/// Channels that are slower than the inertial ones in most logs.
+const SLOW: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"];
+
+fn case(effect: &str, setup: Setup, seed: u64) -> SimulatedCase {
+    let effect = Effect::named(effect).expect("an effect");
+    let mut plan = CasePlan::new(seed, host_fit::simulate::PARTS[0].name, setup, Axis::Gx);
+    plan.planted = vec![Plant { effect, parameter: None, size: 80.0 }];
+    plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 60.0 };
+    simulate_case(&plan).expect("a case")
+}
+
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// The field log with its slow channels changed.
+fn changed(case: &SimulatedCase, change: impl Fn(usize, f64) -> f64) -> Columns {
+    let of_column = |(name, values): &(String, Vec<f64>)| {
+        let is_slow = SLOW.contains(&name.as_str());
+        let change = |(row, value): (usize, &f64)| if is_slow { change(row, *value) } else { *value };
+        (name.clone(), values.iter().enumerate().map(change).collect())
+    };
+    case.field.iter().map(of_column).collect()
+}
+
+fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
+    let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
+    let recording =
+        |columns| Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording");
+    let (field, quiet) = (recording(field), recording(case.baseline.clone()));
+    let library = Library::built_in();
+    let answer = diagnose(&case.meta.question(&field, Some(&quiet), None, &library)).expect("a diagnosis");
+
+    // every slow effect that can strike this axis stands somewhere
+    let stands = |id: &String| {
+        answer.findings.iter().any(|finding| finding.effect == *id)
+            || answer.rejected.iter().any(|rejected| rejected.effect == *id)
+            || answer.untested.iter().any(|untested| untested.effect == *id)
+    };
+    for effect in library.effects() {
+        let is_slow = matches!(effect.search, Search::Terms | Search::Step);
+        assert!(
+            !is_slow || !effect.strikes(&case.meta.target) || stands(&effect.id),
+            "{} is lost",
+            effect.id
+        );
+    }
+    answer
+}
+
+/// The effects that were found, with their sizes.
+fn found(answer: &Diagnosis) -> Vec<(String, Vec<f64>)> {
+    let sizes = |finding: &host_fit::diagnose::Finding| finding.sizes.iter().map(|size| size.value).collect();
+    answer.findings.iter().map(|finding| (finding.effect.clone(), sizes(finding))).collect()
+}
+
+/// Whether two answers name the same effects, of the same sizes to a hundredth: a cell or two tell that little.
+fn alike(one: &Diagnosis, other: &Diagnosis) -> bool {
+    let (one, other) = (found(one), found(other));
+    let sizes = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.01 * b.abs());
+    one.len() == other.len() && one.iter().zip(&other).all(|(a, b)| a.0 == b.0 && sizes(&a.1, &b.1))
+}
+
+/// A log merged from fast and slow channels begins with empty cells. A lag and a play began at 0 °C there, and effects without a
+/// memory were dropped in silence: a thermal hysteresis was named for a plain temperature coefficient.
+#[test]
+fn empty_cells_at_the_edges_change_no_diagnosis() {
+    let cases = [
+        case("temp_linear", Setup::Bench, 1),
+        case("temp_poly", Setup::Bench, 2),
+        case("thermal_lag", Setup::Desk, 3),
+        case("supply_sensitivity", Setup::Desk, 2),
+        case("mag_sensitivity", Setup::PoseRig, 5),
+    ];
+    let (mut same, mut control) = (0, 0);
+    for case in &cases {
+        let rows = case.field[0].1.len();
+        let whole = diagnosed(case, case.field.clone());
+        assert!(!whole.findings.is_empty(), "{}", whole.sentence);
+        for lead in [1, 150] {
+            let cut = diagnosed(
+                case,
+                changed(case, |row, value| if row < lead || row == rows - 1 { NAN } else { value }),
+            );
+            assert!(alike(&cut, &whole), "{lead}: {} for {}", cut.sentence, whole.sentence);
+            same += 1;
+        }
+        // what an empty cell was taken for
+        let zero = diagnosed(case, changed(case, |row, value| if row == 0 { 0.0 } else { value }));
+        control += usize::from(!alike(&zero, &whole));
+
+        // once a second, not from the begin on; a field that turns with the unit is not to be held for a second
+        if whole.findings[0].effect == "mag_sensitivity" {
+            continue;
+        }
+        let slow = diagnosed(case, changed(case, |row, value| if row % 200 == 77 { value } else { NAN }));
+        assert!(
+            found(&slow).first().map(|f| &f.0) == found(&whole).first().map(|f| &f.0),
+            "{} for {}",
+            slow.sentence,
+            whole.sentence
+        );
+        same += 1;
+    }
+    assert!(control > 0, "zeros in the first cells are seen");
+    println!(
+        "attack: missing cells, diagnosis | {same} logs of {} cases with first and last cells of every slow channel empty, or all \
+         but one a second: the effects named are those of the whole log; every slow effect of the library is found, rejected with \
+         its score or listed as not tested | negative control: 0 in the first cells, as the empty ones were taken, is seen in \
+         {control} of {} cases",
+        cases.len(),
+        cases.len()
+    );
+}
+
+#[test]
+fn what_begins_late_never_changes_or_is_empty_is_listed_as_not_tested() {
+    let case = case("temp_linear", Setup::Bench, 1);
+    let rows = case.field[0].1.len();
+    for (why, change) in [
+        (
+            "empty for the first",
+            &(|row, value| if row < rows / 2 { NAN } else { value }) as &dyn Fn(usize, f64) -> f64,
+        ),
+        ("every cell is empty", &|_, _| NAN),
+        ("never changes", &|_, _| 25.0),
+    ] {
+        let answer = diagnosed(&case, changed(&case, change));
+        for effect in ["temp_linear", "thermal_lag", "thermal_hysteresis", "temp_rate"] {
+            let untested = answer.untested.iter().find(|untested| untested.effect == effect);
+            let needs = &untested.expect(effect).needs;
+            assert!(
+                needs.iter().any(|need| need.contains("temp_c") && need.contains(why)),
+                "{effect}: {needs:?}"
+            );
+        }
+    }
+}
