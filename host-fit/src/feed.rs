@@ -70,7 +70,7 @@ impl<'a> Feed<'a> {
             });
         }
         let held = |column: &str| -> Result<Vec<f64>, RecordingError> {
-            Ok(recording.channel(column)?.held(0..recording.n_rows()).collect())
+            Ok(recording.held(recording.channel(column)?))
         };
         let quantities =
             model.quantities.iter().map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
@@ -126,6 +126,11 @@ impl<'a> Feed<'a> {
     /// Whether the true value is known in this row.
     pub fn is_still(&self, row: usize) -> bool {
         self.still[row]
+    }
+
+    /// Whether every quantity has had a value since the unit was switched on.
+    pub fn knows_inputs(&self, row: usize) -> bool {
+        self.quantities.iter().all(|values| !values[row].is_nan())
     }
 
     /// Ticks missing just before `row`; 0 if it follows the row before it. A new recording counts as so many that

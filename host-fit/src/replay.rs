@@ -139,6 +139,7 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayE
             parameters: axis.parameters.convert(),
             physical: terms(axis.physical),
             stochastic: terms(axis.stochastic),
+            plain: None,
         })
     });
     let axes = named.collect::<Result<Vec<_>, ReplayError>>()?;

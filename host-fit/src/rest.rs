@@ -1,5 +1,7 @@
 //! Where in a recording the unit is at rest, for logs that do not say.
 
+use std::ops::Range;
+
 use fos_core::{StillnessDetector, StillnessLimits};
 
 use crate::recording::Recording;
@@ -51,7 +53,7 @@ impl KnownBy {
 
 /// Finds where `recording` is still: by its column, else by the detector, else all of it.
 pub fn find(recording: &Recording) -> Rest {
-    let limits = limits(recording);
+    let limits = limits(recording, &(0..recording.n_rows()));
     if let Some(still) = &recording.still {
         return Rest { still: still.clone(), known_by: KnownBy::Column, limits };
     }
@@ -90,16 +92,16 @@ fn back_date(still: &mut [bool], window: usize) {
     }
 }
 
-/// Limits from the quietest windows of the recording.
-fn limits(recording: &Recording) -> Option<StillnessLimits<f64>> {
+/// Limits from the quietest windows among `rows`.
+pub(crate) fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLimits<f64>> {
     let (accel, gyro) = (triad(recording, ACCEL)?, triad(recording, GYRO)?);
     let window = ((WINDOW_S / recording.rate.period_s).round() as usize).clamp(10, usize::from(u16::MAX));
     let windows: Vec<Window> = recording
         .segments
         .iter()
         .flat_map(|segment| {
-            let rows = segment.rows.clone();
-            rows.step_by(window).filter(|start| start + window <= segment.rows.end).collect::<Vec<_>>()
+            let (start, end) = (segment.rows.start.max(rows.start), segment.rows.end.min(rows.end));
+            (start..end).step_by(window).filter(|start| start + window <= end).collect::<Vec<_>>()
         })
         .filter_map(|start| Window::of(&accel, &gyro, start..start + window))
         .collect();
@@ -132,7 +134,7 @@ struct Window {
 
 impl Window {
     /// `None` if a value is missing or a triad does not change at all.
-    fn of(accel: &[&[f64]; 3], gyro: &[&[f64]; 3], rows: std::ops::Range<usize>) -> Option<Self> {
+    fn of(accel: &[&[f64]; 3], gyro: &[&[f64]; 3], rows: Range<usize>) -> Option<Self> {
         let moments = |axis: &[f64]| {
             let stretch = &axis[rows.clone()];
             (crate::signal::mean(&[stretch]), crate::signal::variance(&[stretch]))

@@ -9,7 +9,7 @@ use super::error_table::error_table;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::compare::study_of;
 use crate::evaluate::ModelErrors;
-use crate::fit::{AxisReport, FitOptions, InputSpec, Method, Search, Stop, Train, fit_axis};
+use crate::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
 use crate::rest;
 use crate::signal::wavelet::Denoising;
 use crate::study::Study;
@@ -189,6 +189,13 @@ fn print_selection(report: &AxisReport) {
             ]);
         }
         println!("{steps}");
+    }
+    for LeftOut { input, coefficient, standard_error } in &report.left_out {
+        println!(
+            "  caution: {input} is left out of the physical part: {} ± {} (scaled) is nothing but noise on these rows",
+            number(*coefficient),
+            number(*standard_error)
+        );
     }
     if !report.ties.is_empty() {
         println!("  as good, as far as these data tell (n·ln of the MSE ratio):");

@@ -1,6 +1,6 @@
 //! The plain rivals every model is shown beside. They run on fos-core as any model does.
 
-use fos_core::y;
+use fos_core::{Range, y};
 
 use crate::model::{FittedTerm, UnitModel};
 
@@ -32,8 +32,8 @@ impl Rival {
     }
 }
 
-/// The rival of `model`: same axes, offsets and scales. `lag_1` is the lag-1 autocorrelation of each axis' training
-/// data.
+/// The rival of `model` on the same axes: it knows what the rows show that the model was learnt from, and nothing of the
+/// model's own. `lag_1` is the lag-1 autocorrelation of each axis' training data, for models that do not say what those show.
 pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
     let mut plain = model.clone();
     plain.inputs.clear();
@@ -42,6 +42,15 @@ pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
         axis.physical.clear();
         axis.parameters.constant = 0.0;
         axis.parameters.coast_limit_s = FOR_EVER_S;
+        // the model's offset is that of what its physical part leaves, and so is its range
+        let mut lag_1 = lag_1;
+        if let Some(plain) = &axis.plain {
+            let parameters = &mut axis.parameters;
+            parameters.offset = plain.mean - parameters.reference;
+            let scaled = |value: f64| (value - plain.mean) / parameters.scale;
+            parameters.range = Range::new(scaled(plain.range.low), scaled(plain.range.high));
+            lag_1 = &plain.lag_1;
+        }
         let coefficient = match kind {
             Rival::Mean => None,
             Rival::GaussMarkov => Some(*lag_1),

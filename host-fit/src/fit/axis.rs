@@ -10,13 +10,13 @@ use super::autoregression::AutoregressionError;
 use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
 use super::physical;
 use super::regressors::Regressors;
-use super::stochastic::{self, AxisReport};
+use super::stochastic::{self, AxisReport, LeftOut};
 use crate::candidates::CandidatesError;
 use crate::evaluate;
 use crate::feed::Feed;
-use crate::model::{FittedAxis, LoggedQuantity, NamedInput, UnitModel};
+use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::recording::{Recording, RecordingError, Reference};
-use crate::rest::Rest;
+use crate::rest::{self, Rest};
 use crate::signal::{self, autocorrelation::autocorrelation};
 
 /// Wide enough for any scaled value, while the ranges are not known yet.
@@ -64,6 +64,24 @@ pub enum AxisError {
         column: String,
         /// The value.
         value: f64,
+    },
+    /// An input that does not change where it is fitted.
+    #[error(
+        "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of --physical and --input, or fit on rows in which it changes (--train)"
+    )]
+    Steady {
+        /// The column of the input.
+        column: String,
+        /// Its value.
+        value: f64,
+    },
+    /// An input that has no value where it is fitted.
+    #[error(
+        "{column} has no value in the rows that are fitted\nhelp: leave it out of --physical and --input, or fit on rows in which it is logged (--train)"
+    )]
+    NotKnown {
+        /// The column of the input.
+        column: String,
     },
     /// The candidates do not make a pool.
     #[error("{column}: {source}")]
@@ -149,16 +167,23 @@ pub fn fit_axis(
     if known.len() < 2 {
         return Err(AxisError::TooShort { column, rows: known.len(), needed: 2, candidates: 0 });
     }
-    let mut model = start(recording, rest, &column, &series.reference, &known, options)?;
+    let mut model = start(recording, rest, (&column, &series.reference), &training, &known, options)?;
     let feed = Feed::new(recording, &model, &rest.still)?;
 
     let of_column = |source| AxisError::Search { column: column.clone(), source };
+    let mut regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+    model.axes[0].plain = Some(plain(&known, &regressors));
+    let mut left_out = Vec::new();
     if !options.physical.is_empty() {
-        let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
-        let inputs = 0..options.physical.len() as u8;
-        model.axes[0].physical = physical::fit(&regressors, inputs).map_err(of_column)?;
+        let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
+        let part = physical::fit(&regressors, &inputs).map_err(of_column)?;
+        model.axes[0].physical = part.terms;
+        left_out = part.left_out.into_iter().map(|term| LeftOut::of(term, &model)).collect();
+        regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+        if options.offset.is_none() {
+            take_off_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
+        }
     }
-    let regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
     let part = stochastic::fit(&model, &regressors, options)?;
     model.axes[0].parameters.constant = part.constant;
     model.axes[0].stochastic = part.terms;
@@ -167,6 +192,7 @@ pub fn fit_axis(
             Reference::Constant => None,
             Reference::Channel(name) => Some(name.clone()),
         },
+        left_out,
         ..part.report
     };
     set_ranges(&mut model, &regressors);
@@ -180,8 +206,8 @@ pub fn fit_axis(
 fn start(
     recording: &Recording,
     rest: &Rest,
-    column: &str,
-    reference: &Reference,
+    (column, reference): (&str, &Reference),
+    training: &Range<usize>,
     known: &[f64],
     options: &FitOptions,
 ) -> Result<UnitModel, AxisError> {
@@ -206,7 +232,7 @@ fn start(
         constant: 0.0,
         range: ANY,
         full_scale: options.full_scale,
-        stuck_after: stuck_after(recording, column),
+        stuck_after: stuck_after(recording, column, training),
         gap_limit: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
         coast_limit_s: SHORTEST_COAST_S,
         innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
@@ -214,7 +240,7 @@ fn start(
     let mut model = UnitModel {
         period_s: recording.rate.period_s,
         fitted_on: options.fitted_on,
-        stillness: rest.limits,
+        stillness: rest.limits.and_then(|_| rest::limits(recording, training)),
         quantities: Vec::new(),
         inputs: Vec::new(),
         axes: vec![FittedAxis {
@@ -222,10 +248,11 @@ fn start(
             parameters,
             physical: vec![],
             stochastic: vec![],
+            plain: None,
         }],
     };
     for spec in options.physical.iter().chain(&options.inputs) {
-        let input = logged_input(&mut model, recording, rest, spec)?;
+        let input = logged_input(&mut model, recording, rest, training, spec)?;
         model.inputs.push(input);
     }
     let longest_s = known.len() as f64 * recording.rate.period_s / 5.0;
@@ -249,23 +276,24 @@ fn logged_input(
     model: &mut UnitModel,
     recording: &Recording,
     rest: &Rest,
+    training: &Range<usize>,
     spec: &InputSpec,
 ) -> Result<NamedInput, AxisError> {
     let (source, centre, scale) = match &spec.column {
         None => (Source::Clock, 0.0, 1.0),
         Some(column) => {
             let channel = recording.channel(column)?;
-            let finite: Vec<f64> = channel
-                .values
-                .iter()
-                .zip(&rest.still)
-                .filter(|(v, still)| v.is_finite() && **still)
-                .map(|(v, _)| *v)
-                .collect();
+            // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant that is
+            // nothing but its error
+            let held = recording.held(channel);
+            let rows = training.clone().filter(|row| rest.still[*row] && held[*row].is_finite());
+            let finite: Vec<f64> = rows.map(|row| held[row]).collect();
             let deviation = signal::variance(&[&finite]).sqrt();
-            if finite.is_empty() || deviation == 0.0 {
-                let value = finite.first().copied().unwrap_or(f64::NAN);
-                return Err(AxisError::Constant { column: column.clone(), value });
+            let Some(first) = finite.first() else {
+                return Err(AxisError::NotKnown { column: column.clone() });
+            };
+            if deviation == 0.0 {
+                return Err(AxisError::Steady { column: column.clone(), value: *first });
             }
             let quantity =
                 LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
@@ -283,9 +311,29 @@ fn logged_input(
     Ok(NamedInput { name: spec.to_string(), input })
 }
 
-/// The longest run of one value in the log, times a margin.
-fn stuck_after(recording: &Recording, column: &str) -> u16 {
-    let values = recording.channel(column).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
+/// What the fitted rows show without a model; `regressors` are those of a model without a physical part.
+fn plain(known: &[f64], regressors: &Regressors) -> Plain {
+    let extreme = |choose: fn(f64, f64) -> f64| known.iter().copied().reduce(choose).unwrap_or(0.0);
+    let lag_1 = autocorrelation(&regressors.known_remainder(), 1).map_or(0.0, |result| result.values[1]);
+    Plain { mean: signal::mean(&[known]), range: Fitted::new(extreme(f64::min), extreme(f64::max)), lag_1 }
+}
+
+/// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back to the
+/// mean of the remainder, which is 0.
+fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regressors, reference: &Reference) {
+    let mean = signal::mean(&regressors.known_remainder());
+    regressors.remainder.iter_mut().for_each(|value| *value -= mean);
+    let is_accelerometer = matches!(parameters.axis, Axis::Ax | Axis::Ay | Axis::Az);
+    match reference {
+        // there the constant is the true value as far as anyone knows
+        Reference::Constant if is_accelerometer => parameters.reference += mean * parameters.scale,
+        _ => parameters.offset += mean * parameters.scale,
+    }
+}
+
+/// The longest run of one value in the fitted rows, times a margin.
+fn stuck_after(recording: &Recording, column: &str, training: &Range<usize>) -> u16 {
+    let values = recording.channel(column).map(|channel| &channel.values[training.clone()]).unwrap_or(&[]);
     let longest = values.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
     u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
 }

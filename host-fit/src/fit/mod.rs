@@ -31,7 +31,7 @@ pub use exchange::Tie;
 pub use fos::{Selection, Step};
 pub use options::{FitOptions, InputSpec, Method, Stop, Train, axis_of, quantity_of};
 pub use refit::{Refit, RefitError};
-pub use stochastic::{AxisReport, SelectionStep, TiedModel};
+pub use stochastic::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use stop::{NoiseRule, StopRule, Stopped};
 
 /// A model chosen and fitted: what was selected, and its least-squares coefficients.

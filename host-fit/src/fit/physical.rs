@@ -7,6 +7,7 @@ use fos_core::{u, y};
 use super::FitError;
 use super::refit;
 use super::regressors::Regressors;
+use super::stop::NoiseRule;
 use crate::candidates::Monomial;
 use crate::model::FittedTerm;
 use crate::moments::Rows;
@@ -15,15 +16,60 @@ use crate::moments::Rows;
 const WHITENING_ORDER: u16 = 10;
 const WHITENING_ROUNDS: usize = 3;
 
-/// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
-/// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
-/// of it after ten lags.
+/// The physical part, and what of it the data say nothing of.
+pub struct PhysicalPart {
+    /// Its terms, one input each.
+    pub terms: Vec<FittedTerm>,
+    /// Terms that were asked for and are left out.
+    pub left_out: Vec<UnknownTerm>,
+}
+
+/// A term whose coefficient is lost in its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnknownTerm {
+    /// Its input.
+    pub input: u8,
+    /// Its coefficient when it was left out.
+    pub coefficient: f64,
+    /// The standard error of that.
+    pub standard_error: f64,
+}
+
+/// The physical part over `inputs`. A term whose coefficient noise alone would have given is left out, the least sure first, and
+/// the others are estimated anew: it would be followed where the input goes, and do nothing but harm.
 ///
 /// # Errors
 ///
 /// Too few rows, or inputs that the data cannot tell apart.
-pub fn fit(regressors: &Regressors, inputs: Range<u8>) -> Result<Vec<FittedTerm>, FitError> {
-    let monomials: Vec<Monomial> = inputs.map(|input| vec![u(input, 0)]).collect();
+pub fn fit(regressors: &Regressors, inputs: &[u8]) -> Result<PhysicalPart, FitError> {
+    let (mut inputs, mut left_out) = (inputs.to_vec(), Vec::new());
+    loop {
+        let (terms, rows) = coefficients(regressors, &inputs)?;
+        // as for a term of the search (`stop`), of a pool of those that were asked for
+        let least = NoiseRule::ExtendedBic.threshold(rows, inputs.len() + left_out.len()) * rows as f64;
+        let sureness = |term: &FittedTerm| {
+            term.standard_error.map_or(f64::INFINITY, |error| (term.coefficient / error).powi(2))
+        };
+        let weakest = (0..terms.len()).min_by(|a, b| sureness(&terms[*a]).total_cmp(&sureness(&terms[*b])));
+        match weakest.filter(|index| sureness(&terms[*index]) < least) {
+            None => return Ok(PhysicalPart { terms, left_out }),
+            Some(index) => {
+                let FittedTerm { coefficient, standard_error, .. } = terms[index];
+                let standard_error = standard_error.unwrap_or(f64::NAN);
+                left_out.push(UnknownTerm { input: inputs.remove(index), coefficient, standard_error });
+            }
+        }
+    }
+}
+
+/// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
+/// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
+/// of it after ten lags. Also gives the rows that count.
+fn coefficients(regressors: &Regressors, inputs: &[u8]) -> Result<(Vec<FittedTerm>, usize), FitError> {
+    if inputs.is_empty() {
+        return Ok((Vec::new(), 0));
+    }
+    let monomials: Vec<Monomial> = inputs.iter().map(|input| vec![u(*input, 0)]).collect();
     let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
     let mut whitened: Vec<Vec<f64>> = regressors.columns().iter().map(|column| column.to_vec()).collect();
     let mut round = 0;
@@ -32,13 +78,14 @@ pub fn fit(regressors: &Regressors, inputs: Range<u8>) -> Result<Vec<FittedTerm>
         let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
         let solution = refit::refit(&columns, &rows, &monomials)?;
         if round == WHITENING_ROUNDS {
-            return Ok(FittedTerm::of(&monomials, &solution));
+            return Ok((FittedTerm::of(&monomials, &solution), solution.rows));
         }
         round += 1;
         let residual: Vec<f64> = (0..regressors.remainder.len())
             .map(|row| {
-                let explained = solution.coefficients.iter().zip(&regressors.inputs);
-                regressors.remainder[row] - explained.map(|(c, input)| c * input[row]).sum::<f64>()
+                let explained = solution.coefficients.iter().zip(inputs);
+                let explained = explained.map(|(c, input)| c * regressors.inputs[usize::from(*input)][row]);
+                regressors.remainder[row] - explained.sum::<f64>()
             })
             .collect();
         let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;

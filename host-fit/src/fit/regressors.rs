@@ -32,8 +32,8 @@ impl Regressors {
         let mut remainder = Vec::with_capacity(n_rows);
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
         for row in 0..n_rows {
-            // without a stochastic part the innovation is the remainder
-            let innovation = feed.step(&mut predictor, row)[0].innovation;
+            // without a stochastic part the innovation is the remainder; it is not known before the inputs are
+            let innovation = feed.step(&mut predictor, row)[0].innovation.filter(|_| feed.knows_inputs(row));
             remainder.push(innovation.map_or(f64::NAN, |innovation| innovation / scale));
             for (index, column) in inputs.iter_mut().enumerate() {
                 column.push(predictor.input(index).unwrap_or(f64::NAN));

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::autoregression;
 use super::axis::AxisError;
 use super::options::{FitOptions, Method};
+use super::physical::UnknownTerm;
 use super::refit::{self, Refit};
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
@@ -36,6 +37,9 @@ pub struct AxisReport {
     pub steps: Vec<SelectionStep>,
     /// Models of the same size that the data cannot tell from this one.
     pub ties: Vec<TiedModel>,
+    /// Terms of the physical part that were asked for and left out, since the data say nothing of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
     /// Why the search stopped, or what was done instead, in words.
     pub stopped: String,
     /// Condition number of the final terms, columns scaled.
@@ -46,6 +50,25 @@ pub struct AxisReport {
     pub mean_square: f64,
     /// Lag-1 autocorrelation of the remainder on the training data.
     pub lag_1: f64,
+}
+
+/// A term of the physical part of which the data say nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Its input.
+    pub input: String,
+    /// Its coefficient as estimated, scaled units.
+    pub coefficient: f64,
+    /// The standard error of that, scaled units.
+    pub standard_error: f64,
+}
+
+impl LeftOut {
+    pub(super) fn of(term: UnknownTerm, model: &UnitModel) -> Self {
+        let UnknownTerm { input, coefficient, standard_error } = term;
+        let input = model.inputs.get(usize::from(input)).map_or_else(String::new, |named| named.name.clone());
+        Self { input, coefficient, standard_error }
+    }
 }
 
 /// One step of the search.
@@ -242,6 +265,7 @@ fn about(
         rows: refit.rows,
         steps: Vec::new(),
         ties: Vec::new(),
+        left_out: Vec::new(),
         stopped: String::new(),
         condition_number: refit.condition,
         mse: refit.mse,

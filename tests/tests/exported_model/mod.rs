@@ -74,6 +74,7 @@ pub fn model() -> UnitModel {
             term(1e-7, &[y(1), y(2), u(2, 1)]),
             term(0.05, &[u(10, 0)]),
         ],
+        plain: None,
     };
     let accelerometer = FittedAxis {
         column: "az_mps2".into(),
