@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::candidates::Monomial;
 use crate::fit::Refit;
+use crate::signal::{self, autocorrelation::autocorrelation};
 
 /// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
 pub type HostPredictor<R> = Predictor<R, 6, 32, 512, 4096>;
@@ -74,6 +75,18 @@ pub struct Plain {
     pub range: Range<f64>,
     /// Autocorrelation one sample apart.
     pub lag_1: f64,
+}
+
+impl Plain {
+    /// Of the values of the rows, and of the same in stretches without gaps, on any scale.
+    pub fn of(values: &[f64], stretches: &[&[f64]]) -> Self {
+        let extreme = |choose: fn(f64, f64) -> f64| values.iter().copied().reduce(choose).unwrap_or(0.0);
+        Self {
+            mean: signal::mean(&[values]),
+            range: Range::new(extreme(f64::min), extreme(f64::max)),
+            lag_1: autocorrelation(stretches, 1).map_or(0.0, |result| result.values[1]),
+        }
+    }
 }
 
 /// A term with its standard error.

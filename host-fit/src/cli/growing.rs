@@ -111,6 +111,7 @@ pub(super) fn print_growth(growth: &Growth) {
         "came true",
         "slow left",
         "wide left",
+        "bias off by",
         "terms",
         "RAM, bytes",
         "instructions",
@@ -130,7 +131,7 @@ pub(super) fn print_growth(growth: &Growth) {
         );
     }
     println!(
-        "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves"
+        "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves; bias: the mean there, where the log tells it"
     );
     println!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
     let errors: Vec<&ModelErrors> = growth.stairs.iter().map(|stair| &stair.errors).collect();
@@ -164,6 +165,7 @@ fn row(index: usize, stair: &Stair) -> Vec<String> {
         realised,
         number(stair.left.slow.sqrt()),
         number(stair.left.wide.sqrt()),
+        stair.left.bias.map_or_else(String::new, number),
         stair.cost.terms.to_string(),
         stair.cost.ram_bytes.to_string(),
         stair.cost.instructions.to_string(),

@@ -40,17 +40,49 @@ pub fn correction(
 
 /// Adds a step about its mean in the log that it was found in; in another log all of it has happened.
 fn add_step(sum: &mut [f64], coefficient: f64, time_s: f64, fitted: &Recording, log: &Recording) {
-    let after = |log: &Recording, time: f64| f64::from(u8::from(time - log.time_s[0] > time_s));
-    let mean = fitted.time_s.iter().map(|time| after(fitted, *time)).sum::<f64>() / fitted.n_rows() as f64;
+    let mean = step_share(fitted, time_s);
     let own = fitted.sources == log.sources;
     for (sum, time) in sum.iter_mut().zip(&log.time_s) {
-        *sum += coefficient * (if own { after(log, *time) } else { 1.0 } - mean);
+        let after = !own || *time - log.time_s[0] > time_s;
+        *sum += coefficient * (f64::from(u8::from(after)) - mean);
     }
+}
+
+/// The share of a log that lies after a step.
+pub(super) fn step_share(log: &Recording, time_s: f64) -> f64 {
+    let after = log.time_s.iter().filter(|time| **time - log.time_s[0] > time_s).count();
+    after as f64 / log.n_rows() as f64
+}
+
+/// Takes the steps that were found out of the log they were found in: the values as they would be had every step happened
+/// before it, which is how they are in every later log.
+pub(crate) fn as_after_steps(
+    findings: &[Finding],
+    column: &str,
+    log: &Recording,
+) -> Result<Recording, RecordingError> {
+    let terms = findings.iter().flat_map(|finding| &finding.correction);
+    let steps: Vec<(f64, f64)> =
+        terms.filter_map(|term| Some((step_time(&term.regressor)?, term.coefficient))).collect();
+    if steps.is_empty() {
+        return Ok(log.clone());
+    }
+    let to_come = |time: f64| -> f64 {
+        steps.iter().filter(|(at, _)| time - log.time_s[0] <= *at).map(|(_, size)| size).sum()
+    };
+    let values = log.channel(column)?.values.iter().zip(&log.time_s);
+    Ok(log.with_values(column, values.map(|(value, time)| value + to_come(*time)).collect()))
 }
 
 /// The time of a step, s after the first sample, if the text of a product is one.
 pub(crate) fn step_time(product: &str) -> Option<f64> {
     product.strip_prefix("clock:step(")?.strip_suffix(')')?.parse().ok()
+}
+
+/// Whether all that is subtracted is steps: constants in every later log.
+pub(crate) fn is_step(finding: &Finding) -> bool {
+    let mut terms = finding.correction.iter();
+    !finding.correction.is_empty() && terms.all(|term| step_time(&term.regressor).is_some())
 }
 
 /// Whether a correction changes from one sample to the next, so that it is needed at the full rate.

@@ -46,6 +46,8 @@ impl Estimate {
 
 /// A slow effect on the blocks of a log.
 pub(super) struct SlowEffect {
+    /// It is a constant in every later log: its error is no variance but a square about the bias of the log it was found in.
+    pub(super) is_step: bool,
     /// Its regressors.
     pub(super) columns: Vec<Vec<f64>>,
     /// The same as a correction takes them, kept inside limits.
@@ -96,7 +98,11 @@ impl Falls<'_> {
                 let truth = SlowEffect::sum(&effect.columns, &coefficients, n);
                 let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
                 let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
-                1.0 - crate::signal::variance(&[&after]) / crate::signal::variance(&[&before])
+                let error = |left: &[f64]| match effect.is_step {
+                    true => left.iter().map(|value| value * value).sum::<f64>() / n as f64,
+                    false => crate::signal::variance(&[left]),
+                };
+                1.0 - error(&after) / error(&before)
             })
             .collect();
         falls.sort_unstable_by(f64::total_cmp);

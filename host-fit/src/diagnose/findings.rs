@@ -7,6 +7,7 @@ use std::rc::Rc;
 use super::answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
 };
+use super::correction::step_share;
 use super::fall::{Estimate, Fall, Falls, SlowEffect};
 use super::faults::Fault;
 use super::levels::Regression;
@@ -16,7 +17,7 @@ use super::open::Lead;
 use super::reduced::Reduced;
 use super::shape::Misshape;
 use super::slow::{ExtraNoise, Found, SlowResult};
-use super::{DiagnoseError, LeftOver, Question};
+use super::{DiagnoseError, LeftOver, Question, is_bias_known};
 use crate::effects::{Band, Effect, Inputs, Search, SizeUnit};
 use crate::recording::Recording;
 
@@ -358,13 +359,15 @@ impl Assembly<'_> {
             }
             if found.hypothesis.effect.search == Search::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
-                // a step of the past is a constant in another log
-                let after =
-                    |block: usize| f64::from(u8::from(judged.is_none() && blocks.middle_s(block) > time_s));
-                columns.push((0..blocks.len()).map(after).collect());
+                // a step of the past is a constant in another log, about the mean of the one it was found in
+                let share = step_share(self.question.field, time_s);
+                let after = |block: usize| judged.is_some() || blocks.middle_s(block) > time_s;
+                columns
+                    .push((0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect());
                 corrected.push(columns[0].clone());
             }
-            effects.push(SlowEffect { columns, corrected, coefficients, covariance });
+            let is_step = found.hypothesis.effect.search == Search::Step && is_bias_known(log, self.column);
+            effects.push(SlowEffect { is_step, columns, corrected, coefficients, covariance });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {

@@ -4,7 +4,7 @@ use super::answer::{Diagnosis, Finding, Verdict};
 use super::findings::{outweighed, sentence};
 use super::open::Lead;
 use super::reduced::Reduced;
-use super::{DiagnoseError, correction};
+use super::{DiagnoseError, correction, is_bias_known, is_step};
 use crate::effects::Band;
 use crate::recording::Recording;
 
@@ -20,12 +20,22 @@ pub fn held_against(
     judged: &Recording,
 ) -> Result<Diagnosis, DiagnoseError> {
     let reduced = Reduced::in_slow_blocks(judged, &diagnosis.target)?;
+    let own = Reduced::in_slow_blocks(field, &diagnosis.target)?;
     let rows = 0..judged.n_rows();
-    let left = |findings: &[Finding], band: Band| -> Result<f64, DiagnoseError> {
-        let taken = correction(findings, field, judged)?;
-        let left: Vec<f64> = reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect();
-        Ok(match band {
+    let left_of =
+        |reduced: &Reduced, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
+            let taken = correction(findings, field, log)?;
+            Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
+        };
+    let left = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
+        let left = left_of(&reduced, judged, findings)?;
+        Ok(match as_of.band {
             Band::Wide => reduced.wide_variance(&left, &rows),
+            // what is constant here is an error about the bias of the log it was found in
+            _ if is_step(as_of) => {
+                let bias = own.slow_mean(&left_of(&own, field, findings)?, &(0..field.n_rows()));
+                reduced.slow_variance(&left, &rows) + (reduced.slow_mean(&left, &rows) - bias).powi(2)
+            }
             _ => reduced.slow_variance(&left, &rows),
         })
     };
@@ -35,10 +45,14 @@ pub fn held_against(
             held.push(finding);
             continue;
         }
-        let before = left(&held, finding.band)?;
+        if is_step(&finding) && !is_bias_known(judged, &diagnosis.target) {
+            held.push(finding);
+            continue;
+        }
+        let before = left(&held, &finding)?;
         let mut with = held.clone();
         with.push(finding.clone());
-        let fall = 1.0 - left(&with, finding.band)? / before;
+        let fall = 1.0 - left(&with, &finding)? / before;
         finding.realised_fall = Some(fall);
         if finding.band == Band::Slow && fall < 0.0 && finding.expected_drop_ci[0] > 0.0 {
             diagnosis.leads.push(Lead {

@@ -41,7 +41,7 @@ pub use answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
 };
 pub use blocks::{Block, Blocks};
-pub(crate) use correction::step_time;
+pub(crate) use correction::{as_after_steps, is_step, step_time};
 pub use correction::{correction, is_fast};
 pub use held::held_against;
 pub use levels::{LevelPrior, LogLevels};
@@ -124,6 +124,12 @@ pub enum DiagnoseError {
         /// Their length, s.
         length_s: f64,
     },
+}
+
+/// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in another
+/// pose another part of it.
+pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
+    log.channel(&format!("ref_{column}")).is_ok() || !column.ends_with("_mps2")
 }
 
 /// Fewest blocks that a diagnosis is made of: below 60 the search over twenty effects has no power left.

@@ -120,6 +120,14 @@ impl Reduced {
         signal::variance(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
     }
 
+    /// Mean of the block means of what is left of the error, of the blocks that begin in `rows`.
+    pub(crate) fn slow_mean(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(left);
+        let inside =
+            self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
+        signal::mean(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
+    }
+
     /// Variance of the samples of what is left of the error, of those in `rows` that count.
     pub(crate) fn wide_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
         let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();

@@ -172,7 +172,7 @@ pub fn fit_axis(
 
     let of_column = |source| AxisError::Search { column: column.clone(), source };
     let mut regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
-    model.axes[0].plain = Some(plain(&known, &regressors));
+    model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     let mut left_out = Vec::new();
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
@@ -309,13 +309,6 @@ fn logged_input(
     };
     let input = Input { source, transform: spec.transform, centre, scale, source_range: ANY, range: ANY };
     Ok(NamedInput { name: spec.to_string(), input })
-}
-
-/// What the fitted rows show without a model; `regressors` are those of a model without a physical part.
-fn plain(known: &[f64], regressors: &Regressors) -> Plain {
-    let extreme = |choose: fn(f64, f64) -> f64| known.iter().copied().reduce(choose).unwrap_or(0.0);
-    let lag_1 = autocorrelation(&regressors.known_remainder(), 1).map_or(0.0, |result| result.values[1]);
-    Plain { mean: signal::mean(&[known]), range: Fitted::new(extreme(f64::min), extreme(f64::max)), lag_1 }
 }
 
 /// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back to the

@@ -10,7 +10,7 @@ mod terms;
 use std::borrow::Cow;
 use std::ops::Range;
 
-use fos_core::{Axis, ModelError};
+use fos_core::ModelError;
 
 pub use cost::Cost;
 pub use evidence::{Against, Evidence};
@@ -18,13 +18,14 @@ pub use logs::Logs;
 pub use stair::{Added, Growth, GrowthLogs, Left, Stair};
 
 use crate::diagnose::{
-    DiagnoseError, Diagnosis, Finding, Given, Question, Reduced, Verdict, correction, diagnose, estimate,
+    DiagnoseError, Diagnosis, Finding, Given, Question, Reduced, Verdict, as_after_steps, correction,
+    diagnose, estimate, is_bias_known, is_step,
 };
-use crate::effects::{Band, Effect, EffectError, Library};
+use crate::effects::{Band, Effect, EffectError, Library, Search};
 use crate::evaluate::{ModelErrors, trace};
 use crate::feed::Feed;
 use crate::fit::regressors::Regressors;
-use crate::model::UnitModel;
+use crate::model::{FittedAxis, Plain, UnitModel};
 use crate::recording::{Recording, RecordingError};
 use crate::rest::{self, KnownBy};
 use crate::signal;
@@ -123,7 +124,7 @@ impl<'a> Ground<'a> {
     /// A column is missing, or fos-core refuses the model.
     pub fn first_stair(&self, model: &UnitModel) -> Result<Stair, GrowError> {
         let left = self.left(model, &[])?;
-        self.stair(self.settled(model.clone(), 0.0)?, None, left)
+        self.stair(self.settled(model.clone(), &self.field)?, None, left)
     }
 
     /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
@@ -134,6 +135,19 @@ impl<'a> Ground<'a> {
     pub fn begin(&self, study: &Study, column: &str, logs: GrowthLogs) -> Result<Growth, GrowError> {
         let stairs = vec![self.first_stair(&study.axis_alone(column)?)?];
         Ok(Growth { column: column.to_owned(), logs, stairs })
+    }
+
+    /// Whether an effect leaves anything to subtract on this axis.
+    ///
+    /// # Errors
+    ///
+    /// What to do instead.
+    pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), GrowError> {
+        if effect.search == Search::Step && !is_bias_known(&self.field, column) {
+            let help = "at rest an accelerometer shows gravity beside its bias, and a step of the one cannot be told from the other in a later log; with the true values (`ref_…`) it can";
+            return Err(GrowError::NothingToTakeOff(effect.id.clone(), help));
+        }
+        can_be_added(effect)
     }
 
     /// What is missing from the model as it is after `growth`.
@@ -161,7 +175,7 @@ impl<'a> Ground<'a> {
     ///
     /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short.
     pub fn add(&self, growth: &Growth, effect: &Effect) -> Result<Stair, GrowError> {
-        can_be_added(effect)?;
+        self.can_add(&growth.column, effect)?;
         self.add_beside(growth, effect, &self.diagnose(growth)?)
     }
 
@@ -193,8 +207,8 @@ impl<'a> Ground<'a> {
             return Err(GrowError::NothingAdded(growth.column.clone()));
         };
         let mut model = first.model.clone();
-        let shift = terms::add(&mut model, &findings, &self.field)?;
-        let model = self.settled(model, shift)?;
+        terms::add(&mut model, &findings, &self.field)?;
+        let model = self.settled(model, &as_after_steps(&findings, &growth.column, &self.field)?)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(GrowError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -202,6 +216,11 @@ impl<'a> Ground<'a> {
         let after = self.left(&first.model, &findings)?;
         let realised_fall = match finding.band {
             Band::Wide => 1.0 - after.wide / before.wide,
+            // a constant in every later log: no variance tells of it
+            _ if is_step(&finding) => match (before.bias, after.bias) {
+                (Some(was), Some(is)) => 1.0 - (after.slow + is * is) / (before.slow + was * was),
+                _ => 0.0,
+            },
             _ => 1.0 - after.slow / before.slow,
         };
         let added = Added { effect: effect.clone(), finding, realised_fall };
@@ -224,7 +243,8 @@ impl<'a> Ground<'a> {
             let diagnosis = self.diagnose(&growth)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {
                 let effect = self.library.get(&finding.effect);
-                !finding.correction.is_empty() && effect.is_ok_and(|effect| can_be_added(effect).is_ok())
+                let can_be_added = effect.is_ok_and(|effect| self.can_add(&growth.column, effect).is_ok());
+                !finding.correction.is_empty() && can_be_added
             });
             // two effects may cancel in part: the one that helps most alone comes first
             let best = worth_adding.max_by(|a, b| {
@@ -292,29 +312,39 @@ impl<'a> Ground<'a> {
         Ok(predicted.collect())
     }
 
-    /// The model with the bias of the field log: the mean of what its physical part leaves there, and `shift`.
-    fn settled(&self, mut model: UnitModel, shift: f64) -> Result<UnitModel, GrowError> {
+    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is the
+    /// field log as it is in later logs, without the steps that happened in it.
+    fn settled(&self, mut model: UnitModel, log: &Recording) -> Result<UnitModel, GrowError> {
         let column = model.axes[0].column.clone();
-        let (level, reference) = self.level(&model, &self.field, 0..self.field.n_rows())?;
+        let (level, is_bias_known) = self.level(&model, log, 0..log.n_rows())?;
         let parameters = &mut model.axes[0].parameters;
-        match reference {
-            true => parameters.offset = level + shift,
-            false => (parameters.reference, parameters.offset) = (level + shift, 0.0),
+        match is_bias_known {
+            true => parameters.offset = level,
+            false => (parameters.reference, parameters.offset) = (level, 0.0),
         }
-        let known = known_rows(&self.field, &column);
-        let feed = Feed::new(&self.field, &model, &known)?;
+        let known = known_rows(log, &column);
+        let feed = Feed::new(log, &model, &known)?;
         let mut alone = model.clone();
         alone.axes[0].stochastic.clear();
-        let regressors = Regressors::of(&alone, &feed, self.field.n_rows())?;
-        let range = &mut model.axes[0].parameters.range;
+        let regressors = Regressors::of(&alone, &feed, log.n_rows())?;
+        let FittedAxis { parameters, plain, .. } = &mut model.axes[0];
+        let range = &mut parameters.range;
         for value in regressors.known(&regressors.remainder) {
             (range.low, range.high) = (range.low.min(value), range.high.max(value));
         }
+        *plain = Some(self.plain(&column)?);
         Ok(model)
     }
 
-    /// Mean of measured − reference − p over the known rows among `rows`, and whether the true value is known but for a
-    /// constant: an accelerometer at rest without a reference shows gravity.
+    /// What a rival has seen: the field log as it was.
+    fn plain(&self, column: &str) -> Result<Plain, GrowError> {
+        let (error, known) = (self.field.error_series(column)?, known_rows(&self.field, column));
+        let rows = self.field.stretches_where(|row| known[row] && error.values[row].is_finite());
+        let stretches: Vec<&[f64]> = rows.into_iter().map(|rows| &error.values[rows]).collect();
+        Ok(Plain::of(&stretches.concat(), &stretches))
+    }
+
+    /// Mean of measured − reference − p over the known rows among `rows`, and whether that is the bias.
     fn level(
         &self,
         model: &UnitModel,
@@ -327,30 +357,41 @@ impl<'a> Ground<'a> {
         let known = known_rows(log, &axis.column);
         let left = rows.filter(|row| known[*row]).map(|row| error.values[row] - physical[row]);
         let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
-        let has_reference = log.channel(&format!("ref_{}", axis.column)).is_ok();
-        let is_accelerometer = matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az);
-        Ok((signal::mean(&[&left]), has_reference || !is_accelerometer))
+        Ok((signal::mean(&[&left]), is_bias_known(log, &axis.column)))
     }
 
     /// What the model before it grew and the findings leave of the error on the judged rows.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, GrowError> {
         let column = &base.axes[0].column;
-        let reduced = Reduced::in_slow_blocks(self.judged, column)?;
-        let mut left = reduced.error.clone();
-        let base = self.physical(base, self.judged)?;
-        left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
-        let taken = correction(findings, &self.field, self.judged)?;
-        left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
+        let of = |log: &Recording| -> Result<(Reduced, Vec<f64>), GrowError> {
+            let reduced = Reduced::in_slow_blocks(log, column)?;
+            let mut left = reduced.error.clone();
+            let base = self.physical(base, log)?;
+            left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
+            let taken = correction(findings, &self.field, log)?;
+            left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
+            Ok((reduced, left))
+        };
+        let (field, left_of_field) = of(&self.field)?;
+        let (reduced, left) = of(self.judged)?;
         let rows = &self.judged_rows;
-        Ok(Left { slow: reduced.slow_variance(&left, rows), wide: reduced.wide_variance(&left, rows) })
+        let moved = || {
+            let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
+            reduced.slow_mean(&left, rows) - bias
+        };
+        Ok(Left {
+            slow: reduced.slow_variance(&left, rows),
+            wide: reduced.wide_variance(&left, rows),
+            bias: is_bias_known(self.judged, column).then(moved),
+        })
     }
 
     fn stair(&self, model: UnitModel, added: Option<Added>, left: Left) -> Result<Stair, GrowError> {
         let column = model.axes[0].column.clone();
         let known = known_rows(self.judged, &column);
         let mut judged = model.clone();
-        let (level, has_reference) = self.level(&model, self.judged, self.judged_rows.clone())?;
-        if !has_reference {
+        let (level, is_bias_known) = self.level(&model, self.judged, self.judged_rows.clone())?;
+        if !is_bias_known {
             // another pose has another constant
             (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
         }
@@ -390,7 +431,7 @@ fn added_again(effect: &Effect) -> bool {
 /// # Errors
 ///
 /// What to do instead.
-pub fn can_be_added(effect: &Effect) -> Result<(), GrowError> {
+fn can_be_added(effect: &Effect) -> Result<(), GrowError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",
         Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",

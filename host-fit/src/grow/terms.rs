@@ -15,7 +15,7 @@ use crate::recording::{Recording, RecordingError};
 const WIDTHS: f64 = 1.0;
 
 /// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were found in.
-/// The shift that steps leave in every later log is returned, in the axis' unit.
+/// Steps are no terms: they stay in the bias of every later log.
 ///
 /// # Errors
 ///
@@ -24,14 +24,12 @@ pub(super) fn add(
     model: &mut UnitModel,
     findings: &[Finding],
     field: &Recording,
-) -> Result<f64, RecordingError> {
+) -> Result<(), RecordingError> {
     let inputs = Inputs::new(field);
     let scale = model.axes[0].parameters.scale;
-    let mut shift = 0.0;
     for finding in findings {
         for CorrectionTerm { regressor, coefficient, standard_error } in &finding.correction {
             if step_time(regressor).is_some() {
-                shift += coefficient;
                 continue;
             }
             // what a diagnosis writes can be read
@@ -46,7 +44,7 @@ pub(super) fn add(
             }
         }
     }
-    Ok(shift)
+    Ok(())
 }
 
 fn factors(

@@ -7,7 +7,7 @@ use crate::effects::{Band, Effect, Library};
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
 use crate::figures::evidence::{evidence, line_evidence};
-use crate::grow::{Cost, Ground, GrowError, Growth, can_be_added};
+use crate::grow::{Cost, Ground, GrowError, Growth};
 use crate::model::unit_of;
 use crate::plots::in_words;
 use crate::recording::Recording;
@@ -87,7 +87,7 @@ pub fn offers(
 ) -> Result<Vec<Offer>, GrowError> {
     let offer = |finding: &Finding| {
         let effect = library.get(&finding.effect)?;
-        let added = can_be_added(effect);
+        let added = ground.can_add(&growth.column, effect);
         let price = if added.is_ok() { ground.price(growth, finding)? } else { None };
         Ok(Offer {
             effect: finding.effect.clone(),
