@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::output::Failure;
 use crate::recording::{ColumnMap, LoadOptions, Recording, load};
+use crate::rest::Rest;
 
 /// How a log is read.
 #[derive(Debug, Clone, Default, Args)]
@@ -73,7 +74,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 }
 
 /// What was read, in a few lines.
-pub(super) fn describe(recording: &Recording) -> String {
+pub(super) fn describe(recording: &Recording, rest: &Rest) -> String {
     let rate = &recording.rate;
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
@@ -85,11 +86,15 @@ pub(super) fn describe(recording: &Recording) -> String {
         rate.true_hz,
         rate.stamps,
         rate.jitter_s,
-        quality(recording),
+        quality(recording, rest),
     )
 }
 
-fn quality(recording: &Recording) -> String {
-    let report = recording.quality.to_string();
+fn quality(recording: &Recording, rest: &Rest) -> String {
+    let mut report = recording.quality.to_string();
+    for oddity in recording.oddities(&rest.still) {
+        let line = if report.is_empty() { "" } else { "\n" };
+        report += &format!("{line}caution: {oddity}");
+    }
     if report.is_empty() { String::new() } else { format!("\n  {}", report.replace('\n', "\n  ")) }
 }

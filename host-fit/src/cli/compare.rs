@@ -92,7 +92,7 @@ impl Compare {
         if self.json {
             return print_json(&comparison);
         }
-        println!("{}", describe(&recording));
+        println!("{}", describe(&recording, &rest));
         print_comparison(&comparison);
         if let Some(folder) = &self.figures {
             println!("\nfigures written to {}", folder.display());

@@ -128,7 +128,7 @@ impl Fit {
         let recording = read_all(&self.log, &read)?;
         let rest = rest::find(&recording);
         if !self.json {
-            println!("{}", describe(&recording));
+            println!("{}", describe(&recording, &rest));
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
@@ -189,6 +189,9 @@ fn print_selection(report: &AxisReport) {
             ]);
         }
         println!("{steps}");
+    }
+    if report.spikes > 0 {
+        println!("  caution: {} samples are no measurements and were left out", report.spikes);
     }
     for LeftOut { input, coefficient, standard_error } in &report.left_out {
         println!(

@@ -75,7 +75,7 @@ impl Table {
         let recording = self.reading.read(&self.log)?;
         let rest = rest::find(&recording);
         if !self.json {
-            println!("{}", describe(&recording));
+            println!("{}", describe(&recording, &rest));
         }
         let mut comparisons = Vec::new();
         for axis in axes(&recording, &self.axis)? {

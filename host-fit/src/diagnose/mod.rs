@@ -6,6 +6,7 @@
 
 mod answer;
 mod blocks;
+mod cleaned;
 mod correction;
 mod fall;
 mod faults;
@@ -53,6 +54,7 @@ use crate::effects::{Band, Effect, Inputs, Library, Search};
 use crate::recording::{Recording, RecordingError};
 pub(crate) use gls::Gls;
 
+use cleaned::Cleaned;
 use faults::{Converter, Fault};
 use findings::Assembly;
 use hypothesis::Hypotheses;
@@ -110,6 +112,16 @@ pub enum DiagnoseError {
         effect: String,
         /// Why.
         reason: String,
+    },
+    /// An axis that does not measure.
+    #[error(
+        "{column}: every value at rest is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
+    Stuck {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
     },
     /// Too little to say anything.
     #[error(
@@ -230,6 +242,13 @@ impl Prepared {
 ///
 /// A column is missing, or the log is too short.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let logs = Cleaned::of(question)?;
+    let mut diagnosis = diagnose_cleaned(&logs.question(question))?;
+    diagnosis.cautions.extend(logs.cautions);
+    Ok(diagnosis)
+}
+
+fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let prepared = Prepared::new(question)?;
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
@@ -260,6 +279,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
 ///
 /// A column is missing, the log is too short, or an effect leaves nothing in it.
 pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
+    let logs = Cleaned::of(question)?;
+    let question = &logs.question(question);
     let prepared = Prepared::new(question)?;
     let Prepared { column, reduced, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);

@@ -154,10 +154,12 @@ pub fn fit_axis(
     axis: &str,
     options: &FitOptions,
 ) -> Result<AxisFit, AxisError> {
-    let series = recording.error_series(axis)?;
-    let column = series.channel.clone();
+    let column = recording.axis(axis)?.name.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
     let training = training_rows(recording, rest, options.train);
+    let (cleaned, spikes) = recording.without_spikes(&column, training.clone(), &rest.still);
+    let recording = cleaned.as_ref();
+    let series = recording.error_series(&column)?;
     let known: Vec<f64> = training
         .clone()
         .filter(|row| rest.still[*row])
@@ -193,6 +195,7 @@ pub fn fit_axis(
             Reference::Channel(name) => Some(name.clone()),
         },
         left_out,
+        spikes,
         ..part.report
     };
     set_ranges(&mut model, &regressors);

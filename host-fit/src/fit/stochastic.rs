@@ -40,6 +40,9 @@ pub struct AxisReport {
     /// Terms of the physical part that were asked for and left out, since the data say nothing of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOut>,
+    /// Samples that are no measurements, and were left out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub spikes: usize,
     /// Why the search stopped, or what was done instead, in words.
     pub stopped: String,
     /// Condition number of the final terms, columns scaled.
@@ -50,6 +53,10 @@ pub struct AxisReport {
     pub mean_square: f64,
     /// Lag-1 autocorrelation of the remainder on the training data.
     pub lag_1: f64,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// A term of the physical part of which the data say nothing.
@@ -266,6 +273,7 @@ fn about(
         steps: Vec::new(),
         ties: Vec::new(),
         left_out: Vec::new(),
+        spikes: 0,
         stopped: String::new(),
         condition_number: refit.condition,
         mse: refit.mse,

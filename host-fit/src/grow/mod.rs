@@ -124,7 +124,8 @@ impl<'a> Ground<'a> {
     /// A column is missing, or fos-core refuses the model.
     pub fn first_stair(&self, model: &UnitModel) -> Result<Stair, GrowError> {
         let left = self.left(model, &[])?;
-        self.stair(self.settled(model.clone(), &self.field)?, None, left)
+        let field = self.measured(&model.axes[0].column);
+        self.stair(self.settled(model.clone(), &field)?, None, left)
     }
 
     /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
@@ -208,7 +209,8 @@ impl<'a> Ground<'a> {
         };
         let mut model = first.model.clone();
         terms::add(&mut model, &findings, &self.field)?;
-        let model = self.settled(model, &as_after_steps(&findings, &growth.column, &self.field)?)?;
+        let field = self.measured(&growth.column);
+        let model = self.settled(model, &as_after_steps(&findings, &growth.column, &field)?)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(GrowError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -334,6 +336,11 @@ impl<'a> Ground<'a> {
         }
         *plain = Some(self.plain(&column)?);
         Ok(model)
+    }
+
+    /// The field log without samples of an axis that are no measurements.
+    fn measured(&self, column: &str) -> Cow<'_, Recording> {
+        self.field.without_spikes(column, 0..self.field.n_rows(), &rest::find(&self.field).still).0
     }
 
     /// What a rival has seen: the field log as it was.

@@ -67,6 +67,30 @@ pub enum RecordingError {
         /// What the library says.
         source: std::io::Error,
     },
+    /// Rows that are not in the order of time.
+    #[error("{}: {column} goes back {backs} times in {rows} rows: they are not in the order of time, or two logs are mixed\nhelp: sort the rows by {column}; give logs that were merged one by one", path.display())]
+    OutOfOrder {
+        /// The file.
+        path: PathBuf,
+        /// The column of time stamps.
+        column: String,
+        /// How often it goes back by more than a sample.
+        backs: u64,
+        /// Rows.
+        rows: usize,
+    },
+    /// The rate that was stated is not that of the stamps.
+    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave the rate out if the stamps are right; if they are in another unit, name it, as --map t_s={column}:ms", path.display())]
+    OtherRate {
+        /// The file.
+        path: PathBuf,
+        /// The column of time stamps.
+        column: String,
+        /// By the stamps, Hz.
+        true_hz: f64,
+        /// As stated, Hz.
+        rate_hz: f64,
+    },
     /// A column without a value.
     #[error(
         "{path}: every cell of {column} is empty or not a number: there is nothing to follow\nhelp: another log, or leave the effect or input out that needs {column}"

@@ -29,7 +29,7 @@ impl Recording {
     }
 
     /// Rows from one start of the unit to the next.
-    fn power_ons(&self) -> Vec<std::ops::Range<usize>> {
+    pub(super) fn power_ons(&self) -> Vec<std::ops::Range<usize>> {
         let mut starts: Vec<usize> = self
             .segments
             .iter()

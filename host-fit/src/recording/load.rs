@@ -31,6 +31,14 @@ const MAX_COPIES: f64 = 0.1;
 /// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
 pub(super) const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
+/// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are not in the
+/// order of time.
+const FEW_BACKS: u64 = 3;
+const MOST_BACKS: f64 = 0.02;
+
+/// A true rate further from the stated one than this, relative, is another one: cheap clocks are off by percents.
+const SAME_RATE: f64 = 0.2;
+
 /// Bytes read at once.
 const READ_BUFFER: usize = 1 << 18;
 
@@ -206,6 +214,16 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
             if !RATES_HZ.contains(&rate.true_hz) {
                 let period_s = rate.period_s;
                 return Err(RecordingError::NoSuchClock { path, column: column(), period_s });
+            }
+            let backs = grid.clock_back;
+            if backs > FEW_BACKS && backs as f64 > MOST_BACKS * n_rows as f64 {
+                return Err(RecordingError::OutOfOrder { path, column: column(), backs, rows: n_rows });
+            }
+            if let Some(rate_hz) = nominal_hz
+                && (rate.true_hz / rate_hz - 1.0).abs() > SAME_RATE
+            {
+                let true_hz = rate.true_hz;
+                return Err(RecordingError::OtherRate { path, column: column(), true_hz, rate_hz });
             }
             (time_s, grid, rate)
         }

@@ -53,6 +53,9 @@ impl LogSummary {
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
         let column = |name: &String| ColumnSummary { name: name.clone(), unit: crate::model::unit_of(name) };
+        let quality = log.quality.to_string();
+        let quality = quality.lines().map(str::to_owned);
+        let oddities = log.oddities(&rest.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),
             sha256: log.sources.first().map_or_else(String::new, |source| source.sha256.clone()),
@@ -66,7 +69,7 @@ impl LogSummary {
             still_share: still as f64 / log.n_rows().max(1) as f64,
             still_known_by: rest.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
-            quality: log.quality.to_string().lines().map(str::to_owned).collect(),
+            quality: quality.chain(oddities).collect(),
         }
     }
 }

@@ -19,6 +19,7 @@
 //! | `noise_floor` | what no causal linear predictor can beat |
 //! | `wavelet` | what is left when the noise of single samples is taken out |
 //! | `residual_tests` | textbook tests of a residual: white, normal, of constant size? |
+//! | `spikes` | single samples that are no measurements; takes rows of a series |
 //! | `quantisation` | step of the converter, seen from the data |
 
 pub mod allan;
@@ -29,6 +30,7 @@ pub mod noise_floor;
 pub mod quantisation;
 pub mod residual_tests;
 pub mod spectrum;
+pub mod spikes;
 pub mod wavelet;
 
 #[cfg(test)]

@@ -1,0 +1,187 @@
+//! What a person would see at a glance in a log is said, or the log is refused; of sound logs nothing is said.
+
+use host_fit::diagnose::{Question, diagnose};
+use host_fit::effects::Library;
+use host_fit::fit::{FitOptions, fit_axis};
+use host_fit::recording::{AXES, LoadOptions, Oddity, Recording, Source, load};
+use host_fit::rest;
+use host_fit::simulate::{self, CasePlan, Durations, Kind, simulate_case, suite};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+type Columns = Vec<(String, Vec<f64>)>;
+
+const ROWS: usize = 20_000;
+
+/// Six axes at rest, z up.
+fn log(gain: f64, seed: u64) -> Columns {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let level = |axis: &str| if axis == "az_mps2" { 9.8 } else { 0.0 };
+    let noise = |axis: &str| gain * if axis.starts_with('a') { 0.02 } else { 0.001 };
+    let of_axis =
+        |axis: &str| (axis.to_owned(), (0..ROWS).map(|_| level(axis) + noise(axis) * normal()).collect());
+    AXES.map(of_axis).into()
+}
+
+fn recording(rate_hz: f64, columns: Columns) -> Recording {
+    let options = LoadOptions { rate_hz: Some(rate_hz), ..LoadOptions::default() };
+    Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording")
+}
+
+fn oddities(recording: &Recording) -> Vec<Oddity> {
+    recording.oddities(&rest::find(recording).still)
+}
+
+fn refused(text: &str, rate_hz: Option<f64>) -> String {
+    let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
+    std::fs::write(file.path(), text).expect("written");
+    load(file.path(), &LoadOptions { rate_hz, ..LoadOptions::default() }).expect_err("refused").to_string()
+}
+
+/// "Nothing is missing" was said of a stuck axis.
+#[test]
+fn a_stuck_axis_is_refused_by_name() {
+    let mut columns = log(1.0, 1);
+    columns[3].1.fill(0.5);
+    let field = recording(100.0, columns);
+    let library = Library::built_in();
+    let question = Question {
+        field: &field,
+        quiet: None,
+        judged: None,
+        target: "gx",
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library: &library,
+        given: &[],
+    };
+    let error = diagnose(&question).expect_err("refused").to_string();
+    assert!(error.contains("gx_rads") && error.contains("0.5") && error.contains("stuck"), "{error}");
+    assert!(oddities(&field).iter().any(|oddity| matches!(oddity, Oddity::Stuck { .. })));
+}
+
+/// One sample of −32768 in 10,000 moved the offset by 3.3 standard deviations and the scale 328-fold, without a word.
+#[test]
+fn a_wild_sample_is_left_out_and_said() {
+    // one axis alone: nothing else tells that the unit was at rest
+    let columns: Columns = log(1.0, 2).drain(3..4).collect();
+    let mut wild = columns.clone();
+    wild[0].1[4321] = -32.768;
+    let fitted = |columns: &Columns| {
+        let recording = recording(100.0, columns.clone());
+        let fit = fit_axis(&recording, &rest::find(&recording), "gx", &FitOptions::default()).expect("a fit");
+        (fit.model.axes[0].parameters, fit.report.spikes, oddities(&recording))
+    };
+    let ((whole, none, nothing), (without, one, said)) = (fitted(&columns), fitted(&wild));
+    assert_eq!((none, one), (0, 1));
+    assert!(nothing.is_empty(), "{nothing:?}");
+    assert!(
+        said.iter().any(|oddity| oddity.to_string().contains("1 samples are no measurements")),
+        "{said:?}"
+    );
+    assert!((without.offset - whole.offset).abs() < 0.01 * whole.scale);
+    assert!((without.scale / whole.scale - 1.0).abs() < 0.01);
+    // the negative control: what the mean of all ten thousand fitted rows is
+    let fitted_rows = &wild[0].1[..ROWS / 2];
+    let naive = fitted_rows.iter().sum::<f64>() / fitted_rows.len() as f64;
+    assert!((naive - whole.offset).abs() > 3.0 * whole.scale);
+}
+
+/// "2736.8 Hz, 41 times the stamps go back", exit code 0; and `--rate 50` was ignored where the stamps mean 0.8533 Hz.
+#[test]
+fn stamps_out_of_order_or_at_another_rate_are_refused() {
+    let mut rows: Vec<usize> = (0..1000).collect();
+    rows.shuffle(&mut ChaCha8Rng::seed_from_u64(3));
+    let csv = |rows: &[usize], period_s: f64| {
+        let line = |row: &usize| format!("{},{}\n", *row as f64 * period_s, (row * 7919 % 101) as f64);
+        rows.iter().map(line).fold("t_s,gx_rads\n".to_owned(), |text, line| text + &line)
+    };
+    let error = refused(&csv(&rows, 0.01), None);
+    assert!(error.contains("goes back") && error.contains("sort the rows by t_s"), "{error}");
+    rows.truncate(100);
+    let error = refused(&csv(&rows, 0.01), None);
+    assert!(error.contains("in 100 rows"), "{error}");
+    rows.sort_unstable();
+    let in_order: Vec<usize> = (0..1000).collect();
+    let error = refused(&csv(&in_order, 1.0 / 0.8533), Some(50.0));
+    assert!(error.contains("0.8533") && error.contains("50 were stated"), "{error}");
+}
+
+#[test]
+fn logs_that_do_not_go_together_are_pooled_with_a_word() {
+    let stamped = |rate_hz: f64, gain: f64, seed| {
+        let mut columns = log(gain, seed);
+        columns.push(("t_s".to_owned(), (0..ROWS).map(|row| row as f64 / rate_hz).collect()));
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default())
+            .expect("a recording")
+    };
+    let said = |logs: Vec<Recording>| oddities(&Recording::join(logs).expect("joined"));
+    assert!(said(vec![stamped(100.0, 1.0, 1), stamped(100.0, 1.0, 2)]).is_empty());
+    let rates = said(vec![stamped(100.0, 1.0, 1), stamped(101.0, 1.0, 2)]);
+    assert!(matches!(rates[..], [Oddity::RatesDiffer { .. }]), "{rates:?}");
+    let noise = said(vec![stamped(100.0, 1.0, 1), stamped(100.0, 57.0, 2)]);
+    let ratios: Vec<f64> = noise
+        .iter()
+        .filter_map(|oddity| match oddity {
+            Oddity::NoiseDiffers { ratio, .. } => Some(*ratio),
+            _ => None,
+        })
+        .collect();
+    assert!(ratios.len() == 6 && ratios.iter().all(|ratio| (ratio / 57.0 - 1.0).abs() < 0.1), "{noise:?}");
+}
+
+#[test]
+fn columns_in_another_unit_or_twice_are_said() {
+    let mut columns = log(1.0, 5);
+    for axis in &mut columns[..3] {
+        axis.1.iter_mut().for_each(|value| *value /= 9.806_65);
+    }
+    columns[4].1.iter_mut().for_each(|rate| *rate = 57.3 * (*rate + 0.05));
+    columns[5].1 = columns[3].1.clone();
+    let said: Vec<String> = oddities(&recording(100.0, columns)).iter().map(ToString::to_string).collect();
+    for word in ["gravity is 9.81", "gy_rads shows 2.8", "gx_rads and gz_rads hold the same values"] {
+        assert!(said.iter().any(|line| line.contains(word)), "{word}: {said:?}");
+    }
+}
+
+/// Of simulated units, with effects and without, nothing is said.
+#[test]
+fn nothing_is_said_of_sound_logs() {
+    let is_sound = |plan: &CasePlan| {
+        let faults = ["saturation", "dropped_samples", "quantisation"];
+        plan.kind != Kind::Outside
+            && plan.planted.iter().all(|plant| !faults.contains(&plant.effect.description().name))
+    };
+    let plans: Vec<CasePlan> = suite(20_261_122, 60).into_iter().filter(is_sound).collect();
+    let said: Vec<String> = plans
+        .par_iter()
+        .flat_map(|plan| {
+            let durations = Durations { baseline_s: 120.0, field_s: 400.0, eval_s: 120.0 };
+            let case = simulate_case(&CasePlan { durations, ..plan.clone() });
+            let case: simulate::SimulatedCase = case.expect("a case");
+            let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
+            [case.baseline, case.field, case.eval]
+                .into_iter()
+                .flat_map(|columns| {
+                    let log = Recording::from_columns(Source::made_by("test"), columns, &options);
+                    let setup = plan.setup;
+                    let said = oddities(&log.expect("a recording"));
+                    said.into_iter().map(move |oddity| format!("{setup:?}: {oddity}")).collect::<Vec<_>>()
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(said.is_empty(), "{said:#?}");
+    println!(
+        "attack: at a glance | {} sound logs of {} simulated units: nothing is said; a stuck axis, stamps out of order, another \
+         rate than stated are refused, a wild sample is left out, and it, units, copies, pooled rates and noises are said | negative \
+         control: the mean that one sample of −32768 moves by 3 standard deviations is that of a fit which keeps it",
+        3 * plans.len(),
+        plans.len()
+    );
+}
