@@ -1,11 +1,13 @@
 //! Files are written beside and renamed: a reader sees the old one or the new one, whole, whenever the writer is killed or the
-//! power is cut.
+//! power is cut. What was read is not replaced ([`inputs`]).
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
+
+use crate::inputs;
 
 /// What is written beside a file is named `.fos-…….tmp`, with random letters.
 const BESIDE: (&str, &str) = (".fos-", ".tmp");
@@ -91,7 +93,50 @@ pub(crate) fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) 
 ///
 /// It is not there or not readable.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    fs::read(path).map_err(FileError::reading(path))
+    let mut content = Vec::new();
+    let mut file = File::open(path).map_err(FileError::reading(path))?;
+    inputs::note_read(&file, path)
+        .and_then(|()| file.read_to_end(&mut content))
+        .map_err(FileError::reading(path))?;
+    Ok(content)
+}
+
+/// Opens `path`, to be read.
+///
+/// # Errors
+///
+/// It is not there or not readable.
+pub fn open(path: &Path) -> Result<File, FileError> {
+    let file = File::open(path).map_err(FileError::opening(path))?;
+    inputs::note_read(&file, path).map_err(FileError::opening(path))?;
+    Ok(file)
+}
+
+/// Standard input as a file, to be read: it may be one.
+pub(crate) fn standard_input() -> io::Result<File> {
+    #[cfg(unix)]
+    let input = std::os::fd::AsFd::as_fd(&io::stdin()).try_clone_to_owned()?;
+    #[cfg(windows)]
+    let input = std::os::windows::io::AsHandle::as_handle(&io::stdin()).try_clone_to_owned()?;
+    let file = File::from(input);
+    inputs::note_read(&file, Path::new("standard input"))?;
+    Ok(file)
+}
+
+/// # Errors
+///
+/// Nothing can be written to `path`: it is there and no file, or it was read.
+pub(crate) fn check_output(path: &Path) -> Result<(), FileError> {
+    may_be_replaced(path).and_then(|()| inputs::refuse_to_replace(path)).map_err(FileError::writing(path))
+}
+
+fn may_be_replaced(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(old) if !old.is_file() => {
+            Err(io::Error::new(ErrorKind::InvalidInput, "it is there and is no file"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Makes the folder `path`, and those above it, where they are not there.
@@ -128,10 +173,8 @@ impl Beside {
     /// A new one for `path`, with the permissions of what is there.
     pub(crate) fn of(path: &Path) -> io::Result<Self> {
         let path = followed(path);
+        may_be_replaced(&path)?;
         let old = fs::metadata(&path).ok();
-        if old.as_ref().is_some_and(|old| !old.is_file()) {
-            return Err(io::Error::new(ErrorKind::InvalidInput, "it is there and is no file"));
-        }
         let folder = folder_of(&path);
         remove_stale(folder);
         let file = new_in(folder)?;
@@ -146,10 +189,17 @@ impl Beside {
         self.file.as_file()
     }
 
-    /// Brings it to the disk and gives it its name, and brings that to the disk too.
+    /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read.
     pub(crate) fn put(self) -> io::Result<()> {
+        inputs::refuse_to_replace(&self.path)?;
+        self.put_back()
+    }
+
+    /// The same, also over what was read: it is what was read, changed.
+    pub(crate) fn put_back(self) -> io::Result<()> {
         self.file.as_file().sync_all()?;
-        self.file.persist(&self.path).map_err(|error| error.error)?;
+        let file = self.file.persist(&self.path).map_err(|error| error.error)?;
+        inputs::note_written(&file, &self.path)?;
         sync_folder(folder_of(&self.path))
     }
 }
@@ -209,7 +259,7 @@ pub(crate) fn is_linked(_file: &File) -> io::Result<bool> {
 
 /// Brings the names in `folder` to the disk: a cut of power after success does not take the new file back.
 #[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     // a folder that may be written to but not listed cannot be opened
     let Ok(folder) = File::open(folder) else { return Ok(()) };
     match folder.sync_all() {
@@ -220,7 +270,7 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn sync_folder(_folder: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 

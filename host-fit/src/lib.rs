@@ -24,6 +24,7 @@ pub mod file;
 pub mod fit;
 pub mod grow;
 pub mod hub_log;
+mod inputs;
 pub mod interrupt;
 pub mod model;
 pub mod moments;

@@ -14,6 +14,8 @@ pub struct Seen {
     path: PathBuf,
     /// Of its content; none if it was not there.
     digest: Option<[u8; 32]>,
+    /// It was read to be changed: what is written back is the same study, and takes its place.
+    is_changed: bool,
 }
 
 /// A file that cannot be written back.
@@ -38,12 +40,12 @@ impl Seen {
     /// It is there and cannot be read.
     pub fn now(path: &Path) -> Result<Self, FileError> {
         let digest = digest_of(path).map_err(FileError::reading(path))?;
-        Ok(Self { path: path.to_owned(), digest })
+        Ok(Self { path: path.to_owned(), digest, is_changed: false })
     }
 
-    /// `path`, of which `content` was just read.
+    /// `path`, of which `content` was just read, to be changed.
     pub fn of(path: &Path, content: &[u8]) -> Self {
-        Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()) }
+        Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
     }
 
     /// Replaces the file if it still is as it was seen; no other process replaces it between the look and the deed.
@@ -59,7 +61,8 @@ impl Seen {
         if digest_of(&self.path).map_err(FileError::reading(&self.path))? != self.digest {
             return Err(UnchangedError::Changed(self.path.clone()));
         }
-        Ok(beside.put().map_err(failed())?)
+        let put = if self.is_changed { Beside::put_back } else { Beside::put };
+        Ok(put(beside).map_err(failed())?)
     }
 }
 
@@ -121,7 +124,7 @@ mod tests {
         let absent = Seen::now(&path).unwrap();
         absent.replace(b"one").unwrap();
         let one = Seen::of(&path, b"one");
-        assert_eq!(one, Seen::now(&path).unwrap());
+        assert_eq!(one.digest, Seen::now(&path).unwrap().digest);
         let said = absent.replace(b"two").unwrap_err().to_string();
         assert!(said.contains("a.json: changed meanwhile") && said.contains("help: run"), "{said}");
         one.replace(b"two").unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::Reading;
+use super::arguments::{OutputFolder, Reading};
 use super::diagnose::print_diagnosis;
 use super::growing::{LogArguments, column_of, print_growth, read_logs};
 use super::output::{Failure, print_json, spinner};
@@ -37,7 +37,7 @@ pub(super) struct Add {
     effects: Vec<PathBuf>,
     /// Folder for the picture of the staircase, SVG and PNG; made if it is not there
     #[arg(long, value_name = "FOLDER")]
-    figures: Option<PathBuf>,
+    figures: Option<OutputFolder>,
     #[command(flatten)]
     reading: Reading,
     /// Print the staircase as JSON

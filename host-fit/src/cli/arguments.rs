@@ -1,5 +1,7 @@
 //! Arguments that several subcommands share.
 
+use std::ffi::OsString;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,6 +9,41 @@ use clap::Args;
 use super::output::Failure;
 use crate::recording::{ColumnMap, LoadOptions, Recording, load};
 use crate::rest::Rest;
+
+/// A file that a command writes.
+#[derive(Debug, Clone)]
+pub(super) struct OutputFile(PathBuf);
+
+/// A folder that a command writes into.
+#[derive(Debug, Clone)]
+pub(super) struct OutputFolder(PathBuf);
+
+macro_rules! path {
+    ($name:ident) => {
+        impl From<OsString> for $name {
+            fn from(path: OsString) -> Self {
+                Self(path.into())
+            }
+        }
+
+        impl Deref for $name {
+            type Target = Path;
+
+            fn deref(&self) -> &Path {
+                &self.0
+            }
+        }
+
+        impl AsRef<Path> for $name {
+            fn as_ref(&self) -> &Path {
+                &self.0
+            }
+        }
+    };
+}
+
+path!(OutputFile);
+path!(OutputFolder);
 
 /// How a log is read.
 #[derive(Debug, Clone, Default, Args)]

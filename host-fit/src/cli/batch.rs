@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::OutputFolder;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::batch;
 use crate::effects::Library;
@@ -16,7 +17,7 @@ pub(super) struct Batch {
     folder: PathBuf,
     /// Where answers.json and the corrections go; made if it is not there
     #[arg(short, long, default_value = "answers")]
-    output: PathBuf,
+    output: OutputFolder,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::OutputFile;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, calibrate};
 use crate::effects::Library;
@@ -21,7 +22,7 @@ pub(super) struct Calibrate {
     seed: u64,
     /// Write what came out of every case to this file, JSON
     #[arg(long, value_name = "FILE")]
-    outcomes: Option<PathBuf>,
+    outcomes: Option<OutputFile>,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{Reading, describe, read_all};
+use super::arguments::{OutputFolder, Reading, describe, read_all};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_warning, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
@@ -26,7 +26,7 @@ pub(super) struct Compare {
     log: Option<PathBuf>,
     /// Folder for the figures, SVG and PNG; made if it is not there
     #[arg(long, value_name = "FOLDER")]
-    figures: Option<PathBuf>,
+    figures: Option<OutputFolder>,
     #[command(flatten)]
     reading: Reading,
     /// Print the comparison as JSON

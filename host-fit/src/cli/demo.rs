@@ -1,12 +1,12 @@
 //! `demo`: the whole story on logs that the program simulates itself: a hidden effect, found, added, exported.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use fos_core::Image;
 use serde_json::json;
 
+use super::arguments::OutputFolder;
 use super::growing::print_growth;
 use super::output::{Failure, number, print_json, progress, say};
 use crate::compare::{compare, study_of};
@@ -31,7 +31,7 @@ use crate::unchanged::Seen;
 pub(super) struct Demo {
     /// Folder for everything that is written; made if it is not there
     #[arg(long, default_value = "fos-demo")]
-    folder: PathBuf,
+    folder: OutputFolder,
     /// Seed of the simulated unit
     #[arg(long, default_value_t = 1)]
     seed: u64,

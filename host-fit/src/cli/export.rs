@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_written};
 use crate::export::{c_source, image, rust_source};
 use crate::file::write_atomically;
@@ -20,13 +21,13 @@ pub(super) struct Export {
     study: PathBuf,
     /// The image to write
     #[arg(long, value_name = "FILE")]
-    image: Option<PathBuf>,
+    image: Option<OutputFile>,
     /// The Rust source to write
     #[arg(long, value_name = "FILE")]
-    rust: Option<PathBuf>,
+    rust: Option<OutputFile>,
     /// The C header to write; everything in it is named after it: model.h has model_image, model_check
     #[arg(long, value_name = "FILE")]
-    c: Option<PathBuf>,
+    c: Option<OutputFile>,
     /// Name of the sensor, stored in the image
     #[arg(long, default_value = "")]
     sensor: String,

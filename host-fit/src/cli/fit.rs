@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{Reading, axes, describe, read_all};
+use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, progress, table};
 use crate::compare::study_of;
@@ -27,7 +27,7 @@ pub(super) struct Fit {
     axis: String,
     /// The study to write
     #[arg(short, long, default_value = "study.json")]
-    output: PathBuf,
+    output: OutputFile,
     /// How the stochastic part is found: fos, or all lags by yule-walker, covariance, modified-covariance, burg
     #[arg(long, default_value = "fos")]
     method: Method,

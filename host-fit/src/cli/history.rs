@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::OutputFolder;
 use super::growing::print_growth;
 use super::output::{Failure, print_json};
 use crate::plots;
@@ -17,7 +18,7 @@ pub(super) struct History {
     study: PathBuf,
     /// Folder for the pictures of the staircases, SVG and PNG; made if it is not there
     #[arg(long, value_name = "FOLDER")]
-    figures: Option<PathBuf>,
+    figures: Option<OutputFolder>,
     /// Print the staircases as JSON
     #[arg(long)]
     json: bool,

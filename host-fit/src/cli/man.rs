@@ -1,11 +1,11 @@
 //! `man`: manual pages, one for each subcommand.
 
-use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 use clap_mangen::Man as Page;
 
 use super::Cli;
+use super::arguments::OutputFolder;
 use super::output::{Failure, Written, print_written};
 use crate::file::{make_folder, write_atomically};
 
@@ -14,7 +14,7 @@ use crate::file::{make_folder, write_atomically};
 #[command(after_help = "Example: host-fit man ~/.local/share/man/man1 && man host-fit-add")]
 pub(super) struct Man {
     /// The folder; made if it is not there
-    folder: PathBuf,
+    folder: OutputFolder,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,

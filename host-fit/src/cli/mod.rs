@@ -12,6 +12,7 @@ mod diagnose;
 mod effects;
 mod error_table;
 mod export;
+pub mod files;
 mod fit;
 mod growing;
 mod history;
@@ -29,7 +30,7 @@ mod undo;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use output::Failure;
 
@@ -69,7 +70,30 @@ enum Command {
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
-    let done: Result<(), Failure> = match Cli::parse().command {
+    let matches = command().get_matches();
+    // what clap has taken by its own description it takes by that of the derived type
+    let command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
+    match run_checked(&matches, command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::print_error(&failure);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// All subcommands and their arguments.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
+    let all = self::command();
+    let named = matches.subcommand().and_then(|(name, given)| Some((all.find_subcommand(name)?, given)));
+    if let Some((subcommand, given)) = named {
+        files::check(subcommand, given)?;
+    }
+    match command {
         Command::Demo(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Table(command) => command.run(),
@@ -91,12 +115,5 @@ pub fn run() -> ExitCode {
         Command::Bench(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            output::print_error(&failure);
-            ExitCode::FAILURE
-        }
     }
 }

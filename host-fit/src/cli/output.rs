@@ -1,7 +1,7 @@
 //! How results are printed: aligned tables for people, JSON for programs, progress only on a terminal.
 
 use std::error::Error;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write as _};
 use std::time::Duration;
 
 use anstyle::AnsiColor;
@@ -46,13 +46,18 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
 /// The word before an error, in colour on a terminal only.
 pub(super) fn print_error(failure: &Failure) {
     let style = AnsiColor::Red.on_default().bold();
-    anstream::eprintln!("{style}error:{style:#} {failure}");
+    tell(format_args!("{style}error:{style:#} {failure}"));
 }
 
 /// The word before a warning, in colour on a terminal only.
 pub(super) fn print_warning(text: &str) {
     let style = AnsiColor::Yellow.on_default().bold();
-    anstream::eprintln!("{style}warning:{style:#} {text}");
+    tell(format_args!("{style}warning:{style:#} {text}"));
+}
+
+/// On standard error, if anybody hears it: a terminal that was closed is no reason to end otherwise.
+fn tell(text: std::fmt::Arguments<'_>) {
+    let _ = writeln!(anstream::stderr(), "{text}");
 }
 
 /// A word that says that all is well or not, in colour on a terminal only.

@@ -1,31 +1,33 @@
 //! `record`: from the telemetry of a device to a log.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::fmt::{Display, Write as _};
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufReader, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::output::{Failure, print_json};
-use crate::record::record;
-use crate::recording::write_columns;
-
-/// Bytes that are read at once, and pieces that may wait.
-const PIECE: usize = 4096;
-const WAITING: usize = 64;
+use super::arguments::OutputFile;
+use super::output::{Failure, print_warning};
+use crate::file::{self, FileError};
+use crate::record::arriving::{Arriving, Notice};
+use crate::record::kept::Kept;
+use crate::record::{Report, record};
+use crate::recording::{check_log_path, write_columns};
 
 /// Turn the telemetry of a device into a log that diagnose takes
+///
+/// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written, that is
+/// removed. After a cut of power, or where the recording was killed, `host-fit record LOG.telemetry -o LOG` makes the log of it.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit record /dev/ttyACM0 --seconds 600 -o field.parquet")]
 pub(super) struct Record {
-    /// The stream: a serial port that is set up (stty), a file, or - for standard input
+    /// The stream: a serial port that is set up (stty), a FIFO, a file, or - for standard input
     stream: PathBuf,
     /// The log to write: .csv, .csv.gz or .parquet
     #[arg(short, long)]
-    output: PathBuf,
+    output: OutputFile,
     /// Stop after so long; else at the end of the stream, or at Ctrl-C
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
@@ -37,31 +39,144 @@ pub(super) struct Record {
 impl Record {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let until = self.seconds.map(end_of).transpose()?;
-        let stream: Box<dyn Read + Send> = match self.stream == Path::new("-") {
-            true => Box::new(io::stdin()),
-            false => Box::new(
-                File::open(&self.stream).map_err(|error| format!("{}: {error}", self.stream.display()))?,
-            ),
-        };
-        let recorded = record(BufReader::new(Pieces::of(stream, until)))
-            .map_err(|error| format!("{}: {error}", self.stream.display()))?;
-        let columns: Vec<(&str, &[f64])> =
-            recorded.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-        write_columns(&self.output, &columns)?;
-        let report = &recorded.report;
+        check_log_path(&self.output)?;
+        let stream = Stream::at(&self.stream)?;
+        // what lies in a file is kept there
+        let kept = (stream.kind != Kind::File).then(|| self.keep()).transpose()?;
+        let of = |error: &dyn Display| format!("{}: {error}", stream.name());
+        let notify = |notice: &Notice| print_warning(&of(&stream.says(notice)));
+        let opened = stream.clone();
+        let arriving = Arriving::of(move || opened.open(), until, kept, notify);
+        let mut arriving = arriving.map_err(|error| of(&error))?;
+        let recorded = record(BufReader::new(&mut arriving));
+        let kept = arriving.into_kept();
+        let done =
+            recorded.map_err(|error| (error.holds_something(), of(&error).into())).and_then(|recorded| {
+                let columns = recorded.columns.iter();
+                let columns: Vec<(&str, &[f64])> =
+                    columns.map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+                let written = write_columns(&self.output, &columns);
+                written.map(|()| recorded.report).map_err(|error| (true, Failure::from(error)))
+            });
+        match (done, kept) {
+            (Err((true, failure)), Some(kept)) => Err(format!(
+                "{failure}\nwhat arrived is in {0}: `host-fit record {0} -o {1}` makes a log of it",
+                kept.path().display(),
+                self.output.display()
+            )
+            .into()),
+            (done, kept) => {
+                kept.into_iter().for_each(Kept::remove);
+                self.print(&stream, &done.map_err(|(_, failure)| failure)?)
+            }
+        }
+    }
+
+    /// Where what arrives is kept; what was left there before is told of.
+    fn keep(&self) -> Result<Kept, Failure> {
+        let (kept, left) = Kept::beside(&self.output)?;
+        for left in left {
+            print_warning(&format!(
+                "{0} is what a recording left that was broken off; it stays: `host-fit record {0} -o LOG` makes a log of it",
+                left.display()
+            ));
+        }
+        Ok(kept)
+    }
+
+    /// The log is there, also where nobody hears of it any more: the terminal may be closed.
+    fn print(&self, stream: &Stream, report: &Report) -> Result<(), Failure> {
+        let mut text = String::new();
         if self.json {
-            return print_json(report);
+            text = serde_json::to_string_pretty(report)? + "\n";
+        } else {
+            writeln!(
+                text,
+                "{} samples, {} lost (gaps in the log), {} damaged frames, {} before what they hold was known, {} restarts",
+                report.samples, report.lost, report.damaged, report.unknown, report.restarts
+            )?;
+            if let Some(why) = &report.broken_off {
+                writeln!(text, "{} broke off ({why}): the log holds what came before", stream.name())?;
+            }
+            writeln!(text, "log written to {}", self.output.display())?;
         }
-        println!(
-            "{} samples, {} lost (gaps in the log), {} damaged frames, {} before what they hold was known, {} restarts",
-            report.samples, report.lost, report.damaged, report.unknown, report.restarts
-        );
-        if let Some(why) = &report.broken_off {
-            println!("{} broke off ({why}): the log holds what came before", self.stream.display());
-        }
-        println!("log written to {}", self.output.display());
+        let _ = io::stdout().write_all(text.as_bytes());
         Ok(())
     }
+}
+
+/// Where the telemetry comes from.
+#[derive(Debug, Clone)]
+struct Stream {
+    /// None for standard input.
+    path: Option<PathBuf>,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// It is still there when this program is not.
+    File,
+    /// It opens when somebody writes to it.
+    Fifo,
+    Other,
+}
+
+impl Stream {
+    fn at(path: &Path) -> Result<Self, FileError> {
+        let path = Some(path).filter(|path| *path != Path::new("-")).map(Path::to_owned);
+        let about = match &path {
+            Some(path) => fs::metadata(path),
+            None => file::standard_input().and_then(|input| input.metadata()),
+        };
+        let mut stream = Self { path, kind: Kind::Other };
+        let failed = || FileError::opening(Path::new(stream.name()));
+        let about = about.map_err(failed())?;
+        if about.is_dir() {
+            return Err(failed()(ErrorKind::IsADirectory.into()));
+        }
+        stream.kind = match about.is_file() {
+            true => Kind::File,
+            false if is_fifo(&about) => Kind::Fifo,
+            false => Kind::Other,
+        };
+        Ok(stream)
+    }
+
+    fn open(&self) -> io::Result<File> {
+        match &self.path {
+            Some(path) => file::open(path).map_err(|error| error.source),
+            None => file::standard_input(),
+        }
+    }
+
+    fn name(&self) -> &str {
+        self.path.as_ref().map_or("standard input", |path| path.to_str().unwrap_or("the stream"))
+    }
+
+    fn says(&self, notice: &Notice) -> String {
+        match notice {
+            Notice::NotOpen if self.kind == Kind::Fifo => {
+                "a FIFO that nobody writes to; waiting for a writer, Ctrl-C ends".to_owned()
+            }
+            Notice::NotOpen => "waiting for it to open, Ctrl-C ends".to_owned(),
+            Notice::Silent => "nothing has come yet; still waiting, Ctrl-C ends".to_owned(),
+            Notice::NotKept(error) => format!(
+                "what arrives cannot be kept on the disk any more ({error}); from now on it is in memory only, until the log is written"
+            ),
+        }
+    }
+}
+
+#[cfg(unix)]
+fn is_fifo(about: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    about.file_type().is_fifo()
+}
+
+#[cfg(not(unix))]
+fn is_fifo(_: &Metadata) -> bool {
+    false
 }
 
 /// When so many seconds will be over.
@@ -72,92 +187,9 @@ fn end_of(seconds: f64) -> Result<Instant, String> {
         .ok_or_else(|| format!("--seconds {seconds}: no such time\nhelp: leave it out to read until Ctrl-C"))
 }
 
-/// What another thread reads of a stream, until its end, Ctrl-C, or the end of the time: also where nothing comes any more.
-struct Pieces {
-    /// An empty piece is the end.
-    coming: Receiver<io::Result<Vec<u8>>>,
-    until: Option<Instant>,
-    piece: Vec<u8>,
-    taken: usize,
-}
-
-impl Pieces {
-    fn of(mut stream: impl Read + Send + 'static, until: Option<Instant>) -> Self {
-        let (sender, coming) = sync_channel(WAITING);
-        end_at_interrupt(sender.clone());
-        thread::spawn(move || {
-            loop {
-                let mut piece = vec![0; PIECE];
-                let read = stream.read(&mut piece).map(|length| {
-                    piece.truncate(length);
-                    piece
-                });
-                let is_last = read.as_ref().map_or(true, Vec::is_empty);
-                if sender.send(read).is_err() || is_last {
-                    return;
-                }
-            }
-        });
-        Self { coming, until, piece: Vec::new(), taken: 0 }
-    }
-}
-
-/// Ctrl-C ends the stream and not the program: what came is written.
-fn end_at_interrupt(sender: SyncSender<io::Result<Vec<u8>>>) {
-    thread::spawn(move || {
-        // without it the program ends as programs do
-        let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else { return };
-        if runtime.block_on(tokio::signal::ctrl_c()).is_ok() {
-            let _ = sender.send(Ok(Vec::new()));
-        }
-    });
-}
-
-impl Read for Pieces {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.taken == self.piece.len() {
-            let next = match self.until {
-                None => self.coming.recv().ok(),
-                Some(until) => self.coming.recv_timeout(until.saturating_duration_since(Instant::now())).ok(),
-            };
-            (self.piece, self.taken) = (next.transpose()?.unwrap_or_default(), 0);
-        }
-        let length = buffer.len().min(self.piece.len() - self.taken);
-        buffer[..length].copy_from_slice(&self.piece[self.taken..self.taken + length]);
-        self.taken += length;
-        Ok(length)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A port that says something and then nothing any more.
-    struct Silent(Option<Vec<u8>>);
-
-    impl Read for Silent {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let Some(said) = self.0.take() else {
-                loop {
-                    thread::park();
-                }
-            };
-            buffer[..said.len()].copy_from_slice(&said);
-            Ok(said.len())
-        }
-    }
-
-    #[test]
-    fn a_device_that_falls_silent_does_not_keep_a_recording() {
-        let until = Instant::now() + Duration::from_millis(200);
-        let mut said = Vec::new();
-        Pieces::of(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut said).expect("an end");
-        assert_eq!(said, b"said");
-        let mut whole = Vec::new();
-        Pieces::of(&[7; 10_000][..], None).read_to_end(&mut whole).expect("an end");
-        assert_eq!(whole, [7; 10_000]);
-    }
 
     #[test]
     fn a_time_that_is_none_is_refused() {

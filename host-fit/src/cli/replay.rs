@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use fos_core::Image;
 
-use super::arguments::Reading;
+use super::arguments::{OutputFile, Reading};
 use super::output::{Failure, number, optional, print_json, spinner, table};
 use crate::file;
 use crate::hub_log::hub_log;
@@ -23,13 +23,13 @@ pub(super) struct Replay {
     log: PathBuf,
     /// The corrected log to write: .csv, .csv.gz or .parquet
     #[arg(short, long)]
-    output: Option<PathBuf>,
+    output: Option<OutputFile>,
     /// Write the log in the form that the firmware in the loop reads
     #[arg(long, value_name = "FILE")]
-    device_log: Option<PathBuf>,
+    device_log: Option<OutputFile>,
     /// Write the log as raw samples for a hub: what the firmware example and the C program read
     #[arg(long, value_name = "FILE")]
-    hub_log: Option<PathBuf>,
+    hub_log: Option<OutputFile>,
     /// Columns of the axes and quantities, where the image's own names do not fit: gx_rads,gy_rads
     #[arg(long, value_delimiter = ',', value_name = "COLUMNS")]
     axes: Vec<String>,

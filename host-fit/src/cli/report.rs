@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::arguments::Reading;
+use super::arguments::{OutputFile, Reading};
 use super::growing::{LogArguments, column_of, read_logs};
 use super::output::{Failure, print_json, spinner};
 use crate::effects::Library;
@@ -28,7 +28,7 @@ pub(super) struct Report {
     effects: Vec<PathBuf>,
     /// The file to write
     #[arg(short, long, default_value = "report.html")]
-    output: PathBuf,
+    output: OutputFile,
     /// Its form; by default what its name ends in
     #[arg(long)]
     format: Option<Format>,

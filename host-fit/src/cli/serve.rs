@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::Reading;
+use super::arguments::{OutputFolder, Reading};
 use super::output::{Failure, print_warning};
 use crate::effects::Library;
 use crate::recording::LoadOptions;
@@ -37,7 +37,7 @@ pub(super) struct Serve {
     listen: IpAddr,
     /// Folder for dropped files and the example; made if it is not there
     #[arg(long, default_value = "fos-workbench")]
-    folder: PathBuf,
+    folder: OutputFolder,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,

@@ -1,9 +1,10 @@
 //! `simulate`: a log with known truth; a case or many.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 
+use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_written};
 use super::simulate_case::CaseArguments;
 use crate::recording::write_columns;
@@ -18,7 +19,7 @@ use crate::simulate::{Simulation, simulate};
 pub(super) struct Simulate {
     /// The log to write: .csv, .csv.gz or .parquet; with --suite, the folder
     #[arg(required_unless_present = "case")]
-    log: Option<PathBuf>,
+    log: Option<OutputFile>,
     /// Duration, min
     #[arg(long, default_value_t = 20.0)]
     minutes: f64,

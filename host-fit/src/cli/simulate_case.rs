@@ -1,9 +1,10 @@
 //! `simulate --case` and `--suite`: case folders with a known effect, for the diagnosis.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 
+use super::arguments::OutputFolder;
 use super::output::{Failure, Written, print_written, progress};
 use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
 
@@ -12,7 +13,7 @@ use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulat
 pub(super) struct CaseArguments {
     /// Write a case: baseline, field and evaluation of one unit with known effects, and the truth
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["log", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
-    case: Option<PathBuf>,
+    case: Option<OutputFolder>,
     /// Write a seeded mix of N cases, FOLDER/case_000 …: nothing missing, single effects, pairs, undecidable, outside
     #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
     suite: Option<usize>,

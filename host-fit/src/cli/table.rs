@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use comfy_table::presets;
 
-use super::arguments::{Reading, axes, describe};
+use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::output::{Failure, number, optional, print_json, progress, table};
 use crate::fit::Search;
 use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
@@ -47,7 +47,7 @@ pub(super) struct Table {
     repeats: usize,
     /// Draw autocorrelation, samples and error against order into this folder, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
-    figures: Option<PathBuf>,
+    figures: Option<OutputFolder>,
     /// Print the tables as Markdown
     #[arg(long, conflicts_with = "json")]
     markdown: bool,

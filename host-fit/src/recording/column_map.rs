@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::unit::{Affine, Unit, known_units, parse_unit};
+use crate::file::{self, FileError};
 
 /// Maps columns of a log to channels.
 ///
@@ -124,12 +125,13 @@ pub enum MapError {
     #[error("column map: {0}\nhelp: write a table [columns] of channel = \"column:unit\"")]
     Toml(#[from] toml::de::Error),
     /// A map that cannot be read.
-    #[error("column map {path}: cannot be read ({source})\nhelp: check the path")]
-    Io {
+    #[error("column map {0}")]
+    File(#[from] FileError),
+    /// A map that is no text.
+    #[error("column map {path}: it is no text\nhelp: write a table [columns] of channel = \"column:unit\"")]
+    NotText {
         /// The file.
         path: String,
-        /// The system's answer.
-        source: std::io::Error,
     },
 }
 
@@ -190,8 +192,8 @@ impl ColumnMap {
     /// # Errors
     /// A file that cannot be read, and those of [`ColumnMap::from_toml`].
     pub fn from_file(path: &Path) -> Result<ColumnMap, MapError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| MapError::Io { path: path.display().to_string(), source })?;
+        let text = String::from_utf8(file::read(path)?)
+            .map_err(|_| MapError::NotText { path: path.display().to_string() })?;
         ColumnMap::from_toml(&text)
     }
 

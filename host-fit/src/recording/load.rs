@@ -19,7 +19,7 @@ use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
 use super::unit::Unit;
 use super::{AXES, Recording, csv_file, gaps, parquet_file};
-use crate::file::FileError;
+use crate::file::{self, FileError};
 
 /// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
 pub const MAX_UNUSABLE: f64 = 0.05;
@@ -96,7 +96,7 @@ fn table_of(
     extent: Extent,
 ) -> Result<(Table, Hashing<File>), RecordingError> {
     let failed = || FileError::reading(path);
-    let mut file = File::open(path).map_err(FileError::opening(path))?;
+    let mut file = file::open(path)?;
     let mut magic = [0; 4];
     let n = read_up_to(&mut file, &mut magic).map_err(failed())?;
     file.rewind().map_err(failed())?;

@@ -64,7 +64,7 @@ pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{Rate, Stamps};
 pub use source::Source;
 pub use unit::Unit;
-pub use write::write_columns;
+pub use write::{check_log_path, write_columns};
 
 /// The inertial channels, in their order everywhere.
 pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];

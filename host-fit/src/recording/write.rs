@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::error::RecordingError;
 use super::table::check_names;
-use crate::file::{FileError, replace};
+use crate::file::{FileError, check_output, replace};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use parquet::basic::{Compression as ParquetCompression, Repetition, Type as Physical, ZstdLevel};
@@ -30,26 +30,24 @@ const ROW_GROUP: usize = 1 << 20;
 /// An unknown ending, columns of different length or of one name, and what the system refuses.
 pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Result<(), RecordingError> {
     let path = path.as_ref();
-    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let format = Format::of(path)?;
     check_columns(path, columns)?;
     let beside = |write: &dyn Fn(&File) -> io::Result<()>| {
         replace(path, write).map_err(FileError::writing(path)).map_err(RecordingError::from)
     };
-    if name.ends_with(".csv") {
-        beside(&|file| {
+    match format {
+        Format::Csv => beside(&|file| {
             let mut out = BufWriter::new(file);
             write_csv(&mut out, columns)?;
             out.flush()
-        })
-    } else if name.ends_with(".csv.gz") {
-        beside(&|file| {
+        }),
+        Format::PackedCsv => beside(&|file| {
             // the fast level: within a few per cent of the best on digits, in a fraction of the time
             let mut out = BufWriter::new(GzEncoder::new(file, Compression::fast()));
             write_csv(&mut out, columns)?;
             out.into_inner().map_err(io::IntoInnerError::into_error)?.finish().map(drop)
-        })
-    } else if name.ends_with(".parquet") {
-        beside(&|file| {
+        }),
+        Format::Parquet => beside(&|file| {
             write_parquet(file, columns).map_err(|error| match error {
                 // what the system said is inside
                 ParquetError::External(inner) => {
@@ -57,9 +55,32 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
                 }
                 other => io::Error::other(other),
             })
-        })
-    } else {
-        Err(RecordingError::UnknownFormat { path: path.to_owned() })
+        }),
+    }
+}
+
+/// Whether a log can be written to `path`, asked before what is to be in it is there.
+///
+/// # Errors
+/// An unknown ending, something there that is no file, a file that was read.
+pub fn check_log_path(path: &Path) -> Result<(), RecordingError> {
+    Format::of(path)?;
+    Ok(check_output(path)?)
+}
+
+enum Format {
+    Csv,
+    PackedCsv,
+    Parquet,
+}
+
+impl Format {
+    /// By what the name ends in.
+    fn of(path: &Path) -> Result<Self, RecordingError> {
+        let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let formats = [(".csv", Self::Csv), (".csv.gz", Self::PackedCsv), (".parquet", Self::Parquet)];
+        let found = formats.into_iter().find(|(ending, _)| name.ends_with(ending));
+        found.map(|(_, format)| format).ok_or_else(|| RecordingError::UnknownFormat { path: path.to_owned() })
     }
 }
 

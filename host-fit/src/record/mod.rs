@@ -1,5 +1,9 @@
 //! From a stream of telemetry to a log.
 
+pub mod arriving;
+mod end;
+pub mod kept;
+
 use std::io::{self, BufRead};
 
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
@@ -8,6 +12,9 @@ use serde::Serialize;
 /// Frames longer than this are no frames: a stream of something else.
 const LONGEST: u64 = 4096;
 
+/// So many bytes without a single frame are no telemetry: some twenty seconds of a serial port at 115200 baud.
+const STRANGE: u64 = 1 << 18;
+
 /// Ticks that go back by more than this are a restart and not a wrapped counter.
 const RESTART: u32 = 1 << 31;
 
@@ -15,7 +22,9 @@ const RESTART: u32 = 1 << 31;
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// It cannot be read.
-    #[error("the stream cannot be read: {0}")]
+    #[error(
+        "the stream cannot be read: {0}\nhelp: is the device connected, and may you read its port (on Linux: are you in the group dialout)?"
+    )]
     Read(#[from] io::Error),
     /// Another version.
     #[error(
@@ -24,6 +33,19 @@ pub enum RecordError {
     Version {
         /// What it sends.
         found: u16,
+    },
+    /// Not a byte.
+    #[error(
+        "nothing came\nhelp: is the device on, and is this its port? A FIFO needs somebody who writes into it"
+    )]
+    Silent,
+    /// Something else, without end.
+    #[error(
+        "no frame of telemetry in the first {bytes} bytes\nhelp: is it the telemetry of fos, at the right baud rate, as `stty -F PORT raw 115200` sets it? In a file, what comes before it can be cut off: `tail -c +{bytes} FILE | host-fit record - -o LOG`"
+    )]
+    Strange {
+        /// Bytes read.
+        bytes: u64,
     },
     /// Nothing in it.
     #[error(
@@ -35,6 +57,13 @@ pub enum RecordError {
         /// Frames that could not be decoded.
         damaged: u64,
     },
+}
+
+impl RecordError {
+    /// Whether the stream may be worth something to another program; else there is nothing in it.
+    pub fn holds_something(&self) -> bool {
+        matches!(self, Self::Version { .. })
+    }
 }
 
 /// A log, and what was lost on the way.
@@ -69,11 +98,11 @@ pub struct Report {
 ///
 /// # Errors
 ///
-/// The stream cannot be read, is of another version, or has no sample.
+/// The stream cannot be read, is of another version, has no sample, or goes on and on without a frame.
 pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
     let mut log = Log::default();
     let mut frame = Vec::new();
-    let mut joined = false;
+    let (mut joined, mut is_telemetry) = (false, false);
     loop {
         frame.clear();
         let read = match io::Read::take(&mut stream, LONGEST).read_until(0, &mut frame) {
@@ -87,7 +116,9 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
         };
         log.report.bytes += read as u64;
         if frame != [0] {
-            match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
+            let decoded = decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame);
+            is_telemetry |= decoded.is_ok();
+            match decoded {
                 Ok(Frame::Start(start)) => log.start(&start)?,
                 Ok(Frame::Sample(sample)) => log.sample(&sample),
                 Err(TelemetryError::OtherVersion(found)) => return Err(RecordError::Version { found }),
@@ -97,6 +128,9 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
             }
         }
         joined = true;
+        if !is_telemetry && log.report.bytes >= STRANGE {
+            return Err(RecordError::Strange { bytes: log.report.bytes });
+        }
     }
     log.finish()
 }
@@ -183,6 +217,9 @@ impl Log {
 
     fn finish(self) -> Result<Recorded, RecordError> {
         let Report { bytes, damaged, .. } = self.report;
+        if bytes == 0 {
+            return Err(RecordError::Silent);
+        }
         let Some(names) = self.names.filter(|_| !self.time_s.is_empty()) else {
             return Err(RecordError::Nothing { bytes, damaged });
         };
@@ -342,6 +379,10 @@ mod tests {
         let noise: Vec<u8> = (0..20_000_u32).map(|n| (n * n % 251) as u8).collect();
         let said = record(&noise[..]).expect_err("nothing in it").to_string();
         assert!(said.contains("baud rate"), "{said}");
+        // it need not end for that
+        let said = record(io::BufReader::new(io::repeat(b'x'))).expect_err("nothing in it").to_string();
+        assert!(said.contains("no frame of telemetry in the first 262144 bytes\nhelp: "), "{said}");
+        assert!(matches!(record(&[][..]), Err(RecordError::Silent)));
         let other = stream(&[Frame::Start(StartFrame { version: 9, ..START })]);
         assert!(matches!(record(&other[..]), Err(RecordError::Version { found: 9 })));
     }

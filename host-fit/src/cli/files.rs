@@ -1,0 +1,103 @@
+//! The files that a command line names, before anything is read or computed: nothing is written over what is read, and no two things
+//! into one file. What a command reads besides, such as the logs of a study, the writer looks after (`inputs.rs`).
+
+use std::any::TypeId;
+use std::path::{Path, PathBuf};
+
+use clap::{Arg, ArgMatches, Command};
+
+use super::arguments::{OutputFile, OutputFolder};
+use crate::inputs::{Identity, Place};
+
+/// What an argument that is a path is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// A file or folder that is read.
+    Input,
+    /// A file that is written.
+    OutputFile,
+    /// A folder that is written into.
+    OutputFolder,
+}
+
+/// What an argument is for, if it is a path.
+pub fn role_of(argument: &Arg) -> Option<Role> {
+    let kind = argument.get_value_parser().type_id();
+    let roles = [
+        (TypeId::of::<PathBuf>(), Role::Input),
+        (TypeId::of::<OutputFile>(), Role::OutputFile),
+        (TypeId::of::<OutputFolder>(), Role::OutputFolder),
+    ];
+    roles.into_iter().find(|(of, _)| kind == *of).map(|(_, role)| role)
+}
+
+/// A command line that would lose a file.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum OneFile {
+    /// Something that is read.
+    #[error("{output} {}: it is what {input} reads, {}, and would be lost\nhelp: write to another file", at.display(), read.display())]
+    IsRead {
+        /// The argument.
+        output: String,
+        /// Its value.
+        at: PathBuf,
+        /// The other argument.
+        input: String,
+        /// Its value.
+        read: PathBuf,
+    },
+    /// Something else that is written.
+    #[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
+    IsWritten {
+        /// An argument.
+        first: String,
+        /// Another.
+        second: String,
+        /// What they name.
+        at: PathBuf,
+    },
+}
+
+/// # Errors
+///
+/// A file that is written is one that is read, or another one that is written.
+pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), OneFile> {
+    let mut inputs: Vec<(String, &Path)> = Vec::new();
+    let mut outputs: Vec<(String, &Path)> = Vec::new();
+    for argument in command.get_arguments() {
+        let paths = match role_of(argument) {
+            Some(Role::Input) => &mut inputs,
+            Some(Role::OutputFile) => &mut outputs,
+            Some(Role::OutputFolder) | None => continue,
+        };
+        let values = matches.get_raw(argument.get_id().as_str()).into_iter().flatten();
+        paths.extend(values.map(|value| (name_of(argument), Path::new(value))));
+    }
+    for (index, (name, output)) in outputs.iter().enumerate() {
+        let place = Place::of(output);
+        if let Some((first, _)) = outputs[..index].iter().find(|(_, other)| Place::of(other) == place) {
+            let (first, second) = (first.clone(), name.clone());
+            return Err(OneFile::IsWritten { first, second, at: output.to_path_buf() });
+        }
+        let Place::Taken(identity) = place else { continue };
+        let is_output = |(_, input): &&(String, &Path)| Identity::of(input).as_ref() == Some(&identity);
+        if let Some((input, read)) = inputs.iter().find(is_output) {
+            return Err(OneFile::IsRead {
+                output: name.clone(),
+                at: output.to_path_buf(),
+                input: input.clone(),
+                read: read.to_path_buf(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// As it stands in the help: --output, LOG.
+fn name_of(argument: &Arg) -> String {
+    let placeholder = || argument.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
+    match argument.get_long() {
+        Some(long) => format!("--{long}"),
+        None => placeholder().unwrap_or_else(|| argument.get_id().to_string().to_uppercase()),
+    }
+}

@@ -1,0 +1,267 @@
+//! What arrives on a stream, until it ends, the time is over, or somebody asks for the end.
+
+use std::io::{self, Read, Write};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::end::when_asked_to_end;
+use super::kept::Kept;
+
+/// Bytes that are read at once, and pieces that may wait: seconds of a serial port, while the disk is slow.
+const PIECE: usize = 4096;
+const WAITING: usize = 1024;
+
+/// After so long somebody is told that the stream is waited for: it does not open, or nothing comes.
+const PATIENCE_TO_OPEN: Duration = Duration::from_secs(1);
+const PATIENCE_TO_HEAR: Duration = Duration::from_secs(5);
+
+/// What is worth knowing while a recording runs.
+#[derive(Debug)]
+pub enum Notice {
+    /// It does not open; a FIFO without a writer does not.
+    NotOpen,
+    /// It is open, and nothing has come.
+    Silent,
+    /// What comes from now on is in memory only.
+    NotKept(io::Error),
+}
+
+/// The bytes of a stream that another thread opens and reads: the end comes also where nothing opens, or nothing comes any more.
+pub struct Arriving<N> {
+    coming: Receiver<Coming>,
+    until: Option<Instant>,
+    /// The next moment at which patience is over; none once something has come.
+    impatient: Option<(Instant, Notice)>,
+    kept: Option<Kept>,
+    /// It can be written and brought to the disk.
+    keeps: bool,
+    notify: N,
+    piece: Vec<u8>,
+    taken: usize,
+    ended: bool,
+}
+
+enum Coming {
+    Opened,
+    Piece(Vec<u8>),
+    NotKept(io::Error),
+    BrokenOff(io::Error),
+    End,
+}
+
+impl<N: FnMut(&Notice)> Arriving<N> {
+    /// Of the stream that `open` opens, `until` then. What comes goes to `kept` before anything else is done with it; `notify` is
+    /// told what somebody who waits should know.
+    ///
+    /// # Errors
+    ///
+    /// The system gives no notice of a wish to end.
+    pub fn of<S: Read>(
+        open: impl FnOnce() -> io::Result<S> + Send + 'static,
+        until: Option<Instant>,
+        kept: Option<Kept>,
+        notify: N,
+    ) -> io::Result<Self> {
+        let (sender, coming) = sync_channel(WAITING);
+        let ending = sender.clone();
+        when_asked_to_end(move || drop(ending.send(Coming::End)))?;
+        let keep = kept.as_ref().map(Kept::writer).transpose()?;
+        thread::spawn(move || pass_on(open, keep, &sender));
+        Ok(Self {
+            coming,
+            until,
+            impatient: Some((Instant::now() + PATIENCE_TO_OPEN, Notice::NotOpen)),
+            keeps: kept.is_some(),
+            kept,
+            notify,
+            piece: Vec::new(),
+            taken: 0,
+            ended: false,
+        })
+    }
+
+    /// The file that holds what arrived, if there is one.
+    pub fn into_kept(self) -> Option<Kept> {
+        self.kept
+    }
+
+    /// Waits for the next piece; an empty one is the end.
+    fn next(&mut self) -> io::Result<Vec<u8>> {
+        loop {
+            if self.until.is_some_and(|until| until <= Instant::now()) {
+                return Ok(Vec::new());
+            }
+            self.bring_to_the_disk();
+            match self.wait() {
+                Ok(Coming::Opened) => {
+                    self.impatient = Some((Instant::now() + PATIENCE_TO_HEAR, Notice::Silent));
+                }
+                Ok(Coming::Piece(piece)) => {
+                    self.impatient = None;
+                    return Ok(piece);
+                }
+                Ok(Coming::NotKept(error)) => self.keeps_no_more(error),
+                Ok(Coming::BrokenOff(error)) => return Err(error),
+                Ok(Coming::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Vec::new()),
+                Err(RecvTimeoutError::Timeout) => {
+                    let over = |(at, _): &mut (Instant, Notice)| *at <= Instant::now();
+                    if let Some((_, notice)) = self.impatient.take_if(over) {
+                        (self.notify)(&notice);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Until something comes, or there is something else to do.
+    fn wait(&self) -> Result<Coming, RecvTimeoutError> {
+        let impatient = self.impatient.as_ref().map(|(at, _)| *at);
+        let due = self.kept.as_ref().filter(|_| self.keeps).map(Kept::due);
+        match [self.until, impatient, due].into_iter().flatten().min() {
+            Some(at) => self.coming.recv_timeout(at.saturating_duration_since(Instant::now())),
+            None => self.coming.recv().map_err(|_| RecvTimeoutError::Disconnected),
+        }
+    }
+
+    fn bring_to_the_disk(&mut self) {
+        let kept = self.kept.as_mut().filter(|_| self.keeps);
+        if let Some(Err(error)) = kept.map(Kept::sync_if_due) {
+            self.keeps_no_more(error);
+        }
+    }
+
+    fn keeps_no_more(&mut self, error: io::Error) {
+        if self.keeps {
+            self.keeps = false;
+            (self.notify)(&Notice::NotKept(error));
+        }
+    }
+}
+
+/// Opens a stream, and passes on what it says after it is kept.
+fn pass_on<S: Read>(
+    open: impl FnOnce() -> io::Result<S>,
+    mut keep: Option<impl Write>,
+    sender: &SyncSender<Coming>,
+) {
+    // nobody hears it any more: the recording has ended
+    let tell = |coming| sender.send(coming).is_ok();
+    let mut stream = match open() {
+        Ok(stream) => stream,
+        Err(error) => {
+            tell(Coming::BrokenOff(error));
+            return;
+        }
+    };
+    if !tell(Coming::Opened) {
+        return;
+    }
+    let mut piece = vec![0; PIECE];
+    loop {
+        let length = match stream.read(&mut piece) {
+            Ok(0) => {
+                tell(Coming::End);
+                return;
+            }
+            Ok(length) => length,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => {
+                tell(Coming::BrokenOff(error));
+                return;
+            }
+        };
+        if let Some(Err(error)) = keep.as_mut().map(|file| file.write_all(&piece[..length])) {
+            keep = None;
+            tell(Coming::NotKept(error));
+        }
+        if !tell(Coming::Piece(piece[..length].to_vec())) {
+            return;
+        }
+    }
+}
+
+impl<N: FnMut(&Notice)> Read for Arriving<N> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.taken == self.piece.len() && !self.ended {
+            (self.piece, self.taken) = (self.next()?, 0);
+            // once it has ended nothing is waited for any more
+            self.ended = self.piece.is_empty();
+        }
+        let length = buffer.len().min(self.piece.len() - self.taken);
+        buffer[..length].copy_from_slice(&self.piece[self.taken..self.taken + length]);
+        self.taken += length;
+        Ok(length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A port that says something and then nothing any more.
+    struct Silent(Option<Vec<u8>>);
+
+    impl Read for Silent {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let Some(said) = self.0.take() else {
+                loop {
+                    thread::park();
+                }
+            };
+            buffer[..said.len()].copy_from_slice(&said);
+            Ok(said.len())
+        }
+    }
+
+    fn arriving<S: Read + Send + 'static>(
+        stream: S,
+        until: Option<Instant>,
+    ) -> Arriving<impl FnMut(&Notice)> {
+        Arriving::of(|| Ok(stream), until, None, |_| {}).unwrap()
+    }
+
+    #[test]
+    fn a_device_that_falls_silent_does_not_keep_a_recording() {
+        let until = Instant::now() + Duration::from_millis(200);
+        let mut said = Vec::new();
+        arriving(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut said).unwrap();
+        assert_eq!(said, b"said");
+        let mut whole = Vec::new();
+        arriving(&[7; 10_000][..], None).read_to_end(&mut whole).unwrap();
+        assert_eq!(whole, [7; 10_000]);
+    }
+
+    #[test]
+    fn the_end_stays_the_end() {
+        // asked again after the end, it waited for more for ever
+        let mut stream = arriving(&b"0123"[..], None);
+        let mut said = Vec::new();
+        stream.read_to_end(&mut said).unwrap();
+        assert_eq!((said.as_slice(), stream.read(&mut [0; 8]).unwrap()), (&b"0123"[..], 0));
+    }
+
+    #[test]
+    fn a_stream_that_never_stops_ends_when_the_time_is_over() {
+        let until = Instant::now() + Duration::from_millis(100);
+        let mut stream = arriving(io::repeat(7), Some(until));
+        let read = io::copy(&mut stream, &mut io::sink()).unwrap();
+        assert!(read > 0 && Instant::now() < until + Duration::from_secs(20), "{read}");
+    }
+
+    #[test]
+    fn who_waits_for_a_stream_that_does_not_open_is_told() {
+        let until = Instant::now() + PATIENCE_TO_OPEN + Duration::from_millis(300);
+        let mut told = Vec::new();
+        let never = || -> io::Result<io::Empty> {
+            loop {
+                thread::park();
+            }
+        };
+        let notify = |notice: &Notice| told.push(format!("{notice:?}"));
+        let mut stream = Arriving::of(never, Some(until), None, notify).unwrap();
+        assert_eq!(stream.read(&mut [0; 8]).unwrap(), 0);
+        drop(stream);
+        assert_eq!(told, ["NotOpen"]);
+    }
+}
