@@ -13,6 +13,7 @@ use crate::case::{Case, CaseError, CaseMeta};
 use crate::diagnose::{DiagnoseError, Diagnosis, correction, diagnose, is_fast};
 use crate::effects::Library;
 use crate::file::{self, FileError};
+use crate::program::this_build;
 use crate::recording::{Recording, RecordingError, write_columns};
 use crate::study::Tool;
 
@@ -176,10 +177,7 @@ fn corrections(answer: &Answer) -> impl Iterator<Item = &String> {
 /// Names, sizes and times of change of a case's files, this program and the library.
 fn key(folder: &Path, library: &Library) -> String {
     let mut digest = Sha256::new();
-    digest.update(env!("CARGO_PKG_VERSION"));
-    if let Ok(program) = std::env::current_exe().and_then(std::fs::metadata) {
-        digest.update(format!("{} {:?}", program.len(), program.modified().ok()));
-    }
+    digest.update(this_build());
     digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .into_iter()

@@ -2,7 +2,7 @@
 //! power is cut. What was read is not replaced ([`inputs`]).
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -27,12 +27,16 @@ pub struct FileError {
 const OPEN: &str = "open it";
 const READ: &str = "read it";
 const WRITE: &str = "write it";
+const COPY: &str = "copy what comes through it to a temporary file";
 const MAKE: &str = "make the folder";
 
 /// What to do about it, where that is known.
 fn help(action: &str, error: &io::Error) -> &'static str {
     let reads = [OPEN, READ].contains(&action);
     match error.kind() {
+        ErrorKind::StorageFull if action == COPY => {
+            "\nhelp: the disk with temporary files is full: set TMPDIR to a folder with more room"
+        }
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "\nhelp: the disk is full: make room, or write elsewhere; what was there before is as it was"
         }
@@ -112,6 +116,25 @@ pub fn open(path: &Path) -> Result<File, FileError> {
     Ok(file)
 }
 
+/// The same, and what comes through a pipe, which can be read but once and in order, copied to a file that has no name.
+///
+/// # Errors
+///
+/// As of [`open`], or there is no room for the copy.
+pub(crate) fn open_to_seek(path: &Path) -> Result<File, FileError> {
+    let mut file = open(path)?;
+    // a folder, too, is refused by whoever reads it
+    if file.stream_position().is_ok() || file.metadata().is_ok_and(|about| about.is_dir()) {
+        return Ok(file);
+    }
+    let copy = tempfile::tempfile().and_then(|mut copy| {
+        io::copy(&mut file, &mut copy)?;
+        copy.rewind()?;
+        Ok(copy)
+    });
+    copy.map_err(FileError::when(COPY, path))
+}
+
 /// Standard input as a file, to be read: it may be one.
 pub(crate) fn standard_input() -> io::Result<File> {
     #[cfg(unix)]
@@ -189,18 +212,42 @@ impl Beside {
         self.file.as_file()
     }
 
+    /// Gives it the first of `names`, all in its folder, that is free: of two at once each gets one.
+    pub(crate) fn put_as_new(self, names: impl IntoIterator<Item = PathBuf>) -> io::Result<PathBuf> {
+        self.file.as_file().sync_all()?;
+        let mut beside = self.file;
+        for name in names {
+            match beside.persist_noclobber(&name) {
+                Ok(file) => {
+                    inputs::note_written(&file, &name)?;
+                    sync_folder(folder_of(&name))?;
+                    return Ok(name);
+                }
+                Err(taken) if taken.error.kind() == ErrorKind::AlreadyExists => beside = taken.file,
+                Err(other) => return Err(other.error),
+            }
+        }
+        Err(ErrorKind::AlreadyExists.into())
+    }
+
     /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read.
     pub(crate) fn put(self) -> io::Result<()> {
         inputs::refuse_to_replace(&self.path)?;
-        self.put_back()
+        let (file, path) = self.replace()?;
+        inputs::note_written(&file, &path)
     }
 
-    /// The same, also over what was read: it is what was read, changed.
+    /// The same, also over what was read: it is what was read, changed, and is not replaced by anything else either.
     pub(crate) fn put_back(self) -> io::Result<()> {
+        let (file, path) = self.replace()?;
+        inputs::note_read(&file, &path)
+    }
+
+    fn replace(self) -> io::Result<(File, PathBuf)> {
         self.file.as_file().sync_all()?;
         let file = self.file.persist(&self.path).map_err(|error| error.error)?;
-        inputs::note_written(&file, &self.path)?;
-        sync_folder(folder_of(&self.path))
+        sync_folder(folder_of(&self.path))?;
+        Ok((file, self.path))
     }
 }
 

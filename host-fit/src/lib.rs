@@ -30,6 +30,7 @@ pub mod model;
 pub mod moments;
 pub mod paper;
 pub mod plots;
+mod program;
 pub mod record;
 pub mod recording;
 pub mod replay;

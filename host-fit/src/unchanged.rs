@@ -48,6 +48,11 @@ impl Seen {
         Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
     }
 
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Replaces the file if it still is as it was seen; no other process replaces it between the look and the deed.
     ///
     /// # Errors

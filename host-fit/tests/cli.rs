@@ -204,7 +204,7 @@ fn several_logs_are_fitted_as_one_and_not_spliced() {
     // a log that is not the one that was fitted is not taken for it
     done(folder, &["simulate", "b.parquet", "--band-limited", "--minutes", "1", "--seed", "3"]);
     let refused = fails(folder, 1, &["compare", "study.json"]);
-    assert!(refused.contains("not the log that was fitted"), "{refused}");
+    assert!(refused.contains("b.parquet: not the log that study.json was made with"), "{refused}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! How often the diagnosis is right: simulated cases with a known truth, diagnosed, corrected and counted.
 
 mod figures;
+mod kept;
 mod outcome;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,9 +10,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 pub use figures::{Figure, Goal, figures};
+pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
 
 use crate::effects::Library;
+use crate::file::FileError;
 use crate::simulate::{PlanError, suite};
 
 /// Why there are no figures.
@@ -33,6 +36,9 @@ pub enum CalibrationError {
         /// Why.
         source: Box<crate::diagnose::DiagnoseError>,
     },
+    /// What came out cannot be kept.
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 /// A calibration: what came out of every case, and the figures.
@@ -46,16 +52,17 @@ pub struct Calibration {
     pub figures: Vec<Figure>,
 }
 
-/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. `progress` is told
-/// the cases done.
+/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. What is `kept`
+/// already is not computed again, and what comes out is kept. `progress` is told the cases done.
 ///
 /// # Errors
 ///
-/// A case cannot be simulated or diagnosed.
+/// A case cannot be simulated or diagnosed, or its outcome cannot be kept.
 pub fn calibrate(
     seed: u64,
     count: usize,
     library: &Library,
+    kept: Option<&KeptOutcomes>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
     let plans = suite(seed, count);
@@ -64,10 +71,17 @@ pub fn calibrate(
         .par_iter()
         .enumerate()
         .map(|(case, plan)| {
-            let outcome = examine(case, plan, library);
+            let outcome = match kept.and_then(|kept| kept.of(case)) {
+                Some(known) => known,
+                None => {
+                    let outcome = examine(case, plan, library)?;
+                    kept.map(|kept| kept.add(&outcome)).transpose()?;
+                    outcome
+                }
+            };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            outcome
+            Ok(outcome)
         })
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, CalibrationError>>()?;
     Ok(Calibration { seed, figures: figures(&outcomes), outcomes })
 }

@@ -1,6 +1,6 @@
 //! One simulated case: its truth, the answer, and what the correction did to a log that was not fitted.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
 use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Reduced, Verdict, correction, diagnose};
@@ -13,7 +13,7 @@ use crate::simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, 
 const LEAST_FALL: f64 = 0.02;
 
 /// What came out of one case.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     /// Number in the suite.
     pub case: usize,
@@ -40,7 +40,7 @@ pub struct Outcome {
 }
 
 /// What was planted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlantedIn {
     /// Identifier.
     pub effect: String,
@@ -55,7 +55,7 @@ pub struct PlantedIn {
 }
 
 /// What was found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundIn {
     /// Identifier.
     pub effect: String,

@@ -50,7 +50,7 @@ impl Add {
         let library = Library::with_files(&self.effects)?;
         let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
-        let logs = read_logs(&self.logs, &self.reading, &study, &column)?;
+        let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;
         let ground = logs.ground(&library);
         let named = logs.named(ground.fitted_rows());
         let bar = spinner("estimating and judging");

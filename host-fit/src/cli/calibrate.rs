@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::OutputFile;
 use super::output::{Failure, number, print_json, progress, table};
-use crate::calibration::{Calibration, Figure, Goal, calibrate};
+use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
 use crate::effects::Library;
 use crate::file::write_atomically;
 
@@ -20,7 +20,8 @@ pub(super) struct Calibrate {
     /// Seed of all of them
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write what came out of every case to this file, JSON
+    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial: a calibration
+    /// that was broken off goes on where it was
     #[arg(long, value_name = "FILE")]
     outcomes: Option<OutputFile>,
     /// Effects of your own, one TOML file each. May be repeated
@@ -38,11 +39,15 @@ impl Calibrate {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
         let bar = progress(self.cases as u64, "diagnosing");
-        let calibration = calibrate(self.seed, self.cases, &library, |done| bar.set_position(done as u64))?;
+        let keep = |path: &OutputFile| KeptOutcomes::beside(path, self.seed, self.cases, &library);
+        let kept = self.outcomes.as_ref().map(keep).transpose()?;
+        let advance = |done| bar.set_position(done as u64);
+        let calibration = calibrate(self.seed, self.cases, &library, kept.as_ref(), advance)?;
         bar.finish_and_clear();
         if let Some(path) = &self.outcomes {
             write_atomically(path, &serde_json::to_vec_pretty(&calibration.outcomes)?)?;
         }
+        kept.into_iter().for_each(KeptOutcomes::remove);
         if self.json {
             print_json(&calibration.figures)?;
         } else {

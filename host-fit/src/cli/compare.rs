@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{OutputFolder, Reading, describe, read_all};
+use super::arguments::{OutputFolder, Reading, describe};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_warning, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
@@ -12,9 +12,9 @@ use crate::dependence::{Dependence, Trained};
 use crate::evaluate::ModelErrors;
 
 use crate::plots;
-use crate::recording::{Recording, Source};
+use crate::recording::{LoadOptions, Recording, load};
 use crate::rest;
-use crate::study::Study;
+use crate::study::{Study, load_again};
 
 /// Compare the model of a study with measurements and with plain rivals, and show where it fails
 #[derive(Debug, Args)]
@@ -37,26 +37,18 @@ pub(super) struct Compare {
 impl Compare {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let study = Study::read(&self.study)?;
-        let logs: Vec<PathBuf> = match &self.log {
-            Some(log) => vec![log.clone()],
-            None => study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect(),
+        let read = self.reading.options_or(&study.data.read)?;
+        let recording = match &self.log {
+            Some(log) => load(log, &read)?,
+            None => self.fitted_log(&study, &read)?,
         };
-        let recording = read_all(&logs, &self.reading.options_or(&study.data.read)?)?;
         let same = study.data.is(&recording);
         if self.log.is_none() && !same {
-            let differs = match recording.sources == study.data.sources {
-                true => {
-                    format!("it is read as {} rows, the study has {}", recording.n_rows(), study.data.rows)
-                }
-                false => format!(
-                    "its digest is {}, the study's is {}",
-                    digests(&recording.sources).join(", "),
-                    digests(&study.data.sources).join(", ")
-                ),
-            };
             return Err(format!(
-                "{}: not the log that was fitted: {differs}\nhelp: give the log to compare with as an argument",
-                recording.paths()
+                "{}: it is read as {} rows, the study has {}\nhelp: give the log to compare with as an argument",
+                recording.paths(),
+                recording.n_rows(),
+                study.data.rows
             )
             .into());
         }
@@ -71,7 +63,9 @@ impl Compare {
         }
         let rest = rest::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
-        let own = if same { None } else { fitted_log(&study) };
+        // where it still is what it was
+        let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
+        let own = own.filter(|own| study.data.is(own));
         let own = own.map(|own| (rest::find(&own), own));
         let trained_rows = 0..study.data.trained_rows;
         let trained = match &own {
@@ -99,17 +93,12 @@ impl Compare {
         }
         Ok(())
     }
-}
 
-fn digests(sources: &[Source]) -> Vec<String> {
-    sources.iter().map(|source| source.sha256.clone()).collect()
-}
-
-/// The log that the study was fitted to, where it still is what it was.
-fn fitted_log(study: &Study) -> Option<Recording> {
-    let paths: Vec<PathBuf> = study.data.sources.iter().map(|source| PathBuf::from(&source.path)).collect();
-    let recording = read_all(&paths, &study.data.read).ok()?;
-    study.data.is(&recording).then_some(recording)
+    /// The log, or the logs, that the study was fitted to.
+    fn fitted_log(&self, study: &Study, read: &LoadOptions) -> Result<Recording, Failure> {
+        let logs = study.data.sources.iter().map(|source| load_again(source, &self.study, read));
+        Ok(Recording::join(logs.collect::<Result<_, _>>()?)?)
+    }
 }
 
 /// The errors, the worst stretches and the dependences of every axis.

@@ -92,7 +92,7 @@ impl Diagnose {
     fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {
         let study = Study::read(&self.of)?;
         let column = column_of(&study, self.axis.as_deref())?;
-        let logs = read_logs(&self.logs, &self.reading, &study, &column)?;
+        let logs = read_logs(&self.logs, &self.reading, &study, &self.of, &column)?;
         let ground = logs.ground(library);
         let growth = match study.growth_of(&column) {
             Some(growth) => growth.clone(),

@@ -139,7 +139,7 @@ impl Fit {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let (study, ..) = study_of(&recording, &rest, fits, options, read, |_| {})?;
+        let (mut study, ..) = study_of(&recording, &rest, fits, options, read, |_| {})?;
         study.write(&file)?;
         if self.json {
             return print_json(&study);

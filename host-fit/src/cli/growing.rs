@@ -1,6 +1,6 @@
 //! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -9,8 +9,8 @@ use super::error_table::error_table;
 use super::output::{Failure, number, sparkline, table};
 use crate::evaluate::ModelErrors;
 use crate::grow::{Growth, Logs, Stair};
-use crate::recording::{Recording, Source, load};
-use crate::study::Study;
+use crate::recording::{Source, load};
+use crate::study::{Study, load_again};
 
 /// The logs that an axis grows on.
 #[derive(Debug, Clone, Args)]
@@ -26,27 +26,18 @@ pub(super) struct LogArguments {
     pub(super) judge: Option<PathBuf>,
 }
 
-/// Reads the logs that are asked for, or those that the growth of `column` names.
+/// Reads the logs that are asked for, or those that the growth of `column` names; `study` is in `file`.
 pub(super) fn read_logs(
     logs: &LogArguments,
     reading: &Reading,
     study: &Study,
+    file: &Path,
     column: &str,
 ) -> Result<Logs, Failure> {
     let known = study.growth_of(column).map(|growth| &growth.logs);
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
     let given = |path: &PathBuf| load(path, &read);
-    let again = |source: &Source| -> Result<Recording, Failure> {
-        let recording = load(&source.path, &read)?;
-        match recording.sources.first() {
-            Some(found) if found == source => Ok(recording),
-            _ => Err(format!(
-                "{}: not the log that it was: its digest has changed\nhelp: give the log with --from, --quiet or --judge",
-                source.path
-            )
-            .into()),
-        }
-    };
+    let again = |source: &Source| load_again(source, file, &read);
     let field = match (&logs.from, known) {
         (Some(path), _) => given(path)?,
         (None, Some(known)) => again(&known.field)?,

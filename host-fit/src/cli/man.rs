@@ -1,6 +1,5 @@
 //! `man`: manual pages, one for each subcommand.
 
-
 use clap::{Args, CommandFactory};
 use clap_mangen::Man as Page;
 

@@ -56,7 +56,7 @@ impl Report {
             (None, false) => grown,
             (axis, _) => vec![column_of(&study, axis.as_deref())?],
         };
-        let logs = read_logs(&self.logs, &self.reading, &study, &columns[0])?;
+        let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &columns[0])?;
         let spinner = spinner("examining");
         let content = Content::of(&study, &columns, &logs, &library, |what| {
             spinner.set_message(what.to_owned());

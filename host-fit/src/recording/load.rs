@@ -64,7 +64,7 @@ pub struct LoadOptions {
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = path.as_ref();
     let (table, hashing) = table_of(path, options, Extent::Whole)?;
-    let source = hashing.finish(path.display().to_string()).map_err(FileError::reading(path))?;
+    let source = hashing.finish(path).map_err(FileError::reading(path))?;
     assemble(source, table, options)
 }
 
@@ -96,7 +96,7 @@ fn table_of(
     extent: Extent,
 ) -> Result<(Table, Hashing<File>), RecordingError> {
     let failed = || FileError::reading(path);
-    let mut file = file::open(path)?;
+    let mut file = file::open_to_seek(path)?;
     let mut magic = [0; 4];
     let n = read_up_to(&mut file, &mut magic).map_err(failed())?;
     file.rewind().map_err(failed())?;

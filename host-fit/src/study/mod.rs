@@ -1,10 +1,13 @@
 //! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
 
 mod check;
+mod logs;
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+
+pub use logs::{LogAgainError, load_again};
 
 use crate::evaluate::ModelErrors;
 use crate::file::{self, FileError};
@@ -166,12 +169,13 @@ impl Study {
         Ok((study, Seen::of(path, &bytes)))
     }
 
-    /// Writes the study, whole or not at all, to a file that is as it was seen.
+    /// Writes the study, whole or not at all, to a file that is as it was seen; it notes where its logs lie as seen from there.
     ///
     /// # Errors
     ///
     /// The file cannot be written, or another process has written it meanwhile; it is then untouched.
-    pub fn write(&self, file: &Seen) -> Result<(), StudyError> {
+    pub fn write(&mut self, file: &Seen) -> Result<(), StudyError> {
+        self.note_places(file.path());
         Ok(file.replace(&self.to_bytes())?)
     }
 

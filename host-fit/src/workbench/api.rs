@@ -362,7 +362,8 @@ pub(super) async fn upload(
     Query(named): Query<Named>,
     body: Body,
 ) -> Answer<Value> {
-    let path = desk.folders.for_upload(&named.name).map_err(wrong)?;
+    let mut places = desk.folders.for_upload(&named.name).map_err(wrong)?.peekable();
+    let path = places.peek().cloned().unwrap_or_default();
     let failed = |error: std::io::Error| {
         let error = FileError::writing(&path)(error);
         Refused(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())
@@ -382,6 +383,6 @@ pub(super) async fn upload(
         file.write_all(&piece).await.map_err(failed)?;
     }
     file.flush().await.map_err(failed)?;
-    beside(move || Ok(arriving.put())).await?.map_err(failed)?;
+    let path = beside(move || Ok(arriving.put_as_new(places))).await?.map_err(failed)?;
     Ok(Json(json!({ "path": path.display().to_string() })))
 }

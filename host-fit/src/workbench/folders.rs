@@ -84,12 +84,15 @@ impl Folders {
         found
     }
 
-    /// Where a dropped file of this name goes; only the last part of the name counts, and nothing is there yet.
+    /// Where a dropped file of this name may go, the first that is free when it has arrived; only the last part of the name counts.
     ///
     /// # Errors
     ///
     /// The name is none, or its folder cannot be made.
-    pub(super) fn for_upload(&self, name: &str) -> Result<PathBuf, String> {
+    pub(super) fn for_upload(
+        &self,
+        name: &str,
+    ) -> Result<impl Iterator<Item = PathBuf> + Send + use<>, String> {
         let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
         let plain: String = last
             .chars()
@@ -101,9 +104,8 @@ impl Folders {
         let folder = self.own.join("dropped");
         make_folder(&folder).map_err(|error| error.to_string())?;
         // a file of that name that is there already may be what a study was made of
-        let names = std::iter::once(plain.clone()).chain((2..).map(|n| format!("{n}_{plain}")));
-        let mut places = names.map(|name| folder.join(name));
-        Ok(places.find(|place| !place.exists()).unwrap_or_else(|| folder.join(&plain)))
+        let names = (1..).map(move |n| if n == 1 { plain.clone() } else { format!("{n}_{plain}") });
+        Ok(names.map(move |name| folder.join(name)))
     }
 
     /// The own folder.
@@ -164,7 +166,7 @@ mod tests {
     fn a_dropped_file_cannot_choose_its_folder() {
         let own = tempfile::tempdir().unwrap();
         let folders = Folders::new(&[], own.path()).unwrap();
-        let at = |name: &str| folders.for_upload(name);
+        let at = |name: &str| folders.for_upload(name).map(|mut names| names.next().unwrap());
         let dropped = own.path().join("dropped");
         assert_eq!(at("unit.csv").unwrap(), dropped.join("unit.csv"));
         assert_eq!(at("../../etc/passwd").unwrap(), dropped.join("passwd"));

@@ -3,10 +3,19 @@
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
+use std::time::Duration;
+
 use axum::Router;
-use axum::extract::DefaultBodyLimit;
+use axum::body::Body;
+use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::Response;
 use axum::routing::{delete, get, post};
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
+use tokio_stream::StreamExt;
 
 use super::desk::Desk;
 use super::folders::Folders;
@@ -19,6 +28,9 @@ use crate::recording::LoadOptions;
 /// Bytes of a request that is not a file.
 const LARGEST_REQUEST: usize = 64 * 1024;
 
+/// A request that does not go on for so long is given up, and its connection closed: whoever made it may be gone.
+const PATIENCE: Duration = Duration::from_secs(30);
+
 /// Why the workbench cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
@@ -30,7 +42,7 @@ pub enum ServeError {
         /// Why.
         source: std::io::Error,
     },
-    /// While serving.
+    /// The system does not say where it listens.
     #[error("the server ended: {0}")]
     Serve(#[from] std::io::Error),
 }
@@ -82,17 +94,54 @@ impl Server {
     ///
     /// The listener fails.
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> Result<(), ServeError> {
-        let router = router(self.desk, Names::of(self.address.ip(), self.address.port()));
+        self.run_with(PATIENCE, end).await
+    }
+
+    pub(super) async fn run_with(
+        self,
+        patience: Duration,
+        end: impl Future<Output = ()> + Send,
+    ) -> Result<(), ServeError> {
+        let router = router(self.desk, Names::of(self.address.ip(), self.address.port()), patience);
         // streams of events never end by themselves: the end does not wait for them
         tokio::select! {
-            served = async { axum::serve(self.listener, router).await } => Ok(served?),
+            () = serve(self.listener, router, patience) => Ok(()),
             () = end => Ok(()),
         }
     }
 }
 
+/// Answers every connection. Not `axum::serve`, which waits for the head of a request for ever.
+async fn serve(listener: TcpListener, router: Router, patience: Duration) {
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(patience);
+    loop {
+        let Ok((connection, _)) = listener.accept().await else {
+            // it was gone again, or there are too many: others end meanwhile
+            tokio::time::sleep(Duration::from_millis(100)).await;
+            continue;
+        };
+        let answered =
+            http.serve_connection(TokioIo::new(connection), TowerToHyperService::new(router.clone()));
+        // how one ends is of no interest to the others
+        tokio::spawn(async { drop(answered.await) });
+    }
+}
+
+/// Gives up a request whose body does not go on.
+async fn impatient(State(patience): State<Duration>, request: Request, next: Next) -> Response {
+    let request = request.map(|body| {
+        let pieces = body.into_data_stream().timeout(patience);
+        Body::from_stream(pieces.map(|piece| match piece {
+            Ok(piece) => piece.map_err(axum::Error::into_inner),
+            Err(elapsed) => Err(elapsed.into()),
+        }))
+    });
+    next.run(request).await
+}
+
 /// All routes.
-pub(super) fn router(desk: Arc<Desk>, names: Names) -> Router {
+pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Router {
     Router::new()
         .route("/api/studies", get(api::studies).post(api::open))
         .route("/api/studies/{id}", delete(api::close).get(api::state))
@@ -113,5 +162,6 @@ pub(super) fn router(desk: Arc<Desk>, names: Names) -> Router {
         .route("/api/uploads", post(api::upload).layer(DefaultBodyLimit::disable()))
         .fallback(assets::asset)
         .with_state(desk)
-        .layer(axum::middleware::from_fn_with_state(names, guard))
+        .layer(from_fn_with_state(patience, impatient))
+        .layer(from_fn_with_state(names, guard))
 }

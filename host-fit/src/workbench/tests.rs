@@ -14,7 +14,7 @@ use tower::ServiceExt;
 use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, OWN_HEADER};
-use super::server::router;
+use super::server::{Server, router};
 use crate::effects::Library;
 use crate::recording::write_columns;
 use crate::simulate::{Simulation, simulate};
@@ -42,7 +42,7 @@ impl Bench {
 
     async fn ask(&self, request: Request<Body>) -> Response {
         let names = Names::of(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT);
-        router(Arc::clone(&self.desk), names).oneshot(request).await.unwrap()
+        router(Arc::clone(&self.desk), names, Duration::from_secs(30)).oneshot(request).await.unwrap()
     }
 
     async fn get(&self, path: &str) -> (StatusCode, Value) {
@@ -193,6 +193,72 @@ async fn an_oversized_request_is_refused_and_an_upload_goes_to_its_folder() {
     let path = answer["path"].as_str().unwrap();
     assert_eq!(std::fs::read_to_string(path).unwrap(), large);
     assert!(Path::new(path).starts_with(bench.folder.path().join("own")));
+}
+
+#[tokio::test]
+async fn two_files_of_one_name_that_arrive_at_once_are_both_kept() {
+    let bench = Bench::new();
+    let upload = |pieces: tokio::sync::mpsc::Receiver<Result<String, std::io::Error>>| {
+        let body = Body::from_stream(tokio_stream::wrappers::ReceiverStream::new(pieces));
+        bench.ask(page("POST", "/api/uploads?name=unit.csv").body(body).unwrap())
+    };
+    let (first, first_pieces) = tokio::sync::mpsc::channel(4);
+    let (second, second_pieces) = tokio::sync::mpsc::channel(4);
+    let send = async {
+        // each has begun before the other ends
+        for part in ["1", "2", "3"] {
+            first.send(Ok(format!("first {part}\n"))).await.unwrap();
+            second.send(Ok(format!("second {part}\n"))).await.unwrap();
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        drop((first, second));
+    };
+    let (first, second, ()) = tokio::join!(upload(first_pieces), upload(second_pieces), send);
+    let mut paths = Vec::new();
+    for (response, name) in [(first, "first"), (second, "second")] {
+        let (status, answer) = read(response).await;
+        assert_eq!(status, StatusCode::OK, "{answer}");
+        let path = answer["path"].as_str().unwrap().to_owned();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), format!("{name} 1\n{name} 2\n{name} 3\n"));
+        paths.push(path);
+    }
+    assert_ne!(paths[0], paths[1]);
+    assert_eq!(std::fs::read_dir(Path::new(&paths[0]).parent().unwrap()).unwrap().count(), 2);
+}
+
+/// A browser that was cut off in the middle of a request kept its connection for ever.
+#[tokio::test]
+async fn a_request_that_does_not_go_on_is_given_up() {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::new(&[], folder.path()).unwrap();
+    let server =
+        Server::bind(IpAddr::V4(Ipv4Addr::LOCALHOST), 0, folders, Library::built_in()).await.unwrap();
+    let address = server.address();
+    let running = tokio::spawn(server.run_with(Duration::from_millis(300), std::future::pending()));
+    let head = format!("POST /api/uploads?name=a.csv HTTP/1.1\r\nhost: {address}\r\n{OWN_HEADER}: 1\r\n");
+    for (begun, says) in [
+        (String::new(), ""),
+        (head.clone(), ""),
+        (format!("{head}content-length: 100\r\n\r\nt_s,gx_rads\n"), "did not arrive whole"),
+    ] {
+        let mut connection = tokio::net::TcpStream::connect(address).await.unwrap();
+        connection.write_all(begun.as_bytes()).await.unwrap();
+        let mut answer = Vec::new();
+        let closed = tokio::time::timeout(Duration::from_secs(20), connection.read_to_end(&mut answer)).await;
+        assert!(closed.is_ok(), "still open after {begun:?}");
+        let answer = String::from_utf8_lossy(&answer);
+        assert!(answer.contains(says), "{begun:?}: {answer}");
+    }
+    // one that does is answered meanwhile, and after
+    let mut connection = tokio::net::TcpStream::connect(address).await.unwrap();
+    let whole = format!("GET / HTTP/1.1\r\nhost: {address}\r\nconnection: close\r\n\r\n");
+    connection.write_all(whole.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    connection.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    running.abort();
 }
 
 #[tokio::test]

@@ -1,0 +1,136 @@
+//! Outcomes as they come, in a file: a calibration that was broken off goes on where it was.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::Outcome;
+use crate::effects::Library;
+use crate::file::{FileError, write_atomically};
+use crate::program::this_build;
+
+/// Behind the name of the file with the outcomes stands this.
+const ENDING: &str = ".partial";
+
+/// The outcomes of the cases that are done: one line of JSON each, brought to the disk one by one.
+#[derive(Debug)]
+pub struct KeptOutcomes {
+    path: PathBuf,
+    file: Mutex<File>,
+    done: BTreeMap<usize, Outcome>,
+}
+
+/// The first line: what the outcomes depend on.
+#[derive(Clone, Serialize, Deserialize, PartialEq)]
+struct Heading {
+    cases: String,
+}
+
+impl Heading {
+    fn of(seed: u64, count: usize, library: &Library) -> Self {
+        let mut digest = Sha256::new();
+        digest.update(format!("{} {seed} {count} ", this_build()));
+        digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
+        Self { cases: digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect() }
+    }
+}
+
+impl KeptOutcomes {
+    /// Beside the file that all outcomes are to be in, with those that a run of the same program on the same cases left there.
+    ///
+    /// # Errors
+    ///
+    /// What the system refuses.
+    pub fn beside(outcomes: &Path, seed: u64, count: usize, library: &Library) -> Result<Self, FileError> {
+        let mut path = outcomes.as_os_str().to_owned();
+        path.push(ENDING);
+        let path = PathBuf::from(path);
+        let heading = Heading::of(seed, count, library);
+        let left = match fs::read_to_string(&path) {
+            Ok(left) => left,
+            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(FileError::reading(&path)(error)),
+        };
+        let mut lines = left.lines();
+        let same =
+            lines.next().and_then(|line| serde_json::from_str::<Heading>(line).ok()) == Some(heading.clone());
+        // the last line may be half a line
+        let done = lines.filter(|_| same).filter_map(|line| serde_json::from_str::<Outcome>(line).ok());
+        let done: BTreeMap<usize, Outcome> = done.map(|outcome| (outcome.case, outcome)).collect();
+        let mut text = line(&heading);
+        done.values().for_each(|outcome| text.extend(line(outcome)));
+        write_atomically(&path, &text)?;
+        let file = File::options().append(true).open(&path).map_err(FileError::writing(&path))?;
+        Ok(Self { path, file: Mutex::new(file), done })
+    }
+
+    /// How many were left.
+    pub fn len(&self) -> usize {
+        self.done.len()
+    }
+
+    /// Whether none was.
+    pub fn is_empty(&self) -> bool {
+        self.done.is_empty()
+    }
+
+    /// What came out of a case, if it is known.
+    pub(super) fn of(&self, case: usize) -> Option<Outcome> {
+        self.done.get(&case).cloned()
+    }
+
+    /// Adds what came out of a case.
+    pub(super) fn add(&self, outcome: &Outcome) -> Result<(), FileError> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.write_all(&line(outcome)).and_then(|()| file.sync_data()).map_err(FileError::writing(&self.path))
+    }
+
+    /// Takes the file away: all outcomes are written. If it cannot be removed, it harms nobody.
+    pub fn remove(self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+fn line(value: &impl Serialize) -> Vec<u8> {
+    let mut line = serde_json::to_vec(value).expect("outcomes have only string keys");
+    line.push(b'\n');
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::calibrate;
+
+    #[test]
+    fn a_calibration_goes_on_where_it_was_broken_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
+        let kept = |seed| KeptOutcomes::beside(&outcomes, seed, 3, &library).unwrap();
+        let whole = calibrate(1, 3, &library, Some(&kept(1)), |_| {}).unwrap();
+        let path = folder.path().join("outcomes.json.partial");
+        let text = fs::read_to_string(&path).unwrap();
+        assert_eq!(text.lines().count(), 4);
+        // killed while the last line was written
+        fs::write(&path, &text[..text.len() - 9]).unwrap();
+        let left = kept(1);
+        assert_eq!(left.len(), 2);
+        let computed = Mutex::new(0);
+        let again = calibrate(1, 3, &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
+        assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
+        // times apart, which differ, it comes to the same
+        let but_times = |calibration: &crate::calibration::Calibration| {
+            let mut outcomes = calibration.outcomes.clone();
+            outcomes.iter_mut().for_each(|outcome| outcome.seconds = 0.0);
+            serde_json::to_string(&outcomes).unwrap()
+        };
+        assert_eq!(but_times(&whole), but_times(&again));
+        // those of other cases are none of this calibration
+        assert!(kept(2).is_empty());
+    }
+}

@@ -1,0 +1,8 @@
+//! Which program this is, to the build: what was computed before is taken again only if the same program computed it.
+
+/// Its version, and size and time of its file.
+pub(crate) fn this_build() -> String {
+    let file = std::env::current_exe().and_then(std::fs::metadata);
+    let file = file.map(|about| format!("{} {:?}", about.len(), about.modified().ok()));
+    format!("{} {}", env!("CARGO_PKG_VERSION"), file.unwrap_or_default())
+}
