@@ -3,7 +3,7 @@
 //! [`figures`]: crate::figures
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::compare::{AxisComparison, Comparison};
 use crate::effects::Band;
@@ -14,7 +14,7 @@ use crate::figures::compare::{
 use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
-use crate::file::{FileError, make_folder};
+use crate::file::{FileError, check_output, make_folder};
 use crate::grow::Growth;
 use crate::recording::{Recording, pieces};
 use crate::signal::allan::{allan_deviation, averaging_times};
@@ -77,7 +77,7 @@ pub fn write_all(
 ///
 /// The folder cannot be made, or a file in it cannot be written.
 pub fn write_staircase(folder: &Path, growth: &Growth) -> Result<(), PlotError> {
-    write(folder, &growth.column, &[("staircase", staircase_of(growth))])
+    write(folder, &growth.column, &[(STAIRCASE, staircase_of(growth))])
 }
 
 /// The staircase of an axis that grew.
@@ -113,13 +113,44 @@ pub fn staircase_of(growth: &Growth) -> Figure {
 ///
 /// The folder cannot be made, or a file in it cannot be written.
 pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<(), PlotError> {
+    check(folder, column, figures.iter().map(|(name, _)| *name))?;
     make_folder(folder)?;
     for (name, figure) in figures {
-        let path = folder.join(format!("{column}_{name}"));
-        write_svg(figure, &path.with_extension("svg"))?;
-        write_png(figure, &path.with_extension("png"))?;
+        let [svg, png] = paths(folder, column, name);
+        write_svg(figure, &svg)?;
+        write_png(figure, &png)?;
     }
     Ok(())
+}
+
+/// Whether figures of these names can be written there, asked before anything is.
+///
+/// # Errors
+///
+/// One would take the place of what was read, or of what is no file.
+pub fn check<'a>(
+    folder: &Path,
+    column: &str,
+    names: impl IntoIterator<Item = &'a str>,
+) -> Result<(), PlotError> {
+    let mut paths = names.into_iter().flat_map(|name| paths(folder, column, name));
+    Ok(paths.try_for_each(|path| check_output(&path))?)
+}
+
+fn paths(folder: &Path, column: &str, name: &str) -> [PathBuf; 2] {
+    ["svg", "png"].map(|ending| folder.join(format!("{column}_{name}.{ending}")))
+}
+
+/// How the figure of a staircase is called.
+const STAIRCASE: &str = "staircase";
+
+/// Whether [`write_staircase`] can write, asked before a study is changed.
+///
+/// # Errors
+///
+/// As of [`check`].
+pub fn check_staircase(folder: &Path, column: &str) -> Result<(), PlotError> {
+    check(folder, column, [STAIRCASE])
 }
 
 /// The figures of one axis, with their names; one that the data are too short for is left out.

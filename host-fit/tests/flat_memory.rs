@@ -22,7 +22,7 @@ fn log() -> Recording {
         temperature: 1.0,
         motion: false,
     });
-    let source = Source { path: "log".to_owned(), bytes: 0, sha256: String::new() };
+    let source = Source::made_by("log");
     Recording::from_columns(source, log.columns, &LoadOptions::default()).expect("a log")
 }
 

@@ -380,3 +380,53 @@ fn two_outputs_are_two_files() {
     done(folder, &["export", "unit.json", "--image", "a", "--rust", "b", "--c", "c.h"]);
     assert!(written.iter().all(|path| path.exists()));
 }
+
+/// Where files are read apart from the door that notes what was read: none of them reads what a user measured.
+const OTHER_DOORS: [&str; 6] = [
+    "file.rs",             // the door
+    "unchanged.rs",        // whether a study still is what was read
+    "batch.rs",            // its own answers of before
+    "calibration/kept.rs", // its own outcomes of before
+    "record/kept.rs",      // whether another recording runs
+    "record/end.rs",       // what the system says of this process
+];
+
+fn opens_a_file(source: &str) -> bool {
+    let program = source.split("\nmod tests {").next().unwrap_or_default();
+    ["File::open(", "fs::read(", "fs::read_to_string(", ".read(true)"]
+        .iter()
+        .any(|call| program.contains(call))
+}
+
+#[test]
+fn files_come_in_through_one_door() {
+    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            match path.is_dir() {
+                true => sources(&path, found),
+                false => found.push(path),
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    sources(&root, &mut found);
+    let of_the_program = |path: &&PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.ends_with(".rs") && !name.ends_with("tests.rs") && name != "reference.rs"
+    };
+    let mut seen = 0;
+    for path in found.iter().filter(of_the_program) {
+        let name = path.strip_prefix(&root).expect("below").to_string_lossy().into_owned();
+        let opens = opens_a_file(&fs::read_to_string(path).expect("there"));
+        assert_eq!(
+            opens,
+            OTHER_DOORS.contains(&name.as_str()),
+            "{name} opens a file: crate::file::open notes which"
+        );
+        seen += 1;
+    }
+    assert!(seen > 150, "{seen}");
+    assert!(opens_a_file("let log = File::open(path)?;"));
+}

@@ -86,6 +86,9 @@ impl Add {
         study.keep(growth.clone());
         // an axis runs alone, and with the others may have outgrown a predictor
         study.model.predictor::<f64>().map_err(GrowError::Model)?;
+        if let Some(folder) = &self.figures {
+            plots::check_staircase(folder, &column)?;
+        }
         study.write(&file)?;
         if let Some(folder) = &self.figures {
             plots::write_staircase(folder, &growth)?;

@@ -142,7 +142,7 @@ mod tests {
         let path = first.path().to_owned();
         drop(first);
         let (second, left) = Kept::beside(&output).unwrap();
-        assert_eq!(left, [path.clone()]);
+        assert_eq!(left, std::slice::from_ref(&path));
         assert_eq!(second.path(), folder.path().join("field.parquet.2.telemetry"));
         second.remove();
         assert_eq!(fs::read(&path).unwrap(), b"first");
