@@ -148,6 +148,8 @@ mod tests {
         }
         assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
         write_atomically(&at("copy.csv"), b"made").unwrap();
+        // nothing is lost
+        write_atomically(&at("hard.csv"), b"measured").unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "nothing is left beside it");
     }
 

@@ -4,7 +4,7 @@
 mod session;
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -231,11 +231,12 @@ fn who_waits_for_a_fifo_is_told_and_can_end_it() {
     let said = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
     assert!(said.contains("port: a FIFO that nobody writes to; waiting for a writer"), "{said}");
     assert!(said.contains("port: nothing came") && said.contains("help: "), "{said}");
-    let waiting = record(folder, &["port", "-o", "log.csv"]);
-    sleep(Duration::from_millis(500));
+    let mut waiting = record(folder, &["port", "-o", "log.csv"]);
+    let mut told = String::new();
+    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut told).expect("told");
     send(&waiting, "INT");
-    let ended = waiting.wait_with_output().expect("it ends");
-    assert_eq!(ended.status.code(), Some(1), "it ends, and says that there is no log");
+    let ended = waiting.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(1), "it ends, and says that there is no log");
     assert!(!folder.join("log.csv").exists());
 }
 
