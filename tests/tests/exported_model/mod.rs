@@ -88,6 +88,7 @@ pub fn model() -> UnitModel {
         },
         physical: vec![term(0.3, &[u(0, 0)])],
         stochastic: vec![term(0.6, &[y(1)]), term(-0.2, &[y(2)])],
+        plain: None,
     };
     UnitModel {
         period_s: 0.005,
