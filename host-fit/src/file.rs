@@ -265,6 +265,7 @@ fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666)); // less the umask
     }
+    // ends: only a writer that looks around in this very moment can take it, once
     loop {
         let file = builder.tempfile_in(folder)?;
         // another process may have taken it for a stale one before it was locked

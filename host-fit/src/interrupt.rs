@@ -43,6 +43,8 @@ impl Stop {
 /// Stops here if the computation that this thread is in was asked to; outside of one nothing happens.
 #[inline]
 pub fn check() {
+    #[cfg(test)]
+    counting::count();
     let asked = WISH.with_borrow(|wish| wish.as_ref().is_some_and(Stop::is_asked));
     if asked {
         // no panic message: nothing is wrong
@@ -64,6 +66,41 @@ pub fn interruptible<T>(stop: &Stop, work: impl FnOnce() -> T) -> Result<T, Inte
         true => Interrupted::Stopped,
         false => Interrupted::Panicked,
     })
+}
+
+#[cfg(test)]
+pub(crate) use counting::counted;
+
+#[cfg(test)]
+mod counting {
+    use std::cell::Cell;
+
+    use super::*;
+
+    thread_local! {
+        static STEPS_LEFT: Cell<Option<u64>> = const { Cell::new(None) };
+    }
+
+    /// How often [`check`] is called in a computation on this thread; none if that is more than `most`, where it is ended.
+    pub(crate) fn counted(most: u64, work: impl FnOnce()) -> Option<u64> {
+        STEPS_LEFT.set(Some(most));
+        let result = panic::catch_unwind(AssertUnwindSafe(work));
+        let left = STEPS_LEFT.take();
+        match result {
+            Ok(()) => left.map(|left| most - left),
+            Err(cause) if cause.is::<Unwound>() => None,
+            Err(cause) => panic::resume_unwind(cause),
+        }
+    }
+
+    pub(super) fn count() {
+        if let Some(left) = STEPS_LEFT.get() {
+            if left == 0 {
+                panic::resume_unwind(Box::new(Unwound));
+            }
+            STEPS_LEFT.set(Some(left - 1));
+        }
+    }
 }
 
 #[cfg(test)]

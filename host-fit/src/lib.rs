@@ -46,3 +46,5 @@ pub mod workbench;
 
 #[cfg(test)]
 mod reference;
+#[cfg(test)]
+mod searches_end;

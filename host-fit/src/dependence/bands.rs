@@ -94,6 +94,7 @@ pub(super) fn power_map(recording: &Recording, rows: Range<usize>, left: &[f64])
     let rate_hz = 1.0 / recording.rate.period_s;
     let mut low_hz = LOWEST * rate_hz / stretch_ticks as f64;
     let mut cells = Vec::new();
+    // ends: it doubles, from above 0, for a stretch has a length
     while low_hz < rate_hz / 2.0 {
         let band = (low_hz, (2.0 * low_hz).min(rate_hz / 2.0));
         cells.extend(cells_of(&stretches, band));

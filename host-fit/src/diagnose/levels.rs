@@ -308,6 +308,7 @@ fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([
     // a level known to 20 % has curvature 2/0.2²
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
+    // ends after MAX_ROUNDS; in each the value falls (Armijo), or nothing does
     for _ in 0..MAX_ROUNDS {
         crate::interrupt::check();
         let mut step: [f64; D] =
@@ -321,6 +322,7 @@ fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([
             break;
         }
         let mut share = 1.0;
+        // ends: four shares are tried
         let moved = loop {
             let next: [f64; D] = std::array::from_fn(|i| {
                 (place[i] + share * step[i]).clamp(start[i] - REACH, start[i] + REACH)

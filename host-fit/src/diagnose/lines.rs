@@ -80,6 +80,7 @@ pub(crate) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<
     let mut error = error.to_vec();
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
+    // ends: a line more each time; its band is not looked at again
     while found.len() < MAX_LINES {
         crate::interrupt::check();
         let series = Series::new(recording, &slow, &error);
@@ -430,6 +431,7 @@ fn stretch(start: usize, most: usize) -> usize {
 fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     let mut start = first;
+    // ends: a stretch is FEWEST_ORDINATES at least
     while start < power.len() {
         let mut end = (start + stretch(start, most)).min(power.len());
         if power.len() - end < FEWEST_ORDINATES {

@@ -5,19 +5,32 @@
 //! pair is found only by trying pairs. All is done on the Gram matrix, so that a swap costs M·K multiply-adds and no
 //! pass over the data.
 //!
-//! [`refine`] alternates three moves until none changes anything, each of which lowers MSE/(1 − t)^K, where t is the
-//! threshold of the stop rule and K the number of terms: it therefore ends.
+//! [`refine`] alternates three moves until none changes anything:
 //!
 //! 1. *exchange*: one term for one, then two for two, while the MSE falls;
 //! 2. *prune*: a term that the stop rule would not have taken is taken out;
 //! 3. *extend*: the greedy search goes on from there.
+//!
+//! It ends because a set of terms has one cost ([`Worth::cost`]: ln MSE, and a price for each term), and no move is made that does not
+//! lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and there are finitely
+//! many. That a move lowers it must be looked at and does not follow from the rules of the moves: they go by Q of (6), and where terms
+//! are nearly collinear, as the lags of a smooth signal are, the Q of one term differs from the difference of two MSE of (7) by more
+//! than the stop rule asks for. What a move gains must for the same reason exceed the rounding error of the MSE: what is within it says
+//! nothing, and following it would wander through sets that are all the same.
 
-use super::fos::{COLLINEAR, EXACT, Expansion, Open, Selection};
-use super::stop::StopRule;
+use super::fos::{COLLINEAR, Expansion, Open, Selection};
+use super::stop::{EXACT, StopRule, Stopped, Worth};
 use crate::moments::Gram;
+
+#[cfg(test)]
+pub(crate) mod two_rules;
 
 /// Smallest relative fall of the MSE that is worth a swap: above rounding, below anything that matters.
 const WORTH: f64 = 1e-9;
+
+/// Most moves. The argument above bounds them by the number of sets only; on data of every kind (`searches_end`) there are ten or fewer, and a
+/// thousand would take hours.
+const MOST_MOVES: usize = 1000;
 
 /// How many models that the data cannot tell apart are listed at most.
 const MOST_TIES: usize = 10;
@@ -39,34 +52,52 @@ pub struct Tie {
 
 /// Refines what `rule` lets a greedy search choose.
 pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
-    let threshold = rule.noise.threshold(gram.rows(), gram.size());
-    let exact = EXACT * gram.target_mean_square();
+    refine_within(MOST_MOVES, gram, rule, greedy).0
+}
+
+/// The same with at most so many moves; also how many were made.
+pub(crate) fn refine_within(
+    most: usize,
+    gram: &Gram,
+    rule: &StopRule,
+    greedy: Selection,
+) -> (Selection, usize) {
+    let mut model = Model::of(gram, rule.worth(gram), greedy.candidates().collect());
     let mut selection = greedy;
+    let mut moves = 0;
     loop {
-        let mut terms: Vec<usize> = selection.candidates().collect();
-        let mut changed = false;
-        // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
-        while exchange(gram, &mut terms, exact, for_each_single)
-            || prune(gram, &mut terms, threshold, exact)
-            || exchange(gram, &mut terms, exact, for_each_pair)
-        {
-            crate::interrupt::check();
-            changed = true;
+        let before = moves;
+        while let Some(better) = model.improved() {
+            if moves == most {
+                return (model.expansion().stopped(Stopped::MostMoves), moves);
+            }
+            model = better;
+            moves += 1;
         }
-        if !changed {
-            return selection;
+        if moves == before {
+            return (selection, moves);
         }
-        selection = Expansion::of_terms(gram, &terms).run(rule);
+        let extended = model.expansion().run(rule);
+        if extended.steps.len() == model.terms.len() {
+            return (extended, moves);
+        }
+        let wider = Model::of(gram, model.worth, extended.candidates().collect());
+        if !model.is_beaten_by(&wider) {
+            return (model.expansion().stopped(Stopped::Rounding), moves);
+        }
+        (model, selection) = (wider, extended);
+        moves += 1;
     }
 }
 
 /// The models of the same size, one or two swaps away, that the data cannot tell from `terms`; best first.
 pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
-    let mse = Expansion::of_terms(gram, terms).mse();
-    if mse <= EXACT * gram.target_mean_square() {
+    let expansion = Expansion::of_terms(gram, terms);
+    let (mse, rounding) = (expansion.mse(), expansion.rounding());
+    let rows = gram.rows() as f64;
+    if mse <= EXACT * gram.target_mean_square() || rows * (rounding / mse).ln_1p() > TIED {
         return Vec::new(); // rounding error is no evidence either way
     }
-    let rows = gram.rows() as f64;
     let mut found: Vec<Tie> = Vec::new();
     let mut list = |leaves: &[usize], enters: &[usize], swapped_mse: f64| {
         let deviance = rows * (swapped_mse / mse).ln();
@@ -90,39 +121,78 @@ type Visit<'v> = &'v mut dyn FnMut(&[usize], &[usize], f64);
 /// Visits every swap of a kind.
 type ForEachSwap = fn(&Gram, &[usize], Visit<'_>);
 
-/// Makes the best swap of a kind, if one is worth it.
-fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForEachSwap) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
-    if mse <= exact {
-        return false;
-    }
-    let mut best = mse * (1.0 - WORTH);
-    let mut swap = None;
-    for_each_swap(gram, terms, &mut |leaves, enters, swapped_mse| {
-        if swapped_mse < best {
-            best = swapped_mse;
-            swap = Some((leaves.to_vec(), enters.to_vec()));
-        }
-    });
-    let Some((leaves, enters)) = swap else { return false };
-    terms.retain(|term| !leaves.contains(term));
-    terms.extend(enters);
-    true
+/// A set of terms and what it costs.
+struct Model<'g> {
+    gram: &'g Gram,
+    worth: Worth,
+    /// Without those that are collinear with others of the set.
+    terms: Vec<usize>,
+    mse: f64,
+    /// Rounding error of the MSE.
+    rounding: f64,
 }
 
-/// Takes out the least term, if the rule would not have taken it.
-fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
-    let mse_without = |i: usize| Expansion::of_terms(gram, &without(terms, &[terms[i]])).mse();
-    let least = (0..terms.len()).map(|i| (i, mse_without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
-    match least {
-        Some((i, mse_without))
-            if mse_without - mse < (threshold * mse_without).max(exact) && threshold > 0.0 =>
-        {
-            terms.remove(i);
-            true
+impl<'g> Model<'g> {
+    fn of(gram: &'g Gram, worth: Worth, terms: Vec<usize>) -> Self {
+        let expansion = Expansion::of_terms(gram, &terms);
+        let (mse, rounding) = (expansion.mse(), expansion.rounding());
+        Self { gram, worth, terms: expansion.candidates().collect(), mse, rounding }
+    }
+
+    fn with_terms(&self, terms: Vec<usize>) -> Self {
+        Self::of(self.gram, self.worth, terms)
+    }
+
+    fn expansion(&self) -> Expansion<'g> {
+        Expansion::of_terms(self.gram, &self.terms)
+    }
+
+    fn cost(&self) -> f64 {
+        self.worth.cost(self.mse, self.terms.len())
+    }
+
+    /// Whether `other` costs less, however the MSE of both are rounded.
+    fn is_beaten_by(&self, other: &Self) -> bool {
+        let at_most = other.worth.cost(other.mse + other.rounding, other.terms.len());
+        at_most < self.worth.cost(self.mse - self.rounding, self.terms.len())
+    }
+
+    /// The model after the first kind of move that lowers the cost.
+    fn improved(&self) -> Option<Self> {
+        crate::interrupt::check();
+        // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
+        self.exchanged(for_each_single).or_else(|| self.pruned()).or_else(|| self.exchanged(for_each_pair))
+    }
+
+    /// With the best swap of a kind, if one is worth it.
+    fn exchanged(&self, for_each_swap: ForEachSwap) -> Option<Self> {
+        if self.worth.is_exact(self.mse) {
+            return None;
         }
-        _ => false,
+        let mut best = self.mse * (1.0 - WORTH);
+        let mut swap = None;
+        for_each_swap(self.gram, &self.terms, &mut |leaves, enters, swapped_mse| {
+            if swapped_mse < best {
+                best = swapped_mse;
+                swap = Some((leaves.to_vec(), enters.to_vec()));
+            }
+        });
+        let (leaves, enters) = swap?;
+        let mut terms = without(&self.terms, &leaves);
+        terms.extend(enters);
+        Some(self.with_terms(terms)).filter(|swapped| self.is_beaten_by(swapped))
+    }
+
+    /// Without the least term, if the rule would not have taken it. Of two sets that rounding cannot tell apart this is the smaller, so that
+    /// no more is asked than a lower cost.
+    fn pruned(&self) -> Option<Self> {
+        let without_each = self.terms.iter().map(|&term| without(&self.terms, &[term]));
+        let least = without_each
+            .map(|terms| (Expansion::of_terms(self.gram, &terms).mse(), terms))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let (mse, terms) = least?;
+        let is_taken = self.worth.takes(mse - self.mse, mse);
+        Some(self.with_terms(terms)).filter(|pruned| !is_taken && pruned.cost() < self.cost())
     }
 }
 

@@ -30,8 +30,9 @@ use crate::moments::Gram;
 /// own, because a square in small units is a small number and no less a candidate.
 pub const COLLINEAR: f64 = 1e-12;
 
-/// Smallest MSE/⟨y²⟩ that (7) can tell from zero.
-pub(super) const EXACT: f64 = 1e-13;
+/// Rounding error of an entry of the Gram matrix and of the sums of the recursion, relative to the root mean squares of the two
+/// factors of a product.
+const ROUNDING: f64 = 1e-15;
 
 /// One term chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,6 +143,7 @@ impl<'g> Expansion<'g> {
     /// The constant and `terms`, taken in the order of their Q; those collinear with others are left out.
     pub(super) fn of_terms(gram: &'g Gram, terms: &[usize]) -> Self {
         let mut expansion = Self::of_constant(gram);
+        // ends: one of `terms` is taken each time, and is then no longer open
         while let Some(best) = expansion.best(|candidate| terms.contains(&candidate)) {
             expansion.take(best);
         }
@@ -151,6 +153,23 @@ impl<'g> Expansion<'g> {
     /// Mean square error by (7).
     pub(super) fn mse(&self) -> f64 {
         self.steps.last().map_or(self.gram.target_variance(), |step| step.mse)
+    }
+
+    /// The candidates chosen, in order.
+    pub(super) fn candidates(&self) -> impl Iterator<Item = usize> {
+        self.steps.iter().map(|step| step.candidate)
+    }
+
+    /// Rounding error of (7). The MSE is a quadratic form in the Gram matrix, vᵀGv with v = (1, −a_0, …, −a_K) for y and the terms, and
+    /// the factorisation's is that of a matrix whose entries are off by [`ROUNDING`] (backward stability; Higham 2002, theorem 10.3).
+    /// Near-collinear terms have large weights of either sign: the error can then be many times the MSE.
+    pub(super) fn rounding(&self) -> f64 {
+        let weights = self.factor.weights();
+        let constant = weights[0].abs();
+        let sizes =
+            self.candidates().zip(&weights[1..]).map(|(i, a)| a.abs() * self.gram.product(i, i).sqrt());
+        let sum = self.gram.target_mean_square().sqrt() + constant + sizes.sum::<f64>();
+        ROUNDING * sum * sum
     }
 
     /// The candidates that are neither chosen nor collinear with what is.
@@ -166,13 +185,13 @@ impl<'g> Expansion<'g> {
 
     /// Chooses more terms until `rule` stops.
     pub(super) fn run(mut self, rule: &StopRule) -> Selection {
-        let exact = EXACT * self.gram.target_mean_square();
         let initial_mse = self.gram.target_variance();
-        let noise = rule.noise.threshold(self.gram.rows(), self.gram.size());
+        let worth = rule.worth(self.gram);
+        // ends: a term more each time, of at most `max_terms`
         let stopped = loop {
             crate::interrupt::check();
             let mse = self.mse();
-            if mse <= exact {
+            if worth.is_exact(mse) {
                 break Stopped::Exact;
             }
             if rule.mse_ratio.is_some_and(|ratio| mse <= ratio * initial_mse) {
@@ -185,13 +204,17 @@ impl<'g> Expansion<'g> {
                 break Stopped::NothingLeft;
             };
             let (candidate, mse_reduction) = (self.open[best].candidate, self.open[best].mse_reduction());
-            let needed = noise * mse;
-            // NaN: products of the signals overflow
-            if mse_reduction < needed || mse_reduction.is_nan() {
-                break Stopped::Noise { candidate, mse_reduction, needed };
+            if !worth.takes(mse_reduction, mse) {
+                break Stopped::Noise { candidate, mse_reduction, needed: worth.needed(mse) };
             }
             self.take(best);
         };
+        self.stopped(stopped)
+    }
+
+    /// What was chosen, no more being looked for.
+    pub(super) fn stopped(mut self, stopped: Stopped) -> Selection {
+        let initial_mse = self.gram.target_variance();
         self.collinear.sort_unstable();
         let mut weights = self.factor.weights();
         let constant = weights.remove(0);

@@ -73,6 +73,7 @@ fn coefficients(regressors: &Regressors, inputs: &[u8]) -> Result<(Vec<FittedTer
     let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
     let mut whitened: Vec<Vec<f64>> = regressors.columns().iter().map(|column| column.to_vec()).collect();
     let mut round = 0;
+    // ends after WHITENING_ROUNDS: that it settles is not presumed
     loop {
         let columns: Vec<&[f64]> = whitened.iter().map(Vec::as_slice).collect();
         let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;

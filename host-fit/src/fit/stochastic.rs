@@ -192,6 +192,8 @@ fn search(
             name(&pool.monomials()[candidate])
         ),
         Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
+        Stopped::Rounding => "stopped: what other terms take off the MSE is within its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
+        Stopped::MostMoves => "stopped after as many exchanges as are allowed; another might lower the error further".to_owned(),
         other => format!("stopped: {other:?}"),
     };
     Ok(StochasticPart {

@@ -1,5 +1,10 @@
 //! When the search stops adding terms.
 
+use crate::moments::Gram;
+
+/// Smallest MSE/⟨y²⟩ that equation (7) of the search can tell from zero.
+pub(super) const EXACT: f64 = 1e-13;
+
 /// The rules under which a search goes on; it stops at the first one broken.
 ///
 /// | field | default | stops when |
@@ -53,6 +58,51 @@ impl NoiseRule {
     }
 }
 
+/// What a rule asks of a term, on given data: one measure for adding, for taking out and for comparing.
+///
+/// A set of K terms costs ln MSE + K·ln(1/(1 − t)), t being the threshold of the noise rule and an MSE within rounding of
+/// zero counting as [`EXACT`]. A term is worth having where it does not raise the cost.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Worth {
+    /// t.
+    threshold: f64,
+    /// What an MSE is held to be at least, unit of y².
+    exact: f64,
+}
+
+impl StopRule {
+    /// What it asks of a term.
+    pub(super) fn worth(&self, gram: &Gram) -> Worth {
+        // a threshold of 1 or more, from very few rows, admits no term; the next smaller number does as much: ln of it exceeds
+        // all that ln MSE can fall by, ln(1/EXACT)
+        let threshold = self.noise.threshold(gram.rows(), gram.size()).min(1.0 - f64::EPSILON / 2.0);
+        Worth { threshold, exact: EXACT * gram.target_mean_square() }
+    }
+}
+
+impl Worth {
+    /// The least Q worth a term, beside an MSE before it.
+    pub(super) fn needed(&self, mse: f64) -> f64 {
+        self.threshold * mse
+    }
+
+    /// Whether so little is left that no term can be worth having: rounding error, or hardly more.
+    pub(super) fn is_exact(&self, mse: f64) -> bool {
+        mse - self.needed(mse) <= self.exact
+    }
+
+    /// Whether a term is worth having that takes `reduction` (Q) off `mse`. Not one whose Q is NaN: products of the signals
+    /// overflow.
+    pub(super) fn takes(&self, reduction: f64, mse: f64) -> bool {
+        !self.is_exact(mse) && reduction >= self.needed(mse)
+    }
+
+    /// The cost of a set of terms.
+    pub(super) fn cost(&self, mse: f64, terms: usize) -> f64 {
+        mse.max(self.exact).ln() - terms as f64 * (-self.threshold).ln_1p()
+    }
+}
+
 /// Why a search stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stopped {
@@ -73,4 +123,9 @@ pub enum Stopped {
     NothingLeft,
     /// What is left is rounding error: the target is an exact sum of the terms.
     Exact,
+    /// What more terms, or others, would take off the MSE is within the rounding error of the MSE: the signal is so smooth that
+    /// its lags are nearly sums of one another.
+    Rounding,
+    /// As many exchanges were made as are allowed; another might still lower the error.
+    MostMoves,
 }

@@ -291,3 +291,15 @@ fn the_default_rule_never_misses_a_true_ar4() {
         }
     }
 }
+
+#[test]
+fn a_refinement_that_may_not_go_on_says_so() {
+    let output = autoregressive(5000, 12, &AR4, 0.05);
+    let gram = gram(&[&output], &pool_65());
+    let rule = StopRule { noise: NoiseRule::Korenberg, ..StopRule::default() };
+    let greedy = fos::search(&gram, &rule);
+    let (_, moves) = exchange::refine_within(1000, &gram, &rule, greedy.clone());
+    assert!(moves > 0, "{moves}");
+    let (cut_short, made) = exchange::refine_within(0, &gram, &rule, greedy);
+    assert_eq!((cut_short.stopped, made), (Stopped::MostMoves, 0));
+}

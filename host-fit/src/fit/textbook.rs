@@ -42,6 +42,7 @@ pub fn search(
     let mut c = vec![average(&target, &constant)];
     let initial_mse = average(&target, &target) - c[0] * c[0];
     let mut mse = initial_mse;
+    // ends: a term more each time
     while chosen.len() < rule.max_terms && rule.mse_ratio.is_none_or(|ratio| mse > ratio * initial_mse) {
         let m = p.len();
         let mut best: Option<(usize, f64, Vec<f64>, f64)> = None;

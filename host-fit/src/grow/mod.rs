@@ -241,6 +241,7 @@ impl<'a> Ground<'a> {
     ) -> Result<Vec<Stair>, GrowError> {
         let mut growth = growth.clone();
         let mut stairs = Vec::new();
+        // ends after MOST: each stair fell on rows that were not fitted, but the next is estimated anew with all before it
         while stairs.len() < MOST {
             let diagnosis = self.diagnose(&growth)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {

@@ -136,6 +136,8 @@ pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {
     let mut search = Search::new(time_s, look, marks);
     let mut marks = marks.iter().peekable();
     let mut row = 1;
+    // ends: `place` may go back to half a window before `row`, but no further than the last boundary, and then a boundary is accepted
+    // behind that one; without a boundary it is a row further
     while row < time_s.len() {
         while search.settled.len() < row {
             search.settle();
@@ -315,6 +317,7 @@ impl<'a> Search<'a> {
 
     /// Puts a gap that is seen at `row` where it fits best, and accepts it. Returns the last row dealt with.
     fn place(&mut self, row: usize) -> usize {
+        crate::interrupt::check();
         let at = if self.bursts { self.place_in_bursts(row) } else { self.place_in_jitter(row) };
         let missing = self.count(at, self.rise_ahead(at));
         if missing == 0 {

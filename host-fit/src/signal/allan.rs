@@ -49,6 +49,7 @@ pub fn allan_deviation(stretches: &[&[f64]], sample_period_s: f64, taus_s: &[f64
 /// beyond which the upper end of the interval is more than four times the value.
 pub fn averaging_times(stretches: &[&[f64]], sample_period_s: f64, per_decade: usize) -> Vec<f64> {
     let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
+    // ends: it grows, at ten to the power of a step
     let mut averaging: Vec<usize> = (0..)
         .map(|step| 10f64.powf(step as f64 / per_decade.max(1) as f64).round() as usize)
         .take_while(|m| *m <= longest / 5)

@@ -48,6 +48,7 @@ impl Colour {
 
     /// Draws one whose level at zero frequency is 0.6 to 1.3 of that of the whole band.
     pub(super) fn draw(random: &mut Random) -> Self {
+        // ends: of any draws a good part will do
         loop {
             let ar = if chance(random, 0.5) {
                 let (radius, angle) = (between(random, 0.1, 0.6), between(random, 0.0, std::f64::consts::PI));

@@ -250,6 +250,7 @@ pub(super) fn add_faults(
 fn lost(n: usize, count: usize, random: &mut Random) -> Vec<usize> {
     let mut gone = vec![false; n];
     let mut left = count;
+    // ends: `count` is a small share of `n`, and wherever it starts one more is lost sooner or later
     while left > 0 {
         let length = if chance(random, 0.6) { 1 } else { between(random, 2.0, 50.0) as usize };
         let start = random.random_range(1..n - 1);

@@ -200,6 +200,7 @@ pub(super) fn level_size(ratios: impl Iterator<Item = f64>) -> f64 {
 /// The positive x at which a growing function is `wanted`, by bisection of its logarithm within e^±20 of `about`.
 pub(super) fn solve(about: f64, wanted: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (about.ln() - 20.0, about.ln() + 20.0);
+    // ends: it halves, of 40, and logarithms of numbers are apart by far less than 1e-5
     while high - low > 1e-5 {
         let middle = 0.5 * (low + high);
         if f(middle.exp()) < wanted { low = middle } else { high = middle }

@@ -142,7 +142,10 @@ impl SlowSearch<'_> {
             fitted: self.fit(&[], ExtraNoise::None, base),
         };
         let mut tried = Tried::default();
+        // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit anew and may
+        // lose some of it
         for round in 0..MAX_FOUND {
+            crate::interrupt::check();
             let first_pass = self.first_pass(&state)?;
             let candidates = self.fitted(&state, &first_pass)?;
             if round == 0 {
@@ -543,6 +546,7 @@ impl SlowSearch<'_> {
     /// Effects that lost their support to later ones go.
     fn drop_unsupported(&self, state: &mut State) {
         let mut place = 0;
+        // ends: one is passed, or one fewer is left
         while place < state.accepted.len() {
             let (without, current) = self.without(state, place);
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
