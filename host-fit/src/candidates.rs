@@ -20,6 +20,10 @@ pub const MAX_LAG: u16 = (1 << 14) - 1;
 /// The largest index of an input.
 pub const MAX_INPUT: u8 = 125;
 
+/// The largest pool. The averages of the products of 6000 candidates take a gigabyte while they are formed, and those of twice as
+/// many four.
+pub const MAX_CANDIDATES: usize = 6000;
+
 /// A product of delayed samples, its factors sorted by channel, then lag. Empty: the constant 1.
 pub type Monomial = Vec<Factor>;
 
@@ -60,6 +64,11 @@ pub enum CandidatesError {
     /// A lag beyond [`MAX_LAG`] or an input beyond [`MAX_INPUT`].
     #[error("{0} is out of reach: lags go to {MAX_LAG}, inputs to u{MAX_INPUT}")]
     OutOfReach(String),
+    /// More than [`MAX_CANDIDATES`].
+    #[error(
+        "more than {MAX_CANDIDATES} candidates: the averages of their products would not fit into memory"
+    )]
+    TooMany,
     /// Nothing to choose from.
     #[error("the pool is empty: give output lags, input lags or a monomial")]
     Empty,
@@ -176,7 +185,8 @@ impl Builder {
     /// Enumerates the pool.
     ///
     /// # Errors
-    /// An output at lag 0, a degree outside 1..=[`MAX_DEGREE`], an explicit constant, or nothing at all.
+    /// An output at lag 0, a degree outside 1..=[`MAX_DEGREE`], an explicit constant, nothing at all, or more than
+    /// [`MAX_CANDIDATES`].
     pub fn build(self) -> Result<Candidates, CandidatesError> {
         let degrees = self.groups.iter().map(|g| g.degree).chain(self.cross_degree);
         let explicit_degrees = self.explicit.iter().map(Vec::len);
@@ -197,6 +207,9 @@ impl Builder {
         factors.dedup();
         let mut monomials = self.explicit.clone();
         self.extend(&mut Vec::new(), &factors, &mut monomials);
+        if monomials.len() > MAX_CANDIDATES {
+            return Err(CandidatesError::TooMany);
+        }
         monomials.sort_unstable_by(|a, b| order(a, b));
         monomials.dedup();
 
@@ -211,9 +224,13 @@ impl Builder {
     }
 
     /// Appends every allowed product of `stem` with factors from `factors` on: each product once, since its
-    /// factors never go back in order.
+    /// factors never go back in order. Goes no further than shows that there are too many: the products of three of the lags
+    /// to [`MAX_LAG`] are 7·10¹¹.
     fn extend(&self, stem: &mut Monomial, factors: &[Factor], found: &mut Vec<Monomial>) {
         for (i, &factor) in factors.iter().enumerate() {
+            if found.len() > MAX_CANDIDATES {
+                return;
+            }
             stem.push(factor);
             if self.allows(stem) {
                 found.push(stem.clone());
@@ -361,5 +378,6 @@ mod tests {
         let reversed = Candidates::builder().input(0, 3..=2, 1);
         assert_eq!(refused(reversed), CandidatesError::EmptyLags(3, 2));
         assert_eq!(refused(Candidates::builder()), CandidatesError::Empty);
+        assert_eq!(refused(Candidates::builder().output(1..=MAX_LAG, 3)), CandidatesError::TooMany);
     }
 }

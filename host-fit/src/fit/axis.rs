@@ -11,7 +11,7 @@ use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
 use super::physical;
 use super::regressors::Regressors;
 use super::stochastic::{self, AxisReport, LeftOut};
-use crate::candidates::CandidatesError;
+use crate::candidates::{CandidatesError, MAX_CANDIDATES};
 use crate::evaluate;
 use crate::feed::Feed;
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
@@ -43,7 +43,8 @@ pub enum AxisError {
     Recording(#[from] RecordingError),
     /// Too little to fit to.
     #[error(
-        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train, a smaller --max-lag or --degree"
+        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train{}",
+        what_fits(", or ", fits)
     )]
     TooShort {
         /// The column.
@@ -54,6 +55,21 @@ pub enum AxisError {
         needed: usize,
         /// Candidates.
         candidates: usize,
+        /// Options that the rows are enough for; empty if there are none.
+        fits: String,
+    },
+    /// More than a search can hold.
+    #[error(
+        "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller --max-lag, --input-lags or --degree{}",
+        what_fits(", as ", fits)
+    )]
+    TooMany {
+        /// The column.
+        column: String,
+        /// Candidates.
+        candidates: usize,
+        /// Options that give fewer.
+        fits: String,
     },
     /// All values are the same.
     #[error(
@@ -119,6 +135,10 @@ pub enum AxisError {
     },
 }
 
+fn what_fits(joined_by: &str, fits: &str) -> String {
+    if fits.is_empty() { String::new() } else { format!("{joined_by}{fits}") }
+}
+
 /// A fitted axis: a unit of that axis alone, and how it was found.
 #[derive(Debug, Clone)]
 pub struct AxisFit {
@@ -167,7 +187,13 @@ pub fn fit_axis(
         .filter(|value| value.is_finite())
         .collect();
     if known.len() < 2 {
-        return Err(AxisError::TooShort { column, rows: known.len(), needed: 2, candidates: 0 });
+        return Err(AxisError::TooShort {
+            column,
+            rows: known.len(),
+            needed: 2,
+            candidates: 0,
+            fits: String::new(),
+        });
     }
     let mut model = start(recording, rest, (&column, &series.reference), &training, &known, options)?;
     let feed = Feed::new(recording, &model, &rest.still)?;

@@ -10,6 +10,7 @@ mod householder;
 mod least_squares;
 pub mod options;
 pub mod physical;
+mod pool;
 pub mod refit;
 pub mod regressors;
 mod stochastic;

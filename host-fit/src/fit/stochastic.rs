@@ -2,23 +2,21 @@
 
 use std::ops::Range;
 
-use fos_core::{Factor, u, y};
+use fos_core::{Factor, y};
 use serde::{Deserialize, Serialize};
 
 use super::autoregression;
 use super::axis::AxisError;
 use super::options::{FitOptions, Method};
 use super::physical::UnknownTerm;
+use super::pool;
 use super::refit::{self, Refit};
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
-use crate::candidates::{Candidates, CandidatesError, Monomial, monomial_text_named};
+use crate::candidates::{Candidates, Monomial, monomial_text_named};
 use crate::model::{FittedTerm, UnitModel};
 use crate::moments::Rows;
 use crate::signal::{self, autocorrelation::autocorrelation};
-
-/// Fewest rows per candidate: below that a coefficient is mostly noise.
-const ROWS_PER_CANDIDATE: usize = 5;
 
 /// How one axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -118,43 +116,17 @@ pub(super) fn fit(
     options: &FitOptions,
 ) -> Result<StochasticPart, AxisError> {
     let column = &model.axes[0].column;
-    let enough = |candidates: usize| {
-        let rows: usize = regressors.stretches.iter().map(Range::len).sum();
-        let needed = ROWS_PER_CANDIDATE * (candidates + 1);
-        match rows < needed {
-            true => Err(AxisError::TooShort { column: column.clone(), rows, needed, candidates }),
-            false => Ok(()),
-        }
-    };
+    let rows: usize = regressors.stretches.iter().map(Range::len).sum();
+    // before the pool is made: it may be larger than any memory
+    pool::check(column, rows, model.inputs.len(), options)?;
     match options.method {
         Method::Fos => {
-            let pool = candidates(model, options)
+            let pool = pool::pool(model.inputs.len(), options)
                 .map_err(|source| AxisError::Candidates { column: column.clone(), source })?;
-            enough(pool.len())?;
             search(model, regressors, options, &pool)
         }
-        Method::Linear(method) => {
-            enough(usize::from(options.max_lag))?;
-            autoregress(model, regressors, options, method)
-        }
+        Method::Linear(method) => autoregress(model, regressors, options, method),
     }
-}
-
-/// The pool (eq. 14): products of output lags and, where inputs are offered, of their lags too, up to the cross-product
-/// degree; the long memory as it is.
-fn candidates(model: &UnitModel, options: &FitOptions) -> Result<Candidates, CandidatesError> {
-    let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
-    let inputs = options.physical.len()..options.physical.len() + options.inputs.len();
-    if !inputs.is_empty() {
-        pool = pool.cross_products(options.degree);
-    }
-    for index in inputs.clone() {
-        pool = pool.input(index as u8, 0..=options.input_lags, options.degree);
-    }
-    for index in inputs.end..model.inputs.len() {
-        pool = pool.monomial(&[u(index as u8, 0)]);
-    }
-    pool.build()
 }
 
 fn search(

@@ -1,0 +1,135 @@
+//! The candidates of an axis: which they are, and whether the rows are enough for so many.
+
+use fos_core::u;
+
+use super::axis::AxisError;
+use super::options::{FitOptions, Method};
+use crate::candidates::{Candidates, CandidatesError, MAX_CANDIDATES};
+
+/// Fewest rows per candidate: below that a coefficient is mostly noise.
+const ROWS_PER_CANDIDATE: usize = 5;
+
+/// The pool (eq. 14): products of output lags and, where inputs are offered, of their lags too, up to the cross-product
+/// degree; the long memory as it is. `n_inputs`: those of the physical part, those offered, the long memory.
+pub(super) fn pool(n_inputs: usize, options: &FitOptions) -> Result<Candidates, CandidatesError> {
+    let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
+    let inputs = options.physical.len()..options.physical.len() + options.inputs.len();
+    if !inputs.is_empty() {
+        pool = pool.cross_products(options.degree);
+    }
+    for index in inputs.clone() {
+        pool = pool.input(index as u8, 0..=options.input_lags, options.degree);
+    }
+    for index in inputs.end..n_inputs {
+        pool = pool.monomial(&[u(index as u8, 0)]);
+    }
+    pool.build()
+}
+
+/// Whether so many rows are enough, and the memory; without making the candidates.
+pub(super) fn check(
+    column: &str,
+    rows: usize,
+    n_inputs: usize,
+    options: &FitOptions,
+) -> Result<(), AxisError> {
+    let column = column.to_owned();
+    let candidates = size(n_inputs, options);
+    let needed = candidates.saturating_add(1).saturating_mul(ROWS_PER_CANDIDATE);
+    let fits = || what_fits(rows, n_inputs, options);
+    if rows < needed {
+        Err(AxisError::TooShort { column, rows, needed, candidates, fits: fits() })
+    } else if options.method == Method::Fos && candidates > MAX_CANDIDATES {
+        Err(AxisError::TooMany { column, candidates, fits: fits() })
+    } else {
+        Ok(())
+    }
+}
+
+/// How many candidates there are: C(F + CP, CP) − 1 products of up to CP of F factors, and the long memory; the lags of an
+/// autoregression.
+fn size(n_inputs: usize, options: &FitOptions) -> usize {
+    let lags = usize::from(options.max_lag);
+    if options.method != Method::Fos {
+        return lags;
+    }
+    let factors = lags + options.inputs.len() * (usize::from(options.input_lags) + 1);
+    let products = (1..=options.degree as u128)
+        .try_fold(1_u128, |chosen, k| Some(chosen.checked_mul(factors as u128 + k)? / k))
+        .unwrap_or(u128::MAX);
+    let memory = n_inputs - options.physical.len() - options.inputs.len();
+    usize::try_from(products - 1).unwrap_or(usize::MAX).saturating_add(memory)
+}
+
+/// The largest order for so many rows, at each degree, as options; empty if there is none.
+fn what_fits(rows: usize, n_inputs: usize, options: &FitOptions) -> String {
+    let most = (rows / ROWS_PER_CANDIDATE).saturating_sub(1);
+    let of = |max_lag, degree| FitOptions { max_lag, degree, ..options.clone() };
+    let largest = |most: usize, degree: usize| {
+        let fits = |max_lag: &u16| size(n_inputs, &of(*max_lag, degree)) <= most;
+        (1..=options.max_lag).take_while(fits).last()
+    };
+    match options.method {
+        Method::Linear(_) => {
+            largest(most, 1).map_or_else(String::new, |max_lag| format!("--max-lag {max_lag}"))
+        }
+        Method::Fos => {
+            let at = |degree| {
+                let max_lag = largest(most.min(MAX_CANDIDATES), degree)?;
+                Some(format!("--max-lag {max_lag} --degree {degree}"))
+            };
+            (1..=options.degree).rev().filter_map(at).collect::<Vec<_>>().join(" or ")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::autoregression;
+
+    fn options(max_lag: u16, degree: usize, inputs: usize) -> FitOptions {
+        let inputs = vec!["temp_c".parse().unwrap(); inputs];
+        let physical = vec!["supply_v".parse().unwrap()];
+        FitOptions { max_lag, degree, inputs, input_lags: 2, physical, ..FitOptions::default() }
+    }
+
+    #[test]
+    fn as_many_are_counted_as_there_are() {
+        for (max_lag, degree, inputs) in
+            [(1, 1, 0), (10, 1, 0), (10, 2, 0), (7, 3, 0), (10, 1, 1), (5, 2, 1), (4, 2, 2), (3, 3, 2)]
+        {
+            for memory in [0, 4] {
+                let options = options(max_lag, degree, inputs);
+                let n_inputs = 1 + inputs + memory;
+                let made = pool(n_inputs, &options).unwrap().len();
+                assert_eq!(size(n_inputs, &options), made, "{max_lag} {degree} {inputs} {memory}");
+            }
+        }
+    }
+
+    /// `--max-lag 3000` spent half a minute and gigabytes on 4.5 million candidates before it said that the rows are too few.
+    #[test]
+    fn refuses_too_many_before_they_are_made_and_says_what_fits() {
+        let refused = |rows, options: &FitOptions| {
+            let n_inputs = 1 + options.inputs.len() + 4;
+            check("gx_rads", rows, n_inputs, options).unwrap_err().to_string()
+        };
+        let text = refused(29_990, &options(3000, 2, 0));
+        assert!(text.contains("29990 rows at rest") && text.contains("4504504 candidates"), "{text}");
+        assert!(text.ends_with("or --max-lag 107 --degree 2 or --max-lag 3000 --degree 1"), "{text}");
+        // what is named is enough, and one more is not
+        assert!(check("gx_rads", 29_990, 5, &options(107, 2, 0)).is_ok());
+        assert!(check("gx_rads", 29_990, 5, &options(108, 2, 0)).is_err());
+
+        // rows enough, but not memory; and beyond what can be counted
+        let text = refused(100_000_000, &options(200, 2, 0));
+        assert!(text.contains("20304 candidates") && text.contains("--max-lag 108 --degree 2"), "{text}");
+        assert!(refused(1000, &options(u16::MAX, 3, 0)).contains("--max-lag 8 --degree 3"));
+        // nothing fits
+        assert!(refused(20, &options(10, 2, 0)).ends_with("a longer log, a larger --train"));
+        let linear = Method::Linear(autoregression::Method::Burg);
+        let text = refused(1000, &FitOptions { method: linear, ..options(300, 2, 0) });
+        assert!(text.ends_with("or --max-lag 199"), "{text}");
+    }
+}
