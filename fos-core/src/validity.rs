@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Validity(u16);
 
 /// Every reason, with its name, in the order of the bits.
-const REASONS: [(Validity, &str); 11] = [
+const REASONS: [(Validity, &str); 12] = [
     (Validity::WARMING_UP, "warming up"),
     (Validity::OWN_HISTORY, "own history"),
     (Validity::COASTING_TOO_LONG, "coasting too long"),
@@ -26,6 +26,7 @@ const REASONS: [(Validity, &str); 11] = [
     (Validity::STUCK, "stuck"),
     (Validity::MISSING, "missing"),
     (Validity::NOT_MODELLED, "not modelled"),
+    (Validity::AWAY_FROM_GRAVITY, "away from gravity"),
 ];
 
 impl Validity {
@@ -54,8 +55,11 @@ impl Validity {
     pub const MISSING: Validity = Validity(1 << 9);
     /// The model does not have this axis: nothing was taken out.
     pub const NOT_MODELLED: Validity = Validity(1 << 10);
+    /// At rest the three accelerometers together, corrected, were further from gravity than as measured: the model was fitted to
+    /// something else. A predictor does not look at axes together; a hub does.
+    pub const AWAY_FROM_GRAVITY: Validity = Validity(1 << 11);
     /// Everything that can be.
-    pub const ALL: Validity = Validity((1 << 11) - 1);
+    pub const ALL: Validity = Validity((1 << 12) - 1);
 
     /// Nothing speaks against it. [`OWN_HISTORY`](Self::OWN_HISTORY) counts: a coasted value is an extrapolation.
     pub const fn is_valid(self) -> bool {

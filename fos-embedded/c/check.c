@@ -101,7 +101,7 @@ static void expect_sound(const fos_output *output)
     for (int axis = 0; axis < FOS_AXES; axis++) {
         EXPECT(isfinite(output->measured[axis]) && isfinite(output->corrected[axis]));
         EXPECT(!isinf(output->innovation[axis]));
-        EXPECT(output->validity[axis] < 2 * FOS_VALIDITY_NOT_MODELLED);
+        EXPECT(output->validity[axis] < 2 * FOS_VALIDITY_AWAY_FROM_GRAVITY);
     }
     EXPECT(!isinf(output->temperature_c));
     EXPECT(output->faults < 2 * FOS_FAULT_RATE && output->still <= 1 && output->drift <= 1);
@@ -133,7 +133,7 @@ static void sizes_and_texts(void)
     }
     EXPECT(strcmp(fos_status_text(INT32_MIN), "unknown status") == 0);
     for (unsigned bits = 0; bits <= UINT16_MAX; bits++) {
-        int known = (bits & (bits - 1)) == 0 && bits <= FOS_VALIDITY_NOT_MODELLED;
+        int known = (bits & (bits - 1)) == 0 && bits <= FOS_VALIDITY_AWAY_FROM_GRAVITY;
         EXPECT((strcmp(fos_validity_text((uint16_t)bits), "unknown validity") != 0) == known);
     }
 }

@@ -46,7 +46,7 @@ int main(void)
     }
     printf("fos %s: gyro z %.6f rad/s, corrected %.6f rad/s", fos_version(), (double)output.measured[FOS_GZ],
            (double)output.corrected[FOS_GZ]);
-    for (unsigned bit = 1; bit <= FOS_VALIDITY_NOT_MODELLED; bit *= 2)
+    for (unsigned bit = 1; bit <= FOS_VALIDITY_AWAY_FROM_GRAVITY; bit *= 2)
         if (output.validity[FOS_GZ] & bit)
             printf(", %s", fos_validity_text((uint16_t)bit));
     printf("\n");

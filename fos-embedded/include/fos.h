@@ -101,6 +101,10 @@
 // Validity: the model does not have this axis, or there is no model; nothing was taken out.
 #define FOS_VALIDITY_NOT_MODELLED 1024
 
+// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the model was
+// fitted to something else. It stays until a rest of some seconds shows otherwise.
+#define FOS_VALIDITY_AWAY_FROM_GRAVITY 2048
+
 // Fault, as all of them since the sample before: a transfer over the bus failed.
 #define FOS_FAULT_BUS 1
 

@@ -257,9 +257,9 @@ fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
         let names: Vec<_> = validity.names().collect();
         assert_eq!(names, [text(fos_validity_text(validity.bits()))]);
     }
-    assert_eq!(Validity::ALL.bits(), 2 * FOS_VALIDITY_NOT_MODELLED - 1, "one for every bit");
+    assert_eq!(Validity::ALL.bits(), 2 * FOS_VALIDITY_AWAY_FROM_GRAVITY - 1, "one for every bit");
     assert_eq!(text(fos_validity_text(3)), "unknown validity");
-    assert_eq!(text(fos_validity_text(2048)), "unknown validity");
+    assert_eq!(text(fos_validity_text(4096)), "unknown validity");
 }
 
 #[test]

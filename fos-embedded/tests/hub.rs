@@ -3,8 +3,8 @@
 mod models;
 
 use fos_core::{
-    Axis, AxisModel, Correction, FittedOn, Image, ImageError, Input, Model, Predictor, Quantity, Range,
-    Sample, Source, StillnessDetector, Term, Transform, Validity, u,
+    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Input, Model, Predictor,
+    Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample};
@@ -243,6 +243,66 @@ fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
         let _ = hub.update(&random.at_rest());
     }
     assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity);
+}
+
+/// A model of two poses takes the half of what tells them apart for an error, and fits: |a| was 3 m/s² where it had been 9.8, and all was
+/// valid.
+#[test]
+fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise() {
+    static FOLLOWS: [Term<f32>; 1] = [Term::new(0.97, &[y(1)])];
+    // level and on its side: the mean of both as a reference, half of the difference as a deviation
+    let of_two_poses = |axes: &[Axis]| {
+        let model = |axis: &Axis| {
+            let parameters = match axis {
+                Axis::Ax | Axis::Az => {
+                    AxisParameters { reference: 4.9, offset: 0.0, scale: 4.9, ..parameters(*axis) }
+                }
+                _ => parameters(*axis),
+            };
+            AxisModel { parameters, physical: &[], stochastic: &FOLLOWS }
+        };
+        let axes: Vec<AxisModel<'_, f32>> = axes.iter().map(model).collect();
+        let model = Model {
+            period_s: 0.005,
+            fitted_on: FittedOn::Raw,
+            stillness: None,
+            quantities: &[],
+            inputs: &[],
+            axes: &axes,
+        };
+        let mut hub: TestHub = Hub::new(SCALES);
+        hub.load_model(&model).expect("a model for this sensor");
+        hub.set_motion(Some(Motion::Still));
+        hub
+    };
+    let away = |hub: &TestHub| hub.output().validity.map(|v| v.contains(Validity::AWAY_FROM_GRAVITY));
+    const ACCELEROMETERS: [bool; 6] = [true, true, true, false, false, false];
+    let mut random = Random(8);
+    let mut hub = of_two_poses(&SIX);
+    let mut run = |hub: &mut TestHub, samples: usize| {
+        for _ in 0..samples {
+            let _ = hub.update(&random.at_rest());
+        }
+    };
+    run(&mut hub, 400);
+    assert_eq!(away(&hub), [false; 6], "no verdict before 2.5 s of rest");
+    run(&mut hub, 200);
+    assert_eq!(away(&hub), ACCELEROMETERS);
+    let [x, y, z] = hub.output().accel();
+    assert!(((x * x + y * y + z * z).sqrt() - 9.8).abs() > 2.0, "{x} {y} {z}");
+    assert!(hub.output().faults.is_empty() && !hub.output().drift, "nothing else speaks against it");
+    hub.set_motion(Some(Motion::Moving));
+    run(&mut hub, 2000);
+    assert_eq!(away(&hub), ACCELEROMETERS, "moving tells nothing new");
+    hub.load(&image(&MADE)).expect("a sound model");
+    hub.give(Quantity::Supply, 3.3);
+    hub.set_motion(Some(Motion::Still));
+    run(&mut hub, 2000);
+    assert_eq!(away(&hub), [false; 6]);
+    // two accelerometers do not tell how large gravity is
+    let mut hub = of_two_poses(&[Axis::Ax, Axis::Az, Axis::Gx]);
+    run(&mut hub, 2000);
+    assert_eq!(away(&hub), [false; 6]);
 }
 
 #[test]

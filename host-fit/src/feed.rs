@@ -123,6 +123,11 @@ impl<'a> Feed<'a> {
         self.has_reference
     }
 
+    /// Rows of the recording.
+    pub fn n_rows(&self) -> usize {
+        self.still.len()
+    }
+
     /// Whether the true value is known in this row.
     pub fn is_still(&self, row: usize) -> bool {
         self.still[row]

@@ -30,6 +30,7 @@ pub mod model;
 pub mod moments;
 pub mod paper;
 pub mod plots;
+pub mod pose;
 mod program;
 pub mod record;
 pub mod recording;

@@ -1,6 +1,9 @@
 //! An image over a recording, on fos-core in f32, as the device would run it.
 
+use std::ops::Range;
+
 use fos_core::{Axis, Correction, Image, ImageError, Quantity, Sample, Validity};
+use fos_embedded::hub::leads_away;
 use fos_embedded::replay::{Digest, Header, Motion, Record};
 use serde::Serialize;
 
@@ -58,12 +61,28 @@ pub struct Summary {
     pub still_known_by: KnownBy,
     /// The axes.
     pub axes: Vec<AxisSummary>,
+    /// Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model.
+    pub gravity: Option<Gravity>,
     /// CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits.
     #[serde(serialize_with = "hexadecimal")]
     pub innovations_digest: u64,
     /// CRC-64 of all innovations, corrected values and validities.
     #[serde(serialize_with = "hexadecimal")]
     pub corrections_digest: u64,
+}
+
+/// The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more than a
+/// sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Gravity {
+    /// Rests.
+    pub rests: usize,
+    /// Rows at rest.
+    pub rows: usize,
+    /// Rests that most rows of are away from gravity.
+    pub rests_away: usize,
+    /// Rows that are.
+    pub rows_away: usize,
 }
 
 /// One axis of a replay.
@@ -79,7 +98,7 @@ pub struct AxisSummary {
     pub innovation_rms_f64: f64,
     /// Largest difference between the two, in the axis' unit.
     pub largest_difference: f64,
-    /// Share of the tracked rows whose correction is valid.
+    /// Share of the tracked rows whose correction is valid, and does not lead away from gravity.
     pub valid_share: f64,
     /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
     pub errors: Option<ModelErrors>,
@@ -208,20 +227,24 @@ fn run(
     let n_rows = recording.n_rows();
     let mut tallies = vec![Tally::default(); model.axes.len()];
     let mut digest = Digest::default();
+    let mut rests = Rests::of(&model, &feed);
     let mut tracked = 0;
     for row in 0..n_rows {
         let singles = feed.step(&mut single, row);
         digest.update(singles);
         let doubles = feed.step(&mut double, row);
         tracked += usize::from(feed.is_still(row));
+        if let Some(rests) = &mut rests {
+            rests.add(&feed, row, singles);
+        }
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
             take(axis, single);
             tallies[axis].add(single.innovation, double.innovation);
-            let caution = Validity::OWN_HISTORY | Validity::WARMING_UP;
-            if feed.is_still(row) && single.validity | caution == caution {
-                tallies[axis].valid += 1;
-            }
+            tallies[axis].valid += usize::from(feed.is_still(row) && is_valid(single));
         }
+    }
+    if let Some(rests) = &rests {
+        rests.take_out(&mut tallies);
     }
     let mut summaries = Vec::new();
     for (index, (axis, tally)) in model.axes.iter().zip(&tallies).enumerate() {
@@ -233,6 +256,7 @@ fn run(
         tracked,
         still_known_by: rest.known_by,
         axes: summaries,
+        gravity: rests.map(|rests| rests.total()),
         innovations_digest: digest.innovations(),
         corrections_digest: digest.corrections(),
     })
@@ -247,6 +271,78 @@ fn errors(alone: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Optio
     let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
     // an accelerometer that lies in another pose throughout has none
     Ok(Some(errors).filter(|errors| errors.one_step_mse.is_finite()))
+}
+
+/// The rests of a replay, and which rows of them are away from gravity.
+struct Rests {
+    /// Places of the accelerometers in the model.
+    accelerometers: [usize; 3],
+    rests: Vec<RestTally>,
+    /// The rest that the latest row was in, or that is to come.
+    at: usize,
+}
+
+struct RestTally {
+    rows: Range<usize>,
+    away: usize,
+    /// Rows whose correction is otherwise valid, of each accelerometer.
+    valid: [usize; 3],
+}
+
+impl RestTally {
+    fn is_away(&self) -> bool {
+        2 * self.away > self.rows.len()
+    }
+}
+
+impl Rests {
+    /// None if not all three accelerometers are in the model.
+    fn of(model: &UnitModel, feed: &Feed<'_>) -> Option<Self> {
+        let place = |wanted| model.axes.iter().position(|axis| axis.parameters.axis == wanted);
+        let accelerometers = [place(Axis::Ax)?, place(Axis::Ay)?, place(Axis::Az)?];
+        let rests = feed.still_stretches(0..feed.n_rows()).into_iter();
+        let rests = rests.map(|rows| RestTally { rows, away: 0, valid: [0; 3] }).collect();
+        Some(Self { accelerometers, rests, at: 0 })
+    }
+
+    fn add(&mut self, feed: &Feed<'_>, row: usize, corrections: &[Correction<f32>]) {
+        while self.rests.get(self.at).is_some_and(|rest| rest.rows.end <= row) {
+            self.at += 1;
+        }
+        let Some(rest) = self.rests.get_mut(self.at).filter(|rest| rest.rows.contains(&row)) else { return };
+        let sample = feed.sample::<f32>(row);
+        let measured = self.accelerometers.map(|axis| sample.sample().measured[axis]);
+        let corrected = self.accelerometers.map(|axis| corrections[axis].corrected);
+        rest.away += usize::from(leads_away(&measured, &corrected));
+        for (valid, axis) in rest.valid.iter_mut().zip(self.accelerometers) {
+            *valid += usize::from(is_valid(&corrections[axis]));
+        }
+    }
+
+    /// Takes what is away from gravity out of what is valid.
+    fn take_out(&self, tallies: &mut [Tally]) {
+        for rest in self.rests.iter().filter(|rest| rest.is_away()) {
+            for (valid, axis) in rest.valid.iter().zip(self.accelerometers) {
+                tallies[axis].valid -= valid;
+            }
+        }
+    }
+
+    fn total(&self) -> Gravity {
+        let away = self.rests.iter().filter(|rest| rest.is_away());
+        Gravity {
+            rests: self.rests.len(),
+            rows: self.rests.iter().map(|rest| rest.rows.len()).sum(),
+            rests_away: away.count(),
+            rows_away: self.rests.iter().map(|rest| rest.away).sum(),
+        }
+    }
+}
+
+/// Nothing but that it begins speaks against it.
+fn is_valid(correction: &Correction<f32>) -> bool {
+    let caution = Validity::OWN_HISTORY | Validity::WARMING_UP;
+    correction.validity | caution == caution
 }
 
 #[derive(Debug, Clone, Default)]

@@ -58,6 +58,9 @@ pub const FOS_VALIDITY_STUCK: u16 = 256;
 pub const FOS_VALIDITY_MISSING: u16 = 512;
 /// Validity: the model does not have this axis, or there is no model; nothing was taken out.
 pub const FOS_VALIDITY_NOT_MODELLED: u16 = 1024;
+/// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the model was
+/// fitted to something else. It stays until a rest of some seconds shows otherwise.
+pub const FOS_VALIDITY_AWAY_FROM_GRAVITY: u16 = 2048;
 
 /// Fault, as all of them since the sample before: a transfer over the bus failed.
 pub const FOS_FAULT_BUS: u16 = 1;
@@ -196,6 +199,7 @@ const _: () = {
     assert!(FOS_VALIDITY_STUCK == Validity::STUCK.bits());
     assert!(FOS_VALIDITY_MISSING == Validity::MISSING.bits());
     assert!(FOS_VALIDITY_NOT_MODELLED == Validity::NOT_MODELLED.bits());
+    assert!(FOS_VALIDITY_AWAY_FROM_GRAVITY == Validity::AWAY_FROM_GRAVITY.bits());
     assert!(FOS_FAULT_BUS == Faults::BUS.bits());
     assert!(FOS_FAULT_OVERRUN == Faults::OVERRUN.bits());
     assert!(FOS_FAULT_GAP == Faults::GAP.bits());
@@ -316,6 +320,7 @@ fn validity_text(bit: u16) -> &'static CStr {
         FOS_VALIDITY_STUCK => c"stuck",
         FOS_VALIDITY_MISSING => c"missing",
         FOS_VALIDITY_NOT_MODELLED => c"not modelled",
+        FOS_VALIDITY_AWAY_FROM_GRAVITY => c"away from gravity",
         _ => c"unknown validity",
     }
 }

@@ -1,6 +1,7 @@
 //! The hub: six axes over shared inputs, raw codes in, corrected SI units out.
 
 mod error;
+mod gravity;
 mod output;
 mod rate;
 mod watch;
@@ -12,6 +13,8 @@ use fos_core::{
 use heapless::{String, Vec};
 
 pub use error::HubError;
+use gravity::Gravity;
+pub use gravity::{GRAVITY_MPS2, leads_away};
 pub use output::{AXES, Output};
 use rate::RateEstimator;
 use watch::Watch;
@@ -88,6 +91,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     quantities: Vec<f32, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
     watch: Watch,
+    /// None if not all three accelerometers are in the model.
+    gravity: Option<Gravity>,
     rate: RateEstimator,
     model_rate_hz: f32,
     rate_off: bool,
@@ -137,6 +142,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             quantities: Vec::new(),
             sources: Vec::new(),
             watch: Watch::NOTHING,
+            gravity: None,
             rate: RateEstimator::new(),
             model_rate_hz: 0.0,
             rate_off: false,
@@ -194,6 +200,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.quantities.clear();
         self.detector = None;
         self.watch.clear();
+        self.gravity = None;
         (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
         self.output = Output::NONE;
     }
@@ -252,6 +259,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
             self.watch.add(&parameters, model);
         }
+        let accelerometers = self.axes.iter().filter(|axis| axis.channel < 3).count();
+        self.gravity = (accelerometers == 3).then_some(Gravity::NEW);
         for (index, quantity) in quantities.enumerate() {
             let source = match quantity {
                 Quantity::Temperature => QuantitySource::Thermometer,
@@ -404,6 +413,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.in_pose = in_pose;
         if self.axes.len() < AXES {
             output.pass_others(&self.axes, self.scales.full_scale());
+        }
+        if let Some(gravity) = &mut self.gravity {
+            gravity.look_at(output);
         }
         if stuck || suspect.contains(Validity::SATURATED) {
             output.flag(stuck);

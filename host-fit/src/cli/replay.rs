@@ -103,6 +103,13 @@ impl Replay {
             "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
         );
         println!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
+        if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests_away > 0) {
+            println!(
+                "  away from gravity: in {} of {} rests, {} of {} rows, the accelerometers are further from 9.81 m/s² corrected than as measured\n  \
+                 help: the model was fitted to something else, as to two poses: fit it anew to a log in one pose, or with ref_ columns",
+                gravity.rests_away, gravity.rests, gravity.rows_away, gravity.rows
+            );
+        }
         println!("digest of the innovations  {:016x}", summary.innovations_digest);
         println!("digest of all corrections  {:016x}", summary.corrections_digest);
         if let Some(path) = &self.output {

@@ -15,6 +15,7 @@ use crate::candidates::{CandidatesError, MAX_CANDIDATES};
 use crate::evaluate;
 use crate::feed::Feed;
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
+use crate::pose::{self, Pose};
 use crate::recording::{Recording, RecordingError, Reference};
 use crate::rest::{self, Rest};
 use crate::signal::{self, autocorrelation::autocorrelation};
@@ -70,6 +71,21 @@ pub enum AxisError {
         candidates: usize,
         /// Options that give fewer.
         fits: String,
+    },
+    /// An accelerometer without a reference, in more than one pose.
+    #[error(
+        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: --train {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: --axis gx,gy,gz",
+        first.0, force(&first.1), second.0, force(&second.1)
+    )]
+    TwoPoses {
+        /// The column.
+        column: String,
+        /// Since when the first is held, s as stamped, and what the accelerometers show in it, m/s².
+        first: (f64, Vec<f64>),
+        /// The same of the second.
+        second: (f64, Vec<f64>),
+        /// Whole seconds at rest to the end of the first.
+        train_s: u64,
     },
     /// All values are the same.
     #[error(
@@ -139,6 +155,11 @@ fn what_fits(joined_by: &str, fits: &str) -> String {
     if fits.is_empty() { String::new() } else { format!("{joined_by}{fits}") }
 }
 
+fn force(levels: &[f64]) -> String {
+    let levels: Vec<String> = levels.iter().map(|level| format!("{level:.2}")).collect();
+    format!("({})", levels.join(", "))
+}
+
 /// A fitted axis: a unit of that axis alone, and how it was found.
 #[derive(Debug, Clone)]
 pub struct AxisFit {
@@ -195,6 +216,9 @@ pub fn fit_axis(
             fits: String::new(),
         });
     }
+    if series.reference == Reference::Constant {
+        check_pose(recording, rest, &column, training.clone())?;
+    }
     let mut model = start(recording, rest, (&column, &series.reference), &training, &known, options)?;
     let feed = Feed::new(recording, &model, &rest.still)?;
 
@@ -229,6 +253,29 @@ pub fn fit_axis(
     let feed = Feed::new(recording, &model, &rest.still)?;
     set_statistics(&mut model, &feed, training).map_err(model_error)?;
     Ok(AxisFit { model, report })
+}
+
+/// Whether an accelerometer that is trained without a reference lies in one pose.
+fn check_pose(
+    recording: &Recording,
+    rest: &Rest,
+    column: &str,
+    training: Range<usize>,
+) -> Result<(), AxisError> {
+    let mut used = rest.still.clone();
+    used[training.end..].fill(false);
+    let [first, second] = &pose::first_two(recording, &pose::columns_of(recording, column), &used)[..] else {
+        return Ok(());
+    };
+    let begins = |pose: &Pose| (recording.time_s[pose.rows.start], pose.force.clone());
+    let in_first = used[..first.rows.end].iter().filter(|used| **used).count();
+    let train_s = (in_first as f64 * recording.rate.period_s) as u64;
+    Err(AxisError::TwoPoses {
+        column: column.to_owned(),
+        first: begins(first),
+        second: begins(second),
+        train_s,
+    })
 }
 
 /// The model before anything is fitted: offset, scale, inputs.
