@@ -7,6 +7,7 @@ use crate::dependence::Trained;
 use crate::evaluate::Trace;
 use crate::grow::{Growth, Logs};
 use crate::model::UnitModel;
+use crate::outside::quoted;
 use crate::recording::{LoadOptions, Recording, Source};
 use crate::rest;
 use crate::study::Study;
@@ -77,23 +78,14 @@ pub fn command_lines<'a>(
         format!("host-fit compare unit.json {field}{read} --figures figures"),
     ];
     for (column, growth) in axes {
-        let on = format!("--axis {column} --from {field}{quiet}{judge}{read}");
+        let on = format!("--axis {} --from {field}{quiet}{judge}{read}", quoted(column));
         lines.push(format!("host-fit diagnose unit.json {on}"));
         for added in growth.into_iter().flat_map(Growth::added) {
-            lines.push(format!("host-fit add unit.json {} {on}", added.effect.id));
+            lines.push(format!("host-fit add unit.json {} {on}", quoted(&added.effect.id)));
         }
     }
     let last = logs.judged.as_ref().map_or(field, path);
     lines.push("host-fit export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
     lines.push(format!("host-fit replay unit.fosm {last}{read}"));
     lines
-}
-
-/// As a POSIX shell takes it: in quotes if it holds anything but plain letters.
-pub(crate) fn quoted(text: &str) -> String {
-    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./=:,+@%".contains(letter);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', r"'\''"))
 }

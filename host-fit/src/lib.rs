@@ -3,6 +3,8 @@
 //! Data flow one way: [`recording`] → [`candidates`] → [`moments`] → [`fit`] → [`evaluate`] → [`compare`] → [`study`]
 //! → [`export`], [`replay`], [`cli`]. What is fitted here runs on fos-core, also where it is judged.
 #![forbid(unsafe_code)]
+// what is printed goes through cli/output.rs, which shows what would do something to a terminal
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod batch;
 pub mod bench;
@@ -28,6 +30,7 @@ mod inputs;
 pub mod interrupt;
 pub mod model;
 pub mod moments;
+mod outside;
 pub mod paper;
 pub mod plots;
 pub mod pose;

@@ -16,6 +16,7 @@ use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
 use crate::file::{FileError, check_output, make_folder};
 use crate::grow::Growth;
+use crate::outside::in_file_name;
 use crate::recording::{Recording, pieces};
 use crate::signal::allan::{allan_deviation, averaging_times};
 use crate::signal::autocorrelation::autocorrelation;
@@ -138,7 +139,7 @@ pub fn check<'a>(
 }
 
 fn paths(folder: &Path, column: &str, name: &str) -> [PathBuf; 2] {
-    ["svg", "png"].map(|ending| folder.join(format!("{column}_{name}.{ending}")))
+    ["svg", "png"].map(|ending| folder.join(format!("{}_{name}.{ending}", in_file_name(column))))
 }
 
 /// How the figure of a staircase is called.

@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::{OutputFolder, Reading};
 use super::diagnose::print_diagnosis;
 use super::growing::{LogArguments, column_of, print_growth, read_logs};
-use super::output::{Failure, print_json, spinner};
+use super::output::{Failure, print_json, print_line, spinner};
 use crate::effects::Library;
 use crate::grow::GrowError;
 use crate::plots;
@@ -74,7 +74,7 @@ impl Add {
                 let stairs = ground.add_best(&growth, |diagnosis, stair| {
                     if !self.json {
                         bar.suspend(|| match stair {
-                            Some(_) => println!("{}", diagnosis.sentence),
+                            Some(_) => print_line!("{}", diagnosis.sentence),
                             None => print_diagnosis(diagnosis),
                         });
                     }
@@ -97,9 +97,9 @@ impl Add {
             return print_json(&growth);
         }
         print_growth(&growth);
-        println!("\nstudy written to {}", self.study.display());
+        print_line!("\nstudy written to {}", self.study.display());
         if let Some(folder) = &self.figures {
-            println!("figure written to {}", folder.display());
+            print_line!("figure written to {}", folder.display());
         }
         Ok(())
     }

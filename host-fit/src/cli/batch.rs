@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::OutputFolder;
-use super::output::{Failure, number, print_json, progress, table};
+use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::batch;
 use crate::effects::Library;
 
@@ -33,7 +33,7 @@ impl Batch {
         let answers = batch::run(&self.folder, &self.output, &library, |done, all, case| {
             bar.set_length(all as u64);
             bar.set_position(done as u64);
-            bar.set_message(case.to_owned());
+            bar.set_message(case);
         })?;
         bar.finish_and_clear();
         if self.json {
@@ -50,8 +50,8 @@ impl Batch {
             };
             rows.add_row(vec![answer.case.clone(), verdict, findings, number(answer.seconds)]);
         }
-        println!("{rows}");
-        println!("\nanswers written to {}", self.output.join("answers.json").display());
+        print_line!("{rows}");
+        print_line!("\nanswers written to {}", self.output.join("answers.json").display());
         if answers.cases.iter().any(|answer| answer.error.is_some()) {
             return Err("some cases could not be diagnosed; their reason is in the table".into());
         }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::output::{Failure, print_json, progress, table};
+use super::output::{Failure, print_json, print_line, progress, table};
 use crate::bench::{Settings, Timings, measure};
 
 /// Lengths of the records, samples: the paper's three minutes and an hour at 200 Hz.
@@ -46,7 +46,7 @@ impl Bench {
     }
 
     fn print(&self, timings: &[Timings]) -> Result<(), Failure> {
-        println!("L = {}, CP {}, one thread, least of several runs\n", self.max_lag, self.degree);
+        print_line!("L = {}, CP {}, one thread, least of several runs\n", self.max_lag, self.degree);
         let mut header = vec!["samples".to_owned()];
         header.extend(timings.iter().map(|timing| timing.samples.to_string()));
         let mut rows = table(&header);
@@ -76,7 +76,7 @@ impl Bench {
         {
             add(name, &|t| t.methods_s.get(i).map_or("–".into(), |(_, time_s)| milliseconds(*time_s)));
         }
-        println!("{rows}");
+        print_line!("{rows}");
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::OutputFile;
-use super::output::{Failure, number, print_json, progress, table};
+use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
 use crate::effects::Library;
 use crate::file::write_atomically;
@@ -67,7 +67,7 @@ impl Calibrate {
 }
 
 fn print(calibration: &Calibration) {
-    println!("{} cases, seed {}\n", calibration.outcomes.len(), calibration.seed);
+    print_line!("{} cases, seed {}\n", calibration.outcomes.len(), calibration.seed);
     let mut rows = table(&["figure", "value", "95 % interval", "cases", "must", "aim", ""]);
     for figure in &calibration.figures {
         let (must, aim) = match figure.goal {
@@ -87,7 +87,7 @@ fn print(calibration: &Calibration) {
             judged(figure).to_owned(),
         ]);
     }
-    println!("{rows}");
+    print_line!("{rows}");
 }
 
 fn range([low, high]: &[f64; 2]) -> String {

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, describe};
 use super::error_table::error_table;
-use super::output::{Failure, number, print_json, print_warning, progress, table};
+use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
 use crate::compare::{AxisComparison, Comparison, compare};
 use crate::dependence::{Dependence, Trained};
 use crate::evaluate::ModelErrors;
@@ -74,7 +74,7 @@ impl Compare {
         };
         let bar = progress(4, "judging");
         let judged = |model: &str| {
-            bar.set_message(format!("judging: {model}"));
+            bar.set_message(&format!("judging: {model}"));
             bar.inc(1);
         };
         let (comparison, trace) =
@@ -86,10 +86,10 @@ impl Compare {
         if self.json {
             return print_json(&comparison);
         }
-        println!("{}", describe(&recording, &rest));
+        print_line!("{}", describe(&recording, &rest));
         print_comparison(&comparison);
         if let Some(folder) = &self.figures {
-            println!("\nfigures written to {}", folder.display());
+            print_line!("\nfigures written to {}", folder.display());
         }
         Ok(())
     }
@@ -104,28 +104,28 @@ impl Compare {
 /// The errors, the worst stretches and the dependences of every axis.
 pub(super) fn print_comparison(comparison: &Comparison) {
     let (begin, end) = comparison.judged_s;
-    println!("judged from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
+    print_line!("judged from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
     for axis in &comparison.axes {
         print_axis(axis);
     }
 }
 
 fn print_axis(axis: &AxisComparison) {
-    println!("\n{}: {} rows; squares in ({})²", axis.column, axis.rows, axis.unit);
+    print_line!("\n{}: {} rows; squares in ({})²", axis.column, axis.rows, axis.unit);
     let errors: Vec<&ModelErrors> = axis.errors.iter().collect();
-    println!("{}", error_table(&errors));
+    print_line!("{}", error_table(&errors));
     match axis.noise_floor {
         Some((floor, (low, high))) => {
-            println!("  noise floor {} (95 %: {} … {})", number(floor), number(low), number(high));
+            print_line!("  noise floor {} (95 %: {} … {})", number(floor), number(low), number(high));
         }
-        None => println!("  noise floor: not known, too little data"),
+        None => print_line!("  noise floor: not known, too little data"),
     }
     for caution in &axis.floor_cautions {
-        println!("  caution: {caution}");
+        print_line!("  caution: {caution}");
     }
-    println!("  where it fails worst, coasting for at most 60 s:");
+    print_line!("  where it fails worst, coasting for at most 60 s:");
     for (index, stretch) in axis.worst.iter().enumerate() {
-        println!(
+        print_line!(
             "  {}. {:.1} s – {:.1} s: rms {} {}, {:.1} times the usual, mean {}",
             index + 1,
             stretch.begin_s,
@@ -136,16 +136,16 @@ fn print_axis(axis: &AxisComparison) {
             number(stretch.mean)
         );
         for special in &stretch.special {
-            println!("     {special}");
+            print_line!("     {special}");
         }
         if stretch.special.is_empty() {
-            println!("     nothing logged is special there");
+            print_line!("     nothing logged is special there");
         }
     }
     match &axis.dependence {
         Some(dependence) => print_dependence(dependence),
         None => {
-            println!("  what it depends on: not known, too few blocks at rest to tell from drifting noise")
+            print_line!("  what it depends on: not known, too few blocks at rest to tell from drifting noise")
         }
     }
 }
@@ -157,12 +157,13 @@ const SHOWN: usize = 4;
 const WORST_CELLS: usize = 5;
 
 fn print_dependence(dependence: &Dependence) {
-    println!(
+    print_line!(
         "  what is left of the slow error (less offset and physical part) against each channel, {} blocks of {:.1} s:",
-        dependence.blocks, dependence.block_s
+        dependence.blocks,
+        dependence.block_s
     );
     if !dependence.learnt {
-        println!(
+        print_line!(
             "  caution: the noise was learnt from these rows themselves, as the log that was fitted is not at hand"
         );
     }
@@ -185,22 +186,22 @@ fn print_dependence(dependence: &Dependence) {
             if channel.is_clear() { "depends" } else { "" }.into(),
         ]);
     }
-    println!("{rows}");
+    print_line!("{rows}");
     let others = dependence.channels.len().saturating_sub(clear.max(SHOWN));
     if others > 0 {
-        println!("  and {others} more that it does not depend on");
+        print_line!("  and {others} more that it does not depend on");
     }
     let (worst, cells) = (dependence.power.worst(), dependence.power.cells.len());
     if worst.is_empty() {
-        println!("  by time and frequency: none of {cells} cells has more power than chance explains");
+        print_line!("  by time and frequency: none of {cells} cells has more power than chance explains");
         return;
     }
-    println!(
+    print_line!(
         "  by time and frequency: {} of {cells} cells have more power than chance explains",
         worst.len()
     );
     for cell in worst.iter().take(WORST_CELLS) {
-        println!(
+        print_line!(
             "     {:.1} s – {:.1} s, {} – {} Hz: {:.1} times the usual, p {}",
             cell.begin_s,
             cell.end_s,

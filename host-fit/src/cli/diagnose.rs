@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
-use super::output::{Failure, number, print_json, spinner, table, verdict};
+use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
 use crate::study::Study;
@@ -105,26 +105,26 @@ impl Diagnose {
 /// A diagnosis for people.
 pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     let is_good = diagnosis.verdict == Verdict::NothingMissing;
-    anstream::println!("{}: {}", diagnosis.target, verdict(&diagnosis.sentence, is_good));
+    print_verdict(&diagnosis.target, &diagnosis.sentence, is_good);
     for caution in &diagnosis.cautions {
-        println!("  caution: {caution}");
+        print_line!("  caution: {caution}");
     }
     if !diagnosis.findings.is_empty() {
-        println!();
+        print_line!();
         let mut rows =
             table(&["  effect", "score", "size", "parameter", "fall foretold (90 %)", "came true"]);
         for finding in &diagnosis.findings {
             rows.add_row(row(finding));
         }
-        println!("{rows}");
+        print_line!("{rows}");
         for finding in &diagnosis.findings {
             print_evidence(finding);
         }
     }
     if diagnosis.verdict == Verdict::Unexplained {
-        println!("\n  leads, what the rest follows (not findings):");
+        print_line!("\n  leads, what the rest follows (not findings):");
         for lead in diagnosis.leads.iter().take(5) {
-            println!("    {} (score {})", lead.follows, number(lead.score));
+            print_line!("    {} (score {})", lead.follows, number(lead.score));
         }
     }
     let rejected: Vec<String> = diagnosis
@@ -134,18 +134,20 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         .map(|rejected| format!("{} ({:.0})", rejected.effect, rejected.score))
         .collect();
     if !rejected.is_empty() {
-        println!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
+        print_line!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
     }
     let mut by_needs: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for untested in &diagnosis.untested {
         by_needs.entry(untested.needs.join(", ")).or_default().push(&untested.effect);
     }
     for (needs, effects) in by_needs {
-        println!("  not tested for want of {needs}: {}", effects.join(", "));
+        print_line!("  not tested for want of {needs}: {}", effects.join(", "));
     }
-    println!(
+    print_line!(
         "  noise learnt from {}; {} blocks of {:.2} s",
-        diagnosis.noise.learnt_from, diagnosis.noise.blocks, diagnosis.noise.block_s
+        diagnosis.noise.learnt_from,
+        diagnosis.noise.blocks,
+        diagnosis.noise.block_s
     );
 }
 
@@ -189,9 +191,9 @@ fn print_evidence(finding: &Finding) {
     if let Some([begin, end]) = finding.shows_from_to_s {
         let against =
             finding.shows_against.as_ref().map(|column| format!("against {column}, ")).unwrap_or_default();
-        println!("  {}: shows {against}most from {begin:.1} s to {end:.1} s", finding.effect);
+        print_line!("  {}: shows {against}most from {begin:.1} s to {end:.1} s", finding.effect);
     }
     for separation in &finding.separate {
-        println!("  cannot be told from {}: {}", separation.effect, separation.experiment);
+        print_line!("  cannot be told from {}: {}", separation.effect, separation.experiment);
     }
 }

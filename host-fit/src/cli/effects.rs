@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Failure, print_json, table};
+use super::output::{Failure, print_json, print_line, print_text, table};
 use crate::effects::{Effect, Library};
 
 /// List the library of physical effects, or explain one
@@ -30,7 +30,7 @@ const EXAMPLE: &str = include_str!("../effects/example.toml");
 impl Effects {
     pub(super) fn run(&self) -> Result<(), Failure> {
         if self.example {
-            print!("{EXAMPLE}");
+            print_text!("{EXAMPLE}");
             return Ok(());
         }
         let library = Library::with_files(&self.effects)?;
@@ -50,7 +50,7 @@ impl Effects {
                     let band = format!("{:?}", effect.band).to_lowercase();
                     rows.add_row(vec![effect.id.clone(), band, effect.equation.clone()]);
                 }
-                println!(
+                print_line!(
                     "{rows}\n\n`host-fit effects ID` explains one; `--example` prints a file for one of your own"
                 );
                 Ok(())
@@ -60,11 +60,11 @@ impl Effects {
 }
 
 fn explain(effect: &Effect) {
-    println!("{} ({})\n", effect.id, effect.name);
-    println!("{}\n", wrapped(&effect.mechanism));
+    print_line!("{} ({})\n", effect.id, effect.name);
+    print_line!("{}\n", wrapped(&effect.mechanism));
     let line = |what: &str, text: &str| {
         if !text.is_empty() {
-            println!("{what}\n{}\n", indented(text));
+            print_line!("{what}\n{}\n", indented(text));
         }
     };
     line("equation", &effect.equation);
@@ -76,9 +76,9 @@ fn explain(effect: &Effect) {
     line("experiment that shows it", &effect.experiment);
     line("on the device", &effect.device);
     if !effect.confused_with.is_empty() {
-        println!("confused with");
+        print_line!("confused with");
         for rival in &effect.confused_with {
-            println!("  {}\n{}", rival.effect, indented(&format!("  {}", rival.separate)));
+            print_line!("  {}\n{}", rival.effect, indented(&format!("  {}", rival.separate)));
         }
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
-use super::output::{Failure, number, print_json, progress, table};
+use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::compare::study_of;
 use crate::evaluate::ModelErrors;
 use crate::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
@@ -128,13 +128,13 @@ impl Fit {
         let recording = read_all(&self.log, &read)?;
         let rest = rest::find(&recording);
         if !self.json {
-            println!("{}", describe(&recording, &rest));
+            print_line!("{}", describe(&recording, &rest));
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
         let mut fits = Vec::new();
         for axis in &axes {
-            bar.set_message(format!("fitting {axis}"));
+            bar.set_message(&format!("fitting {axis}"));
             fits.push(fit_axis(&recording, &rest, axis, &options)?);
             bar.inc(1);
         }
@@ -145,14 +145,14 @@ impl Fit {
             return print_json(&study);
         }
         print_study(&study);
-        println!("\nstudy written to {}", self.output.display());
+        print_line!("\nstudy written to {}", self.output.display());
         Ok(())
     }
 }
 
 /// The model of every axis and its errors.
 pub(super) fn print_study(study: &Study) {
-    println!(
+    print_line!(
         "  at rest {:.1} % of the rows, known {}; trained on the first {} rows",
         100.0 * study.data.still_share,
         study.data.still_known_by.describe(),
@@ -162,14 +162,14 @@ pub(super) fn print_study(study: &Study) {
         print_selection(report);
     }
     for (axis, report) in study.axes.iter().enumerate() {
-        println!("\n{}: errors on the rows that were not fitted", report.column);
+        print_line!("\n{}: errors on the rows that were not fitted", report.column);
         let errors: Vec<&ModelErrors> = study.steps.iter().map(|step| &step.errors[axis]).collect();
-        println!("{}", error_table(&errors));
+        print_line!("{}", error_table(&errors));
     }
 }
 
 fn print_selection(report: &AxisReport) {
-    println!(
+    print_line!(
         "\n{}: {}, {} candidates over {} rows; {}; condition number {}",
         report.column,
         report.method,
@@ -188,22 +188,22 @@ fn print_selection(report: &AxisReport) {
                 number(step.mse),
             ]);
         }
-        println!("{steps}");
+        print_line!("{steps}");
     }
     if report.spikes > 0 {
-        println!("  caution: {} samples are no measurements and were left out", report.spikes);
+        print_line!("  caution: {} samples are no measurements and were left out", report.spikes);
     }
     for LeftOut { input, coefficient, standard_error } in &report.left_out {
-        println!(
+        print_line!(
             "  caution: {input} is left out of the physical part: {} ± {} (scaled) is nothing but noise on these rows",
             number(*coefficient),
             number(*standard_error)
         );
     }
     if !report.ties.is_empty() {
-        println!("  as good, as far as these data tell (n·ln of the MSE ratio):");
+        print_line!("  as good, as far as these data tell (n·ln of the MSE ratio):");
         for tie in &report.ties {
-            println!("    {} for {}: {:.2}", tie.enters.join(", "), tie.leaves.join(", "), tie.deviance);
+            print_line!("    {} for {}: {:.2}", tie.enters.join(", "), tie.leaves.join(", "), tie.deviance);
         }
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::error_table::error_table;
-use super::output::{Failure, number, sparkline, table};
+use super::output::{Failure, number, print_line, sparkline, table};
 use crate::evaluate::ModelErrors;
 use crate::grow::{Growth, Logs, Stair};
 use crate::recording::{Source, load};
@@ -88,11 +88,13 @@ pub(super) fn print_growth(growth: &Growth) {
     let logs = &growth.logs;
     match &logs.judged {
         Some(judged) => {
-            println!("{}: estimated on {}, judged on {}", growth.column, logs.field.path, judged.path)
+            print_line!("{}: estimated on {}, judged on {}", growth.column, logs.field.path, judged.path)
         }
-        None => println!(
+        None => print_line!(
             "{}: estimated on the first {} rows of {}, judged on the rest",
-            growth.column, logs.fitted_rows, logs.field.path
+            growth.column,
+            logs.fitted_rows,
+            logs.field.path
         ),
     }
     let header = [
@@ -111,22 +113,22 @@ pub(super) fn print_growth(growth: &Growth) {
     for (index, stair) in growth.stairs.iter().enumerate() {
         rows.add_row(row(index, stair));
     }
-    println!("{rows}");
+    print_line!("{rows}");
     let slow: Vec<f64> = growth.stairs.iter().map(|stair| stair.left.slow.sqrt()).collect();
     if let [first, .., last] = slow[..] {
-        println!(
+        print_line!(
             "  slow error, step by step: {}  {} to {} {unit}",
             sparkline(&slow),
             number(first),
             number(last)
         );
     }
-    println!(
+    print_line!(
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves; bias: the mean there, where the log tells it"
     );
-    println!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
+    print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
     let errors: Vec<&ModelErrors> = growth.stairs.iter().map(|stair| &stair.errors).collect();
-    println!("{}", error_table(&errors));
+    print_line!("{}", error_table(&errors));
 }
 
 fn row(index: usize, stair: &Stair) -> Vec<String> {

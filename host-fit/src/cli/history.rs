@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::OutputFolder;
 use super::growing::print_growth;
-use super::output::{Failure, print_json};
+use super::output::{Failure, print_json, print_line};
 use crate::plots;
 use crate::study::Study;
 
@@ -36,7 +36,7 @@ impl History {
             return print_json(&study.growth);
         }
         if study.growth.is_empty() {
-            println!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
+            print_line!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
         }
         study.growth.iter().for_each(print_growth);
         Ok(())

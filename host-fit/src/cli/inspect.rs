@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::Image;
 use serde_json::{Value, json};
 
-use super::output::{Failure, print_json};
+use super::output::{Failure, print_json, print_line, print_text};
 use crate::export::description;
 use crate::file;
 
@@ -28,8 +28,8 @@ impl Inspect {
         if self.json {
             return print_json(&as_json(&image));
         }
-        println!("{} bytes, format version {}, checksum right", bytes.len(), fos_core::image::VERSION);
-        print!("{}", description(&image));
+        print_line!("{} bytes, format version {}, checksum right", bytes.len(), fos_core::image::VERSION);
+        print_text!("{}", description(&image));
         Ok(())
     }
 }

@@ -30,6 +30,7 @@ mod undo;
 
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use output::Failure;
@@ -70,9 +71,15 @@ enum Command {
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
-    let matches = command().get_matches();
     // what clap has taken by its own description it takes by that of the derived type
-    let command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
+    let parsed = command().try_get_matches().and_then(|matches| {
+        let command = Cli::from_arg_matches(&matches)?.command;
+        Ok((matches, command))
+    });
+    let (matches, command) = match parsed {
+        Ok(parsed) => parsed,
+        Err(answer) => return answer_of_clap(&answer),
+    };
     match run_checked(&matches, command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -116,4 +123,16 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }
+}
+
+/// Help, which is ours, as clap prints it; an error, which repeats what was given, as every other.
+fn answer_of_clap(answer: &clap::Error) -> ExitCode {
+    if answer.use_stderr() && answer.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let text = answer.render().to_string();
+        output::print_error(&text.trim_start_matches("error: ").trim_end());
+    } else if answer.print().is_err() {
+        return ExitCode::FAILURE;
+    }
+    // as Unix has it, a code is of eight bits
+    ExitCode::from(answer.exit_code() as u8)
 }

@@ -1,7 +1,12 @@
 //! How results are printed: aligned tables for people, JSON for programs, progress only on a terminal.
+//!
+//! Nothing else prints: logs, studies and images name columns, files and effects, and what they hold must not reach a terminal
+//! that would obey it. What is printed here is shown instead ([`visible_lines`]); colours are put around it afterwards.
 
 use std::error::Error;
-use std::io::{IsTerminal, Write as _};
+use std::fmt::{Arguments, Display};
+use std::io::{ErrorKind, IsTerminal, Write as _};
+use std::ops::Deref;
 use std::time::Duration;
 
 use anstyle::AnsiColor;
@@ -9,21 +14,62 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use crate::outside::{visible, visible_json, visible_lines};
 pub(super) use crate::text::number;
 
 /// Any error on its way to the exit code.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
+/// Prints a line of text for people on standard output.
+macro_rules! print_line {
+    () => {
+        $crate::cli::output::print(format_args!("\n"))
+    };
+    ($($text:tt)*) => {
+        $crate::cli::output::print(format_args!("{}\n", format_args!($($text)*)))
+    };
+}
+
+/// Prints text for people on standard output; its lines end themselves.
+macro_rules! print_text {
+    ($($text:tt)*) => {
+        $crate::cli::output::print(format_args!($($text)*))
+    };
+}
+
+/// Prints a line on standard error.
+macro_rules! print_note {
+    ($($text:tt)*) => {
+        $crate::cli::output::print_aside(format_args!($($text)*))
+    };
+}
+
 /// Prints text for people, unless JSON is asked for.
 macro_rules! say {
     ($command:expr, $($text:tt)*) => {
         if !$command.json {
-            println!($($text)*);
+            $crate::cli::output::print(format_args!("{}\n", format_args!($($text)*)))
         }
     };
 }
 
-pub(super) use say;
+pub(super) use {print_line, print_note, print_text, say};
+
+/// What nobody reads any more is no error; what cannot be written for another reason, as on a full disk, ends with exit code 1.
+pub(super) fn print(text: Arguments<'_>) {
+    let text = text.to_string();
+    match std::io::stdout().write_all(visible_lines(&text).as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            print_error(&format!("standard output: {error}\nhelp: make room where it goes to, and run the command again"));
+            std::process::exit(1);
+        }
+        _ => {}
+    }
+}
+
+pub(super) fn print_aside(text: Arguments<'_>) {
+    tell(format_args!("{}", visible_lines(&text.to_string())));
+}
 
 /// A file that was written.
 #[derive(Debug, Serialize)]
@@ -39,32 +85,32 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
     if json {
         return print_json(&files);
     }
-    files.iter().for_each(|file| println!("{}: {}", file.path, file.what));
+    files.iter().for_each(|file| print_line!("{}: {}", file.path, file.what));
     Ok(())
 }
 
 /// The word before an error, in colour on a terminal only.
-pub(super) fn print_error(failure: &Failure) {
+pub(super) fn print_error(failure: &dyn Display) {
     let style = AnsiColor::Red.on_default().bold();
-    tell(format_args!("{style}error:{style:#} {failure}"));
+    tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
 /// The word before a warning, in colour on a terminal only.
 pub(super) fn print_warning(text: &str) {
     let style = AnsiColor::Yellow.on_default().bold();
-    tell(format_args!("{style}warning:{style:#} {text}"));
+    tell(format_args!("{style}warning:{style:#} {}", visible_lines(text)));
 }
 
 /// On standard error, if anybody hears it: a terminal that was closed is no reason to end otherwise.
-fn tell(text: std::fmt::Arguments<'_>) {
+fn tell(text: Arguments<'_>) {
     let _ = writeln!(anstream::stderr(), "{text}");
 }
 
-/// A word that says that all is well or not, in colour on a terminal only.
-pub(super) fn verdict(text: &str, is_good: bool) -> String {
+/// A line whose end says that all is well or not, in colour on a terminal only.
+pub(super) fn print_verdict(of: &str, text: &str, is_good: bool) {
     let colour = if is_good { AnsiColor::Green } else { AnsiColor::Yellow };
     let style = colour.on_default().bold();
-    format!("{style}{text}{style:#}")
+    anstream::println!("{}: {style}{}{style:#}", visible(of), visible(text));
 }
 
 /// Values as bars of eight heights, the largest the highest: `█▃▁`.
@@ -80,7 +126,7 @@ pub(super) fn sparkline(values: &[f64]) -> String {
 
 /// Prints `value` as JSON on standard output.
 pub(super) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
-    println!("{}", serde_json::to_string_pretty(value)?);
+    print_line!("{}", visible_json(&serde_json::to_string_pretty(value)?));
     Ok(())
 }
 
@@ -99,12 +145,30 @@ pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), number)
 }
 
-/// A progress bar on standard error if it is a terminal, else nothing.
-pub(super) fn progress(length: u64, what: &str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
+/// A bar whose message is shown as all else is.
+pub(super) struct Bar(ProgressBar);
+
+impl Bar {
+    pub(super) fn set_message(&self, text: &str) {
+        self.0.set_message(visible(text).into_owned());
     }
-    let bar = ProgressBar::new(length).with_message(what.to_owned());
+}
+
+impl Deref for Bar {
+    type Target = ProgressBar;
+
+    fn deref(&self) -> &ProgressBar {
+        &self.0
+    }
+}
+
+/// A progress bar on standard error if it is a terminal, else nothing.
+pub(super) fn progress(length: u64, what: &str) -> Bar {
+    if !std::io::stderr().is_terminal() {
+        return Bar(ProgressBar::hidden());
+    }
+    let bar = Bar(ProgressBar::new(length));
+    bar.set_message(what);
     if let Ok(style) = ProgressStyle::with_template("{msg:32} {bar:30} {percent:>3} %  {eta}") {
         bar.set_style(style);
     }
@@ -112,7 +176,7 @@ pub(super) fn progress(length: u64, what: &str) -> ProgressBar {
 }
 
 /// A sign of life on standard error for work of unknown length, if it is a terminal, else nothing.
-pub(super) fn spinner(what: &str) -> ProgressBar {
+pub(super) fn spinner(what: &str) -> Bar {
     let bar = progress(0, what);
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
         bar.set_style(style);

@@ -1,15 +1,15 @@
 //! `record`: from the telemetry of a device to a log.
 
-use std::fmt::{Display, Write as _};
+use std::fmt::Display;
 use std::fs::{self, File, Metadata};
-use std::io::{self, BufReader, ErrorKind, Write as _};
+use std::io::{self, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::arguments::OutputFile;
-use super::output::{Failure, print_warning};
+use super::output::{Failure, print_json, print_line, print_warning};
 use crate::file::{self, FileError};
 use crate::record::arriving::{Arriving, Notice};
 use crate::record::kept::Kept;
@@ -84,23 +84,22 @@ impl Record {
         Ok(kept)
     }
 
-    /// The log is there, also where nobody hears of it any more: the terminal may be closed.
     fn print(&self, stream: &Stream, report: &Report) -> Result<(), Failure> {
-        let mut text = String::new();
         if self.json {
-            text = serde_json::to_string_pretty(report)? + "\n";
-        } else {
-            writeln!(
-                text,
-                "{} samples, {} lost (gaps in the log), {} damaged frames, {} before what they hold was known, {} restarts",
-                report.samples, report.lost, report.damaged, report.unknown, report.restarts
-            )?;
-            if let Some(why) = &report.broken_off {
-                writeln!(text, "{} broke off ({why}): the log holds what came before", stream.name())?;
-            }
-            writeln!(text, "log written to {}", self.output.display())?;
+            return print_json(report);
         }
-        let _ = io::stdout().write_all(text.as_bytes());
+        print_line!(
+            "{} samples, {} lost (gaps in the log), {} damaged frames, {} before what they hold was known, {} restarts",
+            report.samples,
+            report.lost,
+            report.damaged,
+            report.unknown,
+            report.restarts
+        );
+        if let Some(why) = &report.broken_off {
+            print_line!("{} broke off ({why}): the log holds what came before", stream.name());
+        }
+        print_line!("log written to {}", self.output.display());
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
-use super::output::{Failure, number, optional, print_json, spinner, table};
+use super::output::{Failure, number, optional, print_json, print_line, spinner, table};
 use crate::file;
 use crate::hub_log::hub_log;
 use crate::recording::write_columns;
@@ -68,7 +68,7 @@ impl Replay {
 
     fn print(&self, replayed: &Replayed) {
         let summary = &replayed.summary;
-        println!(
+        print_line!(
             "{} rows: {} tracked at rest, {} coasted in motion; rest known {}",
             summary.rows,
             summary.tracked,
@@ -98,28 +98,31 @@ impl Replay {
                 optional(axis.errors.as_ref().and_then(|left| left.coast.last()).map(|at| at.mse.sqrt())),
             ]);
         }
-        println!("{rows}");
-        println!(
+        print_line!("{rows}");
+        print_line!(
             "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
         );
-        println!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
+        print_line!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
         if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests_away > 0) {
-            println!(
+            print_line!(
                 "  away from gravity: in {} of {} rests, {} of {} rows, the accelerometers are further from 9.81 m/s² corrected than as measured\n  \
                  help: the model was fitted to something else, as to two poses: fit it anew to a log in one pose, or with ref_ columns",
-                gravity.rests_away, gravity.rests, gravity.rows_away, gravity.rows
+                gravity.rests_away,
+                gravity.rests,
+                gravity.rows_away,
+                gravity.rows
             );
         }
-        println!("digest of the innovations  {:016x}", summary.innovations_digest);
-        println!("digest of all corrections  {:016x}", summary.corrections_digest);
+        print_line!("digest of the innovations  {:016x}", summary.innovations_digest);
+        print_line!("digest of all corrections  {:016x}", summary.corrections_digest);
         if let Some(path) = &self.output {
-            println!("corrected log written to {}", path.display());
+            print_line!("corrected log written to {}", path.display());
         }
         if let Some(path) = &self.device_log {
-            println!("log for the firmware written to {}", path.display());
+            print_line!("log for the firmware written to {}", path.display());
         }
         if let Some(path) = &self.hub_log {
-            println!("raw samples for a hub written to {}", path.display());
+            print_line!("raw samples for a hub written to {}", path.display());
         }
     }
 }

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::arguments::{OutputFile, Reading};
 use super::growing::{LogArguments, column_of, read_logs};
-use super::output::{Failure, print_json, spinner};
+use super::output::{Failure, print_json, print_line, spinner};
 use crate::effects::Library;
 use crate::file::write_atomically;
 use crate::report::{Report as Content, html, markdown};
@@ -59,7 +59,7 @@ impl Report {
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &columns[0])?;
         let spinner = spinner("examining");
         let content = Content::of(&study, &columns, &logs, &library, |what| {
-            spinner.set_message(what.to_owned());
+            spinner.set_message(what);
         })?;
         spinner.finish_and_clear();
         if self.json {
@@ -72,7 +72,12 @@ impl Report {
             _ => html(&content)?,
         };
         write_atomically(&self.output, text.as_bytes())?;
-        println!("{}: {} axes, {} kB", self.output.display(), content.axes.len(), text.len().div_ceil(1000));
+        print_line!(
+            "{}: {} axes, {} kB",
+            self.output.display(),
+            content.axes.len(),
+            text.len().div_ceil(1000)
+        );
         Ok(())
     }
 }

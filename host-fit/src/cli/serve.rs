@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{OutputFolder, Reading};
-use super::output::{Failure, print_warning};
+use super::output::{Failure, print_line, print_note, print_warning};
 use crate::effects::Library;
 use crate::recording::LoadOptions;
 use crate::workbench::{Folders, Server};
@@ -84,14 +84,14 @@ impl Serve {
                 let (quiet, judged) = (self.quiet.as_ref().map(text), self.judge.as_ref().map(text));
                 server.open(text(field), quiet, judged, read)?;
             }
-            println!("workbench at http://{}/", server.address());
+            print_line!("workbench at http://{}/", server.address());
             if !self.listen.is_loopback() {
                 print_warning(&format!(
                     "listening at {}: whoever reaches it can read the logs here",
                     self.listen
                 ));
             }
-            eprintln!("Ctrl-C ends it; what is not taken along by then is gone");
+            print_note!("Ctrl-C ends it; what is not taken along by then is gone");
             let end = async {
                 if tokio::signal::ctrl_c().await.is_err() {
                     // it cannot be waited for: the process ends as any other does

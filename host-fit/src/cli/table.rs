@@ -6,7 +6,7 @@ use clap::Args;
 use comfy_table::presets;
 
 use super::arguments::{OutputFolder, Reading, axes, describe};
-use super::output::{Failure, number, optional, print_json, progress, table};
+use super::output::{Failure, number, optional, print_json, print_line, progress, table};
 use crate::fit::Search;
 use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
 use crate::plots;
@@ -75,7 +75,7 @@ impl Table {
         let recording = self.reading.read(&self.log)?;
         let rest = rest::find(&recording);
         if !self.json {
-            println!("{}", describe(&recording, &rest));
+            print_line!("{}", describe(&recording, &rest));
         }
         let mut comparisons = Vec::new();
         for axis in axes(&recording, &self.axis)? {
@@ -97,7 +97,7 @@ impl Table {
             return print_json(&serde_json::json!({ "settings": settings, "axes": comparisons }));
         }
         if let Some(folder) = &self.figures {
-            println!("\nfigures written to {}", folder.display());
+            print_line!("\nfigures written to {}", folder.display());
         }
         Ok(())
     }
@@ -105,17 +105,18 @@ impl Table {
 
 fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
     let [train, evaluate, predict] = comparison.samples;
-    println!(
+    print_line!(
         "\n{}: {train} samples to train, {evaluate} to evaluate, {predict} to predict; squares in ({})²",
-        comparison.column, comparison.unit
+        comparison.column,
+        comparison.unit
     );
-    println!(
+    print_line!(
         "  de-noised by {}: the low band left is 0 to {} Hz",
         settings.denoising,
         number(comparison.band_hz)
     );
     for order in [1, settings.max_order] {
-        println!("\n  model order (largest output lag) {order}");
+        print_line!("\n  model order (largest output lag) {order}");
         let mut lines = table(&[
             "  method",
             "terms",
@@ -130,18 +131,18 @@ fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
         }
         if markdown {
             lines.load_style(presets::ASCII_MARKDOWN);
-            println!();
+            print_line!();
         }
-        println!("{lines}");
+        print_line!("{lines}");
         for cell in comparison.cells.iter().filter(|cell| cell.order == order) {
             if let Err(reason) = &cell.result {
-                println!("  {}: {reason}", cell.entry);
+                print_line!("  {}: {reason}", cell.entry);
             }
         }
     }
-    println!("\n  predicting the mean: {}", number(comparison.variance));
+    print_line!("\n  predicting the mean: {}", number(comparison.variance));
     if let Some((floor, (low, high))) = comparison.noise_floor {
-        println!(
+        print_line!(
             "  noise floor of linear predictors: {} (95 %: {} … {}); * marks what lies below it: another target, or a nonlinear predictor",
             number(floor),
             number(low),
@@ -151,7 +152,7 @@ fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
     if let Some(Cell { entry: Entry::Fos(degree), order, result: Ok(judged) }) =
         comparison.chosen.map(|index| &comparison.cells[index])
     {
-        println!(
+        print_line!(
             "  chosen by the least MSE on the evaluation part: fos, L = {order}, CP {degree}, {} terms, same-target MSE {}",
             judged.terms,
             number(judged.mse_same_target)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::growing::{column_of, print_growth};
-use super::output::{Failure, print_json};
+use super::output::{Failure, print_json, print_line};
 use crate::study::Study;
 
 /// Take back the effect that was added last
@@ -32,7 +32,7 @@ impl Undo {
         if self.json {
             return print_json(&growth);
         }
-        println!("taken back: {effect}");
+        print_line!("taken back: {effect}");
         growth.iter().for_each(|growth| print_growth(growth));
         Ok(())
     }

@@ -10,6 +10,7 @@ use fos_embedded::test_vector::{Expected, TestSample};
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use super::{ExportError, description, image};
 use crate::model::UnitModel;
+use crate::outside::{c_comment, visible};
 
 /// C99 source of a header. Everything in it begins with `name`, such as the stem of its file: characters that C does not have
 /// in names become underscores.
@@ -53,7 +54,7 @@ impl Display for Header<'_> {
         let upper = name.to_ascii_uppercase();
         writeln!(f, "// A model of the error of an inertial sensor, for fos_hub_load().")?;
         writeln!(f, "//")?;
-        write_comment(f, self.words)?;
+        c_comment(f, self.words)?;
         writeln!(f, "\n#ifndef {upper}_H\n#define {upper}_H\n")?;
         writeln!(f, "#include <stddef.h>\n#include <stdint.h>\n#include <string.h>\n")?;
         writeln!(f, "#include \"fos.h\"\n")?;
@@ -96,7 +97,7 @@ impl Header<'_> {
     fn write_tables(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (name, upper) = (self.name, self.name.to_ascii_uppercase());
         let vector = self.vector.vector();
-        write_comment(f, &test_vector::comment(self.vector, self.model))?;
+        c_comment(f, &test_vector::comment(self.vector, self.model))?;
         writeln!(f, "#define {upper}_SAMPLES {}\n", vector.samples.len())?;
         writeln!(
             f,
@@ -115,7 +116,7 @@ impl Header<'_> {
         if !vector.given.is_empty() {
             let names = vector.given.iter().map(|index| &*self.model.quantities[usize::from(*index)].column);
             let names: Vec<&str> = names.collect();
-            writeln!(f, "// Given before it, bits of float: {}.", names.join(", "))?;
+            c_comment(f, &visible(&format!("Given before it, bits of float: {}.", names.join(", "))))?;
             writeln!(f, "static const uint32_t {name}_given[{upper}_SAMPLES][{}] = {{", vector.given.len())?;
             for row in vector.given_bits.chunks(vector.given.len()) {
                 writeln!(f, "    {{{}}},", row.iter().map(hex).collect::<Vec<_>>().join(", "))?;
@@ -238,12 +239,4 @@ const CHANNELS: [&str; AXES] = ["FOS_AX", "FOS_AY", "FOS_AZ", "FOS_GX", "FOS_GY"
 
 fn hex(bits: &u32) -> String {
     format!("{bits:#010x}u")
-}
-
-/// Lines as `//` comments. A backslash at the end of one would take in the next line.
-fn write_comment(f: &mut Formatter<'_>, text: &str) -> fmt::Result {
-    for line in text.lines() {
-        writeln!(f, "{}", format!("// {}", line.replace('\\', "/")).trim_end())?;
-    }
-    Ok(())
 }

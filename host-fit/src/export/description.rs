@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use fos_core::{Axis, AxisParameters, Channel, Image, Term};
 
 use crate::model::unit_of;
+use crate::outside::visible;
 use crate::text::number;
 
 /// Where the model in `image` comes from, its inputs, and the terms of every axis, with units.
@@ -18,7 +19,11 @@ impl Display for Description<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let image = self.0;
         let info = image.info();
-        writeln!(f, "sensor       {}", if info.sensor.is_empty() { "not named" } else { info.sensor })?;
+        writeln!(
+            f,
+            "sensor       {}",
+            if info.sensor.is_empty() { "not named".into() } else { visible(info.sensor) }
+        )?;
         writeln!(f, "sample rate  {:.4} Hz", 1.0 / image.period_s())?;
         writeln!(f, "fitted on    {:?} values", image.fitted_on())?;
         writeln!(f, "provenance   {}", info.provenance.replace('\n', "\n             "))?;

@@ -5,6 +5,7 @@ use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
 use fos_embedded::hub::HubError;
 
 use crate::model::{HostPredictor, UnitModel, unit_of};
+use crate::outside::visible;
 
 /// The largest image that is written, bytes; a model of 6 axes with 20 terms each takes about 2000.
 const LARGEST: usize = 1 << 16;
@@ -31,13 +32,11 @@ pub enum ExportError {
 ///
 /// The model has more than 255 of something, or does not fit fos-core after rounding to f32.
 pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8>, ExportError> {
-    let quantities: Vec<String> = model
+    let quantities = model
         .quantities
         .iter()
-        .map(|logged| format!("{} {}", logged.column, unit_of(&logged.column)).trim_end().to_owned())
-        .collect();
-    let quantities = quantities.join("\n");
-    let effects = effects(model).join("\n");
+        .map(|logged| format!("{} {}", logged.column, unit_of(&logged.column)).trim_end().to_owned());
+    let (quantities, effects) = (in_lines(quantities), in_lines(effects(model)));
     let info = Info { sensor, quantities: &quantities, effects: &effects, provenance };
     let mut buffer = vec![0; LARGEST];
     let bytes = model
@@ -46,6 +45,11 @@ pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8
     let read_back = Image::parse(&bytes).map_err(ExportError::Image)?;
     let _: HostPredictor<f32> = read_back.predictor().map_err(ExportError::Image)?;
     Ok(bytes)
+}
+
+/// Names one a line, as an image lists them: one with a line's end in it would move those behind it.
+fn in_lines(names: impl IntoIterator<Item = String>) -> String {
+    names.into_iter().map(|name| visible(&name).into_owned()).collect::<Vec<_>>().join("\n")
 }
 
 /// Identifiers of the effects that the physical parts describe, each once, in the order of the inputs.

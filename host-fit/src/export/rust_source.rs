@@ -11,20 +11,22 @@ use fos_embedded::test_vector::{Expected, TestSample};
 
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use crate::model::UnitModel;
+use crate::outside::rust_comment;
 
 /// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded. `provenance`
 /// goes into its comment. A model that no hub takes comes without the latter.
 pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     let mut source = String::new();
-    for line in provenance.lines() {
-        let _ = writeln!(source, "// {line}");
-    }
+    let _ = rust_comment(&mut source, "//", provenance);
     model.with::<f32, _>(|model| {
         let _ = write!(source, "{}", Items(model));
     });
     let _ = match test_vector(model) {
         Ok(vector) => write!(source, "{}", TestItems { model, vector: &vector }),
-        Err(error) => writeln!(source, "\n// There is no test vector: {error}."),
+        Err(error) => {
+            source.push('\n');
+            rust_comment(&mut source, "//", &format!("There is no test vector: {error}."))
+        }
     };
     source
 }
@@ -65,9 +67,7 @@ impl Display for TestItems<'_> {
         writeln!(f, "    assert_eq!(check(), Ok(()));")?;
         writeln!(f, "}}\n")?;
 
-        for line in test_vector::comment(self.vector, self.model).lines() {
-            writeln!(f, "/// {line}")?;
-        }
+        rust_comment(f, "///", &test_vector::comment(self.vector, self.model))?;
         let Scales { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, period_s, values } =
             vector.scales;
         writeln!(f, "pub static TEST_VECTOR: TestVector<'static> = TestVector {{")?;

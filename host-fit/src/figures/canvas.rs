@@ -7,6 +7,8 @@ use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::outside::visible;
+
 /// Device pixels per unit of length. plotters places everything on whole pixels, which is coarse for thin lines:
 /// figures are drawn this much larger; the SVG says so in its viewBox, the PNG is averaged down.
 pub(super) const PIXELS_PER_UNIT: u32 = 4;
@@ -106,13 +108,14 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
             Align::Centre => HPos::Center,
             Align::Right => HPos::Right,
         };
+        let text = &visible(text);
         let style = font(size).color(&colour.rgba()).pos(Pos::new(horizontal, VPos::Center));
         self.area.draw_text(text, &style, pixel((at.0, at.1 + CENTRING * size)))
     }
 
     /// Width of a text, units of length.
     pub(super) fn text_width(&self, text: &str, size: f64) -> f64 {
-        let width = font(size).layout_box(text).map_or(0, |(low, high)| high.0 - low.0);
+        let width = font(size).layout_box(&visible(text)).map_or(0, |(low, high)| high.0 - low.0);
         f64::from(width) / f64::from(PIXELS_PER_UNIT)
     }
 }

@@ -1,5 +1,7 @@
 //! Text as Markdown shows it, whatever is in it.
 
+use crate::outside::{visible, visible_lines};
+
 /// What would otherwise begin something: emphasis, code, a link, a tag, a cell.
 const ACTIVE: [char; 8] = ['\\', '`', '*', '~', '[', '<', '|', '&'];
 
@@ -7,6 +9,7 @@ const ACTIVE: [char; 8] = ['\\', '`', '*', '~', '[', '<', '|', '&'];
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     let mut before = ' ';
+    let text = on_one_line(text);
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
         let next = letters.peek().copied().unwrap_or(' ');
@@ -16,7 +19,7 @@ pub(super) fn escaped(text: &str) -> String {
         if ACTIVE.contains(&letter) || emphasis || address {
             escaped.push('\\');
         }
-        escaped.push(if letter.is_control() { ' ' } else { letter });
+        escaped.push(letter);
         before = letter;
     }
     escaped
@@ -26,7 +29,7 @@ pub(super) fn escaped(text: &str) -> String {
 pub(super) fn code(text: &str) -> String {
     let fence = fence(text, 1);
     // a space at both ends is taken off, and needed beside a backtick
-    let text: String = text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let text = on_one_line(text);
     let beside = if text.starts_with(['`', ' ']) || text.ends_with(['`', ' ']) { " " } else { "" };
     format!("{fence}{beside}{text}{beside}{fence}")
 }
@@ -34,8 +37,14 @@ pub(super) fn code(text: &str) -> String {
 /// As lines of a shell.
 pub(super) fn shell(lines: &[String]) -> String {
     let text = lines.join("\n");
+    let text = visible_lines(&text);
     let fence = fence(&text, 3);
     format!("{fence}sh\n{text}\n{fence}")
+}
+
+/// Our own texts have lines, which Markdown takes for spaces; whatever else is hidden is shown.
+fn on_one_line(text: &str) -> String {
+    visible(&text.replace(['\n', '\t'], " ")).into_owned()
 }
 
 /// More backticks than there are anywhere in the text, `least` at least.

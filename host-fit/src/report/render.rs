@@ -2,10 +2,11 @@
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context, escape_formatter};
 
 use super::{Report, markdown_text};
 use crate::figures::{Figure, svg};
+use crate::outside::visible_lines;
 use crate::text::number;
 
 /// Why a report cannot be written.
@@ -38,7 +39,11 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
         let staircase = axis.section.staircase.as_ref().map(drawn).transpose()?;
         axes.push(context! { section => Serde(&axis.section), figures, evidence, staircase });
     }
-    let environment = environment(AutoEscape::Html)?;
+    let mut environment = environment(AutoEscape::Html)?;
+    environment.set_formatter(|out, state, value| match value.as_str() {
+        Some(text) if !value.is_safe() => escape_formatter(out, state, &visible_lines(text).into()),
+        _ => escape_formatter(out, state, value),
+    });
     let template = environment.template_from_str(include_str!("report.html"))?;
     let style = Value::from_safe_string(include_str!("report.css").to_owned());
     Ok(template.render(context! { report => Serde(report), axes, style })?)

@@ -14,6 +14,7 @@ use crate::file::{self, FileError};
 use crate::fit::{AxisReport, FitOptions};
 use crate::grow::Growth;
 use crate::model::UnitModel;
+use crate::outside::visible;
 use crate::recording::{LoadOptions, Recording, Source};
 use crate::rest::KnownBy;
 use crate::unchanged::{Seen, UnchangedError};
@@ -204,11 +205,16 @@ impl Study {
             .data
             .sources
             .iter()
-            .map(|Source { path, sha256, .. }| format!("data {}, sha256 {sha256}", file::name_of(path)));
+            .map(|Source { path, sha256, .. }| format!("data {}, sha256 {}", file::name_of(path), sha256))
+            .map(|line| visible(&line).into_owned());
         let data = data.collect::<Vec<_>>().join("\n");
         format!(
             "{} {}\n{data}\nfitted to {} of {} rows at {:.3} Hz",
-            self.tool.name, self.tool.version, self.data.trained_rows, self.data.rows, self.data.true_rate_hz
+            visible(&self.tool.name),
+            visible(&self.tool.version),
+            self.data.trained_rows,
+            self.data.rows,
+            self.data.true_rate_hz
         )
     }
 }

@@ -326,7 +326,7 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let length = bytes.len();
         let summary = study.replay(bytes).map_err(wrong)?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
-        let command = format!("host-fit replay unit.fosm {}", crate::examine::quoted(&log.paths()));
+        let command = format!("host-fit replay unit.fosm {}", crate::outside::quoted(&log.paths()));
         Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": length }))
     });
     Ok(Json(answer.await?))
