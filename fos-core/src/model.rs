@@ -64,9 +64,9 @@ pub enum FittedOn {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnovationStatistics<R> {
-    /// Mean.
+    /// Mean; at most 10³⁰, and at most 10³⁰ standard deviations.
     pub mean: R,
-    /// Variance; positive.
+    /// Variance; positive, at most 10²⁰, and 10⁻⁶⁰ … 10⁶⁰ in the square of the axis' unit.
     pub variance: R,
     /// Lag-1 correlation, −1 … 1.
     pub lag_1_correlation: R,
@@ -212,6 +212,11 @@ pub enum ModelError {
         /// The axis.
         axis: usize,
     },
+    /// Mean or variance of the axis' innovation is so far out that a [`Monitor`](crate::Monitor) could overflow.
+    Innovation {
+        /// The axis.
+        axis: usize,
+    },
     /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
     Stillness,
 }
@@ -232,6 +237,9 @@ impl fmt::Display for ModelError {
             }
             Self::AxisParameter { axis } => {
                 write!(f, "axis {axis}: a parameter is not finite or out of bounds")
+            }
+            Self::Innovation { axis } => {
+                write!(f, "axis {axis}: mean or variance of its innovation is out of bounds")
             }
             Self::UnknownInput { axis, term } => write!(f, "axis {axis}, term {term}: no such input"),
             Self::OutputInPhysicalPart { axis, term } => {
@@ -289,6 +297,18 @@ impl<R: Real> AxisParameters<R> {
             && is_positive(self.innovation.variance)
             && correlation.abs() <= R::ONE;
         if valid { Ok(()) } else { Err(ModelError::AxisParameter { axis }) }
+    }
+}
+
+impl<R: Real> InnovationStatistics<R> {
+    /// Whether all that a [`Monitor`](crate::Monitor) makes of them is finite, in f32 as well: an innovation counts there for at
+    /// most 10⁶ deviations, so a running variance is at most 4·10¹² times this one.
+    pub(crate) fn is_bounded(&self, scale: f64) -> bool {
+        // a mean of 10³⁰, also in deviations; a deviation of 10⁻³⁰ … 10³⁰ in the axis' unit, squared
+        const REACH: f64 = 1e60;
+        let (mean, variance) = (self.mean.to_f64(), self.variance.to_f64());
+        let in_unit = scale * scale * variance;
+        mean * mean <= REACH * variance.min(1.0) && variance <= 1e20 && in_unit <= REACH && in_unit * REACH >= 1.0
     }
 }
 

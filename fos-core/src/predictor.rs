@@ -226,7 +226,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     }
 
     /// Refuses a model whose sums could overflow, so that the step needs no test for it: every partial product
-    /// and sum stays below 10³⁰ as long as inputs and remainder stay within their limits, and the step sees to that.
+    /// and sum stays below 10³⁰ as long as inputs and remainder stay within their limits, and the step sees to that. The same for
+    /// a monitor.
     fn check_bounded(
         &self,
         parameters: &AxisParameters<R>,
@@ -253,7 +254,12 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         let scale = parameters.scale.to_f64();
         let in_unit =
             parameters.offset.to_f64().abs() + parameters.reference.to_f64().abs() + scale.max(1.0) * scaled;
-        if in_unit < BOUND { Ok(()) } else { Err(ModelError::Unbounded { axis: self.axes.len() }) }
+        let axis = self.axes.len();
+        match in_unit < BOUND {
+            true if parameters.innovation.is_bounded(scale) => Ok(()),
+            true => Err(ModelError::Innovation { axis }),
+            false => Err(ModelError::Unbounded { axis }),
+        }
     }
 
     /// The unit is still: measured error is known against the model's reference, and enters the history.

@@ -2,8 +2,8 @@
 
 mod models;
 
-use fos_core::{AxisParameters, Correction, InnovationStatistics, Monitor, Real, Validity};
-use models::{Noise, PERIOD_S, plain};
+use fos_core::{AxisParameters, Correction, InnovationStatistics, ModelError, Monitor, Real, Validity};
+use models::{Noise, OwnedModel, PERIOD_S, plain};
 
 const SCALE: f64 = 0.02;
 const MEAN: f64 = 0.1;
@@ -242,5 +242,114 @@ fn an_alarm_stays_until_it_is_forgotten() {
     monitor.restart();
     for _ in 0..5000 {
         assert!(!monitor.update(&correction(0.0)).mean);
+    }
+}
+
+/// The numbers that a monitor gives.
+fn numbers<R: Real>(monitor: &Monitor<R>) -> [f64; 6] {
+    let InnovationStatistics { mean, variance, lag_1_correlation } = monitor.statistics();
+    [
+        mean.to_f64(),
+        variance.to_f64(),
+        lag_1_correlation.to_f64(),
+        monitor.mean_in_unit(),
+        monitor.deviation_ratio().into(),
+        monitor.deviation_in_unit().into(),
+    ]
+}
+
+/// Any number: of any magnitude, of any sign, and none.
+fn any_number(noise: &mut Noise) -> f64 {
+    let sign = if noise.uniform() < 0.5 { -1.0 } else { 1.0 };
+    match noise.bits() % 16 {
+        0 => f64::NAN,
+        1 => sign * f64::INFINITY,
+        2 => 0.0,
+        3 => sign * f64::from(f32::MAX),
+        4..10 => sign * noise.normal(),
+        _ => sign * 10.0_f64.powf(80.0 * noise.uniform() - 42.0),
+    }
+}
+
+/// Parameters drawn over all that R holds: those that a model may have, those that are refused, and those that would have given
+/// a number that is none.
+fn every_number_is_finite<R: Real>(seed: u64) -> [u32; 3] {
+    let mut noise = Noise::new(seed);
+    let (mut models, mut refused, mut would_overflow) = (0, 0, 0);
+    while models < 2000 {
+        let magnitude =
+            |noise: &mut Noise, low: f64, high: f64| 10.0_f64.powf(low + (high - low) * noise.uniform());
+        let innovation = InnovationStatistics {
+            mean: any_number(&mut noise),
+            variance: magnitude(&mut noise, -44.0, 38.0),
+            lag_1_correlation: 2.0 * noise.uniform() - 1.0,
+        };
+        let scale = magnitude(&mut noise, -12.0, 25.0);
+        let parameters: AxisParameters<f64> = AxisParameters { scale, innovation, ..plain() };
+        let model = OwnedModel::autoregressive(parameters.convert::<R>(), vec![]);
+        let is_refused = match model.predictor() {
+            Ok(_) => false,
+            Err(ModelError::Innovation { axis: 0 } | ModelError::AxisParameter { axis: 0 }) => true,
+            // the scale, which has a bound of its own
+            Err(ModelError::Unbounded { axis: 0 }) => continue,
+            Err(error) => panic!("{error}: {parameters:?}"),
+        };
+        let mut monitor = Monitor::new(&model.axes[0].parameters, PERIOD_S);
+        let mut all_finite = true;
+        let mut given = Vec::new();
+        for _ in 0..50 {
+            let unit = scale * innovation.variance.sqrt();
+            let innovation = any_number(&mut noise) * if noise.uniform() < 0.5 { unit } else { 1.0 };
+            given.push(innovation);
+            let _ =
+                monitor.update(&Correction { innovation: Some(R::from_f64(innovation)), ..correction(0.0) });
+            all_finite &= numbers(&monitor).into_iter().all(f64::is_finite);
+        }
+        if is_refused {
+            refused += 1;
+            would_overflow += u32::from(!all_finite);
+        } else {
+            models += 1;
+            assert!(all_finite, "{:?}: {parameters:?}, {given:?}", numbers(&monitor));
+        }
+    }
+    [models, refused, would_overflow]
+}
+
+#[test]
+fn every_number_is_finite_whatever_model_and_innovations() {
+    let [models, refused, control] = every_number_is_finite::<f32>(11);
+    let [in_f64, refused_in_f64, _] = every_number_is_finite::<f64>(12);
+    assert!(control > 0, "the same check without the refusal finds nothing: {refused} refused");
+    println!(
+        "attack: statistics of the monitor | {} models with means, variances and scales over all of f32, 50 innovations of any bits \
+         each, in f32 and f64: every number finite; {} more refused when they are built | negative control: without the refusal \
+         {control} of {refused} give numbers that are not finite",
+        models + in_f64,
+        refused + refused_in_f64
+    );
+}
+
+#[test]
+fn a_model_whose_monitor_would_overflow_is_refused_by_name() {
+    let built = |mean: f32, variance: f32, scale: f32| {
+        let innovation = InnovationStatistics { mean, variance, lag_1_correlation: 0.0 };
+        let parameters = AxisParameters { scale, innovation, ..plain() };
+        OwnedModel::autoregressive(parameters, vec![]).predictor().err()
+    };
+    // the running mean was infinite from the first sample
+    for (mean, variance, scale) in
+        [(1e30, 1e-20, 1.0), (-1e30, 0.4, 1.0), (0.0, 1e30, 1.0), (0.0, 1e-40, 1e-25)]
+    {
+        assert_eq!(
+            built(mean, variance, scale),
+            Some(ModelError::Innovation { axis: 0 }),
+            "{mean} {variance} {scale}"
+        );
+    }
+    // what a fit comes to, also on data without noise
+    for (mean, variance, scale) in [(0.0, 1.0, 1.0), (0.1, 1e-32, 1e-3), (1e-4, 2e-6, 0.02), (3.0, 1e3, 40.0)]
+    {
+        assert_eq!(built(mean, variance, scale), None, "{mean} {variance} {scale}");
     }
 }

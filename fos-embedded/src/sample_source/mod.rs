@@ -16,14 +16,18 @@
 //!     let mut source = SampleSource::new(Bmi323::new(Blocking(spi), Blocking(delay)));
 //!     loop {
 //!         let now_us = clock_us();
-//!         if let Some(Ok(samples)) = now(source.poll(now_us)) {
-//!             let given = samples.len();
-//!             for raw in samples {
-//!                 let _output = hub.update(raw);
+//!         match now(source.poll(now_us)) {
+//!             Some(Ok(samples)) => {
+//!                 for raw in samples {
+//!                     let _output = hub.update(raw);
+//!                 }
+//!                 if !samples.is_empty() && !source.has_more() {
+//!                     hub.clock(now_us);
+//!                 }
 //!             }
-//!             if given > 0 && !source.has_more() {
-//!                 hub.clock(now_us);
-//!             }
+//!             // it may pass, so go on polling; what to make of it is the application's to say
+//!             Some(Err(error)) => println!("no samples: {error}"),
+//!             None => {} // not done yet, which over Blocking does not happen
 //!         }
 //!         // poll again at once if it has more; else sleep for 50 ms
 //! #       break;
