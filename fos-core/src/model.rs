@@ -64,9 +64,9 @@ pub enum FittedOn {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnovationStatistics<R> {
-    /// Mean; at most 10³⁰, and at most 10³⁰ standard deviations.
+    /// Mean; of a magnitude up to 10¹⁵.
     pub mean: R,
-    /// Variance; positive, at most 10²⁰, and 10⁻⁶⁰ … 10⁶⁰ in the square of the axis' unit.
+    /// Variance; 10⁻³⁸ … 10²⁰.
     pub variance: R,
     /// Lag-1 correlation, −1 … 1.
     pub lag_1_correlation: R,
@@ -86,7 +86,7 @@ pub struct AxisParameters<R> {
     pub reference: R,
     /// Constant error (bias), in the axis' unit. Taken off before any scaling, so that f32 keeps its digits.
     pub offset: R,
-    /// The axis' unit per scaled unit; positive.
+    /// The axis' unit per scaled unit; at least 10⁻¹⁹.
     pub scale: R,
     /// The constant a0 of the stochastic part, scaled.
     pub constant: R,
@@ -212,7 +212,7 @@ pub enum ModelError {
         /// The axis.
         axis: usize,
     },
-    /// Mean or variance of the axis' innovation is so far out that a [`Monitor`](crate::Monitor) could overflow.
+    /// Mean or variance of the axis' innovation, or its scale, is so far out that a [`Monitor`](crate::Monitor) could overflow.
     Innovation {
         /// The axis.
         axis: usize,
@@ -239,7 +239,7 @@ impl fmt::Display for ModelError {
                 write!(f, "axis {axis}: a parameter is not finite or out of bounds")
             }
             Self::Innovation { axis } => {
-                write!(f, "axis {axis}: mean or variance of its innovation is out of bounds")
+                write!(f, "axis {axis}: mean or variance of its innovation, or its scale, is out of bounds")
             }
             Self::UnknownInput { axis, term } => write!(f, "axis {axis}, term {term}: no such input"),
             Self::OutputInPhysicalPart { axis, term } => {
@@ -302,13 +302,10 @@ impl<R: Real> AxisParameters<R> {
 
 impl<R: Real> InnovationStatistics<R> {
     /// Whether all that a [`Monitor`](crate::Monitor) makes of them is finite, in f32 as well: an innovation counts there for at
-    /// most 10⁶ deviations, so a running variance is at most 4·10¹² times this one.
-    pub(crate) fn is_bounded(&self, scale: f64) -> bool {
-        // a mean of 10³⁰, also in deviations; a deviation of 10⁻³⁰ … 10³⁰ in the axis' unit, squared
-        const REACH: f64 = 1e60;
-        let (mean, variance) = (self.mean.to_f64(), self.variance.to_f64());
-        let in_unit = scale * scale * variance;
-        mean * mean <= REACH * variance.min(1.0) && variance <= 1e20 && in_unit <= REACH && in_unit * REACH >= 1.0
+    /// most 10⁶ deviations, so a running variance is at most 4·10¹² times this one; what it multiplies by is at most 10³⁸.
+    pub(crate) fn is_bounded(&self, scale: R) -> bool {
+        let within = |value: R, low: f64, high: f64| R::from_f64(low) <= value && value <= R::from_f64(high);
+        within(self.mean, -1e15, 1e15) && within(self.variance, 1e-38, 1e20) && scale >= R::from_f64(1e-19)
     }
 }
 

@@ -137,9 +137,9 @@ impl<R: Real> Monitor<R> {
         }
     }
 
-    /// The running mean of the innovation in the axis' unit.
+    /// The running mean of the innovation in the axis' unit; the largest f64 if it is beyond that.
     pub fn mean_in_unit(&self) -> f64 {
-        self.statistics().mean.to_f64() * self.scale
+        (self.statistics().mean.to_f64() * self.scale).limit(-f64::MAX, f64::MAX)
     }
 
     /// Running standard deviation of the innovation over that of the fit: 1 as fitted, 2 twice the noise.
@@ -151,9 +151,9 @@ impl<R: Real> Monitor<R> {
     }
 
     /// Running standard deviation of the innovation in the axis' unit, as good as the
-    /// [ratio](Self::deviation_ratio).
+    /// [ratio](Self::deviation_ratio); the largest f32 if it is beyond that.
     pub fn deviation_in_unit(&self) -> f32 {
-        (f64::from(self.deviation_ratio()) * self.deviation * self.scale) as f32
+        ((f64::from(self.deviation_ratio()) * self.deviation * self.scale) as f32).min(f32::MAX)
     }
 
     /// Whether the model has stopped fitting.

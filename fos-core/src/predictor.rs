@@ -256,7 +256,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             parameters.offset.to_f64().abs() + parameters.reference.to_f64().abs() + scale.max(1.0) * scaled;
         let axis = self.axes.len();
         match in_unit < BOUND {
-            true if parameters.innovation.is_bounded(scale) => Ok(()),
+            true if parameters.innovation.is_bounded(parameters.scale) => Ok(()),
             true => Err(ModelError::Innovation { axis }),
             false => Err(ModelError::Unbounded { axis }),
         }

@@ -339,7 +339,7 @@ fn a_model_whose_monitor_would_overflow_is_refused_by_name() {
     };
     // the running mean was infinite from the first sample
     for (mean, variance, scale) in
-        [(1e30, 1e-20, 1.0), (-1e30, 0.4, 1.0), (0.0, 1e30, 1.0), (0.0, 1e-40, 1e-25)]
+        [(1e30, 1e-20, 1.0), (-1e30, 0.4, 1.0), (0.0, 1e30, 1.0), (0.0, 1e-40, 1.0), (0.0, 1.0, 1e-25)]
     {
         assert_eq!(
             built(mean, variance, scale),
@@ -348,7 +348,8 @@ fn a_model_whose_monitor_would_overflow_is_refused_by_name() {
         );
     }
     // what a fit comes to, also on data without noise
-    for (mean, variance, scale) in [(0.0, 1.0, 1.0), (0.1, 1e-32, 1e-3), (1e-4, 2e-6, 0.02), (3.0, 1e3, 40.0)]
+    for (mean, variance, scale) in
+        [(0.0, 1.0, 1.0), (0.1, f32::MIN_POSITIVE, 1e-3), (1e-4, 2e-6, 0.02), (3.0, 1e3, 40.0)]
     {
         assert_eq!(built(mean, variance, scale), None, "{mean} {variance} {scale}");
     }

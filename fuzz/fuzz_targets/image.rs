@@ -1,7 +1,7 @@
-//! Any bytes as a model image: refused, or a model whose every output is finite and bounded.
+//! Any bytes as a model image: refused, or a model whose every output is finite and bounded, and what its monitors say finite.
 #![no_main]
 
-use fos_core::{Image, Predictor, Sample};
+use fos_core::{Image, Monitor, Predictor, Sample};
 use fos_fuzz::{sealed_image, split};
 use libfuzzer_sys::fuzz_target;
 
@@ -24,6 +24,8 @@ fn run(bytes: &[u8]) {
         let _ = (axis.physical.count(), axis.stochastic.count());
     }
     let Ok(mut predictor) = image.predictor::<f32, 6, 32, 256, 1024>() else { return };
+    let of_axis = |axis: fos_core::image::AxisImage<'_>| Monitor::new(&axis.parameters, image.period_s());
+    let mut monitors: Vec<Monitor<f32>> = image.axes().map(of_axis).collect();
     // as bad as it gets, and quiet in between
     let hostile =
         [0.0, 1.0, f32::NAN, -f32::MAX, f32::INFINITY, 1e-40, 9.81, f32::MAX, -0.0, f32::NEG_INFINITY];
@@ -39,7 +41,17 @@ fn run(bytes: &[u8]) {
             5 => predictor.track_against(&sample, &quantities),
             _ => predictor.skip(n as u32 * 5),
         };
-        for axis in found {
+        for (axis, monitor) in found.iter().zip(&mut monitors) {
+            let _ = monitor.update(axis);
+            let statistics = monitor.statistics();
+            assert!(
+                statistics.mean.is_finite()
+                    && statistics.variance.is_finite()
+                    && statistics.lag_1_correlation.is_finite()
+                    && monitor.mean_in_unit().is_finite()
+                    && monitor.deviation_in_unit().is_finite(),
+                "{n}: {monitor:?}"
+            );
             // what a model is refused for that could pass it
             assert!(axis.predicted.abs() <= 1e30, "{n}: {axis:?}");
             assert!(
