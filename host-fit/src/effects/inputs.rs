@@ -126,7 +126,8 @@ impl<'a> Inputs<'a> {
         let Some(first) = held.iter().position(|value| !value.is_nan()) else {
             return Err(RecordingError::NoValues {
                 path: self.recording.paths(),
-                column: spec.column.clone().unwrap_or_default(),
+                name: spec.column.clone().unwrap_or_default(),
+                rows: held.len(),
             });
         };
         let period_s = self.recording.rate.period_s;

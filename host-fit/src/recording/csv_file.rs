@@ -3,6 +3,9 @@
 //! Lines are split here rather than by a CSV library, so that rubbish stays within its line: a lone quotation
 //! mark must not swallow the rows after it. Only a line with quotation marks goes through the library.
 //!
+//! A line ends in LF or CRLF; in CR, as of old, in a text that has no LF. A line is at most a megabyte long: what is longer, an
+//! open quotation mark in a library say, is refused before it takes memory.
+//!
 //! The separator is the one the header has most of: comma, semicolon or tab. Blank lines and lines that start
 //! with `#` are passed over. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.
 
@@ -12,6 +15,7 @@ use std::path::Path;
 
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
+use super::other_format;
 use super::quality::{BadRow, Place, Problem};
 use super::table::{Column, Skipped, Table, check_names, column_name, must_be_numeric};
 use crate::file::FileError;
@@ -29,6 +33,9 @@ const LINES_BETWEEN_CHECKS: u64 = 8192;
 /// Rows looked at to tell text columns from numbers with rubbish in them.
 const ROWS_TO_CLASSIFY: usize = 1000;
 
+/// Bytes of them, about: they are kept until the columns are known.
+const BYTES_TO_CLASSIFY: usize = 1 << 24;
+
 /// Reads a whole file; `input` unpacks it if it is packed. In `strict` mode the first unusable row is an error.
 pub(super) fn read(
     path: &Path,
@@ -37,7 +44,7 @@ pub(super) fn read(
     strict: bool,
     is_packed: bool,
 ) -> Result<Table, RecordingError> {
-    let mut lines = Lines { input, number: 0, path, is_packed };
+    let mut lines = Lines::begin(input, path, is_packed)?;
     let mut line = Vec::new();
     if !lines.next(&mut line)? {
         return Err(not_a_log(path, "the file is empty".into()));
@@ -45,8 +52,9 @@ pub(super) fn read(
     let header = Header::parse(path, &line)?;
 
     // the first rows are kept as text, to see which columns are text
-    let mut first_lines = Vec::new();
-    while first_lines.len() < ROWS_TO_CLASSIFY && lines.next(&mut line)? {
+    let (mut first_lines, mut kept) = (Vec::new(), 0);
+    while first_lines.len() < ROWS_TO_CLASSIFY && kept < BYTES_TO_CLASSIFY && lines.next(&mut line)? {
+        kept += line.len();
         first_lines.push((lines.number, line.clone()));
     }
     let mut parser = Parser::new(path, map, &header, &first_lines)?;
@@ -74,25 +82,47 @@ fn not_a_log(path: &Path, problem: String) -> RecordingError {
 
 /// Lines that may hold data, without their ends.
 struct Lines<'a, R> {
-    input: R,
+    /// What was looked at to see how lines end, and the rest.
+    input: io::Chain<io::Cursor<Vec<u8>>, R>,
+    /// The byte that ends a line.
+    end: u8,
     /// Number of the line last read, from 1.
     number: u64,
     path: &'a Path,
     is_packed: bool,
 }
 
-impl<R: BufRead> Lines<'_, R> {
+impl<'a, R: BufRead> Lines<'a, R> {
+    fn begin(mut input: R, path: &'a Path, is_packed: bool) -> Result<Self, RecordingError> {
+        let mut begin = Vec::new();
+        let read = (&mut input).take(LONGEST_LINE).read_until(b'\n', &mut begin);
+        let only_cr = begin.contains(&b'\r') && !begin.contains(&b'\n');
+        let end = if only_cr { b'\r' } else { b'\n' };
+        if let Some((is, help)) = other_format::known_text(&begin) {
+            return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
+        }
+        let lines = Self { input: io::Cursor::new(begin).chain(input), end, number: 0, path, is_packed };
+        match read {
+            Ok(_) => Ok(lines),
+            Err(error) => Err(lines.failed(error)),
+        }
+    }
+
+    fn failed(&self, source: io::Error) -> RecordingError {
+        if self.is_packed && is_damage(&source) {
+            let (path, line) = (self.path.to_owned(), self.number);
+            return RecordingError::NotUnpacked { path, line, source };
+        }
+        FileError::reading(self.path)(source).into()
+    }
+
     /// Reads the next line that is not blank or a comment; false at the end of the file.
     fn next(&mut self, line: &mut Vec<u8>) -> Result<bool, RecordingError> {
         loop {
             line.clear();
-            let n = match (&mut self.input).take(LONGEST_LINE).read_until(b'\n', line) {
+            let n = match (&mut self.input).take(LONGEST_LINE).read_until(self.end, line) {
                 Ok(n) => n,
-                Err(source) if self.is_packed && is_damage(&source) => {
-                    let (path, line) = (self.path.to_owned(), self.number);
-                    return Err(RecordingError::NotUnpacked { path, line, source });
-                }
-                Err(source) => return Err(FileError::reading(self.path)(source).into()),
+                Err(source) => return Err(self.failed(source)),
             };
             if n == 0 {
                 return Ok(false);
@@ -104,7 +134,7 @@ impl<R: BufRead> Lines<'_, R> {
             if self.number == 1 && line.starts_with(BYTE_ORDER_MARK) {
                 line.drain(..BYTE_ORDER_MARK.len());
             }
-            if n as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+            if n as u64 == LONGEST_LINE && line.last() != Some(&self.end) {
                 let problem = format!("line {} is longer than {LONGEST_LINE} bytes", self.number);
                 return Err(not_a_log(self.path, problem));
             }

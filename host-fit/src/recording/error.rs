@@ -54,6 +54,28 @@ pub enum RecordingError {
         /// What is not as it should be.
         problem: String,
     },
+    /// Something else, which is known.
+    #[error("{}: {is}\nhelp: {help}", path.display())]
+    OtherFormat {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        is: String,
+        /// How a log is made of it.
+        help: &'static str,
+    },
+    /// A channel without a single number.
+    #[error(
+        "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave it out (--axis names the others) and what needs it, or map the column that holds it to it, as in {name}=column"
+    )]
+    NoValues {
+        /// The log.
+        path: String,
+        /// The channel.
+        name: String,
+        /// Its rows.
+        rows: usize,
+    },
     /// A compressed log that does not unpack.
     #[error(
         "{}:{line}: it cannot be unpacked beyond this line: {source}\nhelp: if it was cut short while being written or copied, copy it again; `gzip -dc` unpacks what is there",
@@ -90,16 +112,6 @@ pub enum RecordingError {
         true_hz: f64,
         /// As stated, Hz.
         rate_hz: f64,
-    },
-    /// A column without a value.
-    #[error(
-        "{path}: every cell of {column} is empty or not a number: there is nothing to follow\nhelp: another log, or leave the effect or input out that needs {column}"
-    )]
-    NoValues {
-        /// The log.
-        path: String,
-        /// The column.
-        column: String,
     },
     /// Two columns have one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]

@@ -48,11 +48,17 @@ impl Recording {
     /// `ref_<name>` where the log has it, else constant.
     ///
     /// # Errors
-    /// No such channel.
+    /// No such channel, or one without a number in it.
     pub fn error_series(&self, axis: &str) -> Result<ErrorSeries, RecordingError> {
         let measured = self.axis(axis)?;
         let name = format!("ref_{}", measured.name);
         let truth = self.channels().iter().find(|channel| channel.name == name);
+        for channel in [Some(measured), truth].into_iter().flatten() {
+            if channel.values.iter().all(|value| !value.is_finite()) {
+                let (path, name, rows) = (self.paths(), channel.name.clone(), self.n_rows());
+                return Err(RecordingError::NoValues { path, name, rows });
+            }
+        }
         let (values, reference) = match truth {
             None => (measured.values.to_vec(), Reference::Constant),
             Some(truth) => {
@@ -89,6 +95,18 @@ mod tests {
         let error = recording(&["ref_gy_rads", "gx_rads"]).error_series("gx_rads").unwrap();
         assert_eq!(error.values, [1.0; 3]);
         assert_eq!(error.reference, Reference::Constant);
+    }
+
+    #[test]
+    fn a_channel_without_a_number_is_named() {
+        // that there are "0 rows at rest", and that a longer log would help, was said of it
+        for (hollow, said) in
+            [("gx_rads", "test: gx_rads: every cell of its 3 rows"), ("ref_gx_rads", "ref_gx_rads: every")]
+        {
+            let log = recording(&["ref_gx_rads", "gx_rads"]).with_values(hollow, vec![f64::NAN; 3]);
+            let message = log.error_series("gx").unwrap_err().to_string();
+            assert!(message.contains(said) && message.contains("help: "), "{message}");
+        }
     }
 
     #[test]

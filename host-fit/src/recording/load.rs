@@ -6,7 +6,6 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 
-use flate2::bufread::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
 use super::channel::Channel;
@@ -14,11 +13,12 @@ use super::closest::closest;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::gaps::{Boundary, Grid, Mark, Segment};
+use super::gzip::Members;
 use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
 use super::unit::Unit;
-use super::{AXES, Recording, csv_file, gaps, parquet_file};
+use super::{AXES, Recording, csv_file, gaps, other_format, parquet_file};
 use crate::file::{self, FileError};
 
 /// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
@@ -29,7 +29,7 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 const MAX_COPIES: f64 = 0.1;
 
 /// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
-pub(super) const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
+pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are not in the
 /// order of time.
@@ -97,14 +97,18 @@ fn table_of(
 ) -> Result<(Table, Hashing<File>), RecordingError> {
     let failed = || FileError::reading(path);
     let mut file = file::open_to_seek(path)?;
-    let mut magic = [0; 4];
-    let n = read_up_to(&mut file, &mut magic).map_err(failed())?;
+    let mut begin = [0; other_format::BEGIN];
+    let n = read_up_to(&mut file, &mut begin).map_err(failed())?;
+    let begin = &begin[..n];
+    if let Some((is, help)) = other_format::known(begin) {
+        return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
+    }
     file.rewind().map_err(failed())?;
     let mut hashing = Hashing::new(file.try_clone().map_err(failed())?);
     let (map, strict) = (&options.columns, options.strict);
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
 
-    let table = if magic[..n] == *b"PAR1" {
+    let table = if begin.starts_with(b"PAR1") {
         let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
         if extent == Extent::Whole {
             // read out of order, so not by way of the checksum; the two share one open file
@@ -113,8 +117,8 @@ fn table_of(
         parquet_file::read(path, file, map, rows)?
     } else {
         let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
-        if magic.starts_with(&[0x1f, 0x8b]) {
-            let text = BufReader::with_capacity(READ_BUFFER, MultiGzDecoder::new(input));
+        if begin.starts_with(&[0x1f, 0x8b]) {
+            let text = BufReader::with_capacity(READ_BUFFER, Members::new(input));
             csv_file::read(path, text.take(longest), map, strict, true)?
         } else {
             csv_file::read(path, input.take(longest), map, strict, false)?

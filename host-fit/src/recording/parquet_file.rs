@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use half::f16;
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType, FixedLenByteArray};
 use parquet::errors::ParquetError;
@@ -50,7 +50,14 @@ pub(super) fn read(
     map: &ColumnMap,
     rows: Option<usize>,
 ) -> Result<Table, RecordingError> {
-    let failed = |source: ParquetError| RecordingError::Parquet { path: path.to_owned(), source };
+    let failed = |source: ParquetError| match source.to_string().contains("encrypt") {
+        true => RecordingError::OtherFormat {
+            path: path.to_owned(),
+            is: format!("the Parquet file is encrypted ({source})"),
+            help: "write it again without encryption",
+        },
+        false => RecordingError::Parquet { path: path.to_owned(), source },
+    };
     let reader = library(|| SerializedFileReader::new(Ending(input))).map_err(failed)?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let fields = schema.root_schema().get_fields();
@@ -94,6 +101,21 @@ pub(super) fn read(
         return Err(RecordingError::NotALog { path: path.to_owned(), problem });
     }
 
+    for group in reader.metadata().row_groups() {
+        for (column, selected) in table.columns.iter().zip(&selected) {
+            if let Some(codec) = not_unpacked(group.column(selected.index).compression()) {
+                return Err(RecordingError::OtherFormat {
+                    path: path.to_owned(),
+                    is: format!(
+                        "column \"{}\" is compressed by {codec}, which is not read here",
+                        column.name
+                    ),
+                    help: REWRITE,
+                });
+            }
+        }
+    }
+
     let most = rows.unwrap_or(usize::MAX);
     for group in 0..reader.num_row_groups() {
         let group = library(|| reader.get_row_group(group)).map_err(failed)?;
@@ -122,6 +144,19 @@ pub(super) fn read(
         table.note_missing_cells(i, selected.empty);
     }
     Ok(table)
+}
+
+/// How to write a file with a codec that is read.
+const REWRITE: &str = "write it again with zstd, Snappy, gzip or uncompressed: in Python, pyarrow.parquet.write_table(pyarrow.parquet.read_table(\"a.parquet\"), \"b.parquet\", compression=\"zstd\")";
+
+/// The codec by its name, if the library was built without it (docs/decisions/libraries.md).
+fn not_unpacked(codec: Compression) -> Option<&'static str> {
+    match codec {
+        Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::GZIP(_) | Compression::ZSTD(_) => None,
+        Compression::BROTLI(_) => Some("Brotli"),
+        Compression::LZ4 | Compression::LZ4_RAW => Some("LZ4"),
+        Compression::LZO => Some("LZO"),
+    }
 }
 
 /// Calls the library, which panics on some of what a damaged file says, such as that a column begins before the file.
