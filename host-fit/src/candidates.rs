@@ -205,6 +205,10 @@ impl Builder {
             .collect();
         factors.sort_unstable();
         factors.dedup();
+        let explicit = self.explicit.iter().flatten();
+        if let Some(factor) = factors.iter().chain(explicit).find(|f| out_of_reach(f)) {
+            return Err(CandidatesError::OutOfReach(monomial_text(&[*factor])));
+        }
         let mut monomials = self.explicit.clone();
         self.extend(&mut Vec::new(), &factors, &mut monomials);
         if monomials.len() > MAX_CANDIDATES {
@@ -216,9 +220,6 @@ impl Builder {
         let at_zero = |f: &Factor| f.channel == Channel::Output && f.lag == 0;
         if monomials.iter().flatten().any(at_zero) {
             return Err(CandidatesError::OutputAtLagZero);
-        }
-        if let Some(factor) = monomials.iter().flatten().find(|f| out_of_reach(f)) {
-            return Err(CandidatesError::OutOfReach(monomial_text(&[*factor])));
         }
         if monomials.is_empty() { Err(CandidatesError::Empty) } else { Ok(Candidates { monomials }) }
     }

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::numbers::count;
 use super::output::{Failure, print_json, print_line, progress, table};
 use crate::bench::{Settings, Timings, measure};
 
@@ -14,13 +15,13 @@ const SAMPLES: [usize; 2] = [36_000, 720_000];
 #[command(after_help = "Example: host-fit bench")]
 pub(super) struct Bench {
     /// Largest output lag L
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=50))]
     max_lag: u16,
     /// Cross-product degree (CP)
-    #[arg(long, default_value_t = 2, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=3))]
+    #[arg(long, default_value_t = 2, value_parser = count(1..=3))]
     degree: usize,
     /// Terms chosen
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = count(1..=1000))]
     terms: usize,
     /// Print JSON
     #[arg(long)]

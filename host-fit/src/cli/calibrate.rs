@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::OutputFile;
+use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
 use crate::effects::Library;
@@ -15,7 +16,7 @@ use crate::file::write_atomically;
 #[command(after_help = "Example: host-fit calibrate --cases 450 --seed 1")]
 pub(super) struct Calibrate {
     /// Cases: a third with nothing missing
-    #[arg(long, default_value_t = 450)]
+    #[arg(long, default_value_t = 450, value_parser = count(0..=100_000))]
     cases: usize,
     /// Seed of all of them
     #[arg(long, default_value_t = 1)]

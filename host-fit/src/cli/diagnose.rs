@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
+use super::numbers::{IN_UNIT, within};
 use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
 use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
 use crate::effects::Library;
@@ -30,7 +31,7 @@ pub(super) struct Diagnose {
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,
     /// Full scale of the axis, in its SI unit
-    #[arg(long)]
+    #[arg(long, value_parser = within(1.0 / IN_UNIT..=IN_UNIT))]
     full_scale: Option<f64>,
     #[command(flatten)]
     reading: Reading,

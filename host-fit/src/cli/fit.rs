@@ -6,7 +6,9 @@ use clap::Args;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
+use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, number, print_json, print_line, progress, table};
+use crate::candidates::MAX_LAG;
 use crate::compare::study_of;
 use crate::evaluate::ModelErrors;
 use crate::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
@@ -38,10 +40,10 @@ pub(super) struct Fit {
     #[arg(long, default_value = "exchange")]
     search: Search,
     /// L: output lags 1 … L are candidates; the order of the other methods
-    #[arg(long, default_value_t = FitOptions::default().max_lag)]
+    #[arg(long, default_value_t = FitOptions::default().max_lag, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_LAG)))]
     max_lag: u16,
     /// Cross-product degree (CP): 1, 2 or 3
-    #[arg(long, default_value_t = FitOptions::default().degree, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=3))]
+    #[arg(long, default_value_t = FitOptions::default().degree, value_parser = count(1..=3))]
     degree: usize,
     /// Time constants of the low-passes of the output offered beside its lags, s; "none" for none
     #[arg(long, default_value = "0.1,1,10,100")]
@@ -50,13 +52,13 @@ pub(super) struct Fit {
     #[arg(long, value_name = "INPUT")]
     input: Vec<InputSpec>,
     /// K: lags 0 … K of these inputs are candidates, and their products with output lags up to CP
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=i64::from(MAX_LAG)))]
     input_lags: u16,
     /// Put an input into the physical part, which also holds in motion. May be repeated
     #[arg(long, value_name = "INPUT")]
     physical: Vec<InputSpec>,
     /// Most terms of an axis
-    #[arg(long, default_value_t = FitOptions::default().max_terms)]
+    #[arg(long, default_value_t = FitOptions::default().max_terms, value_parser = count(0..=10_000))]
     max_terms: usize,
     /// When to stop before: multiplicity (allows for the number of candidates), korenberg, never
     #[arg(long, default_value = "multiplicity")]
@@ -65,13 +67,13 @@ pub(super) struct Fit {
     #[arg(long, default_value = "50%")]
     train: Train,
     /// Take this off the error instead of its mean, in the axis' unit
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = within(-IN_UNIT..=IN_UNIT))]
     offset: Option<f64>,
     /// Scale by this instead of the standard deviation, in the axis' unit
-    #[arg(long)]
+    #[arg(long, value_parser = within(1.0 / IN_UNIT..=IN_UNIT))]
     scale: Option<f64>,
     /// Measured values of this magnitude count as saturated, in the axis' unit
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = within(0.0..=IN_UNIT))]
     full_scale: f64,
     /// The log is after a factory's or driver's correction
     #[arg(long)]

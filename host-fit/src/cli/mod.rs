@@ -18,6 +18,7 @@ mod growing;
 mod history;
 mod inspect;
 mod man;
+mod numbers;
 mod output;
 mod record;
 mod replay;
@@ -69,6 +70,11 @@ enum Command {
     Man(man::Man),
 }
 
+/// The subcommands and their arguments, as clap knows them.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
     // what clap has taken by its own description it takes by that of the derived type
@@ -87,11 +93,6 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// All subcommands and their arguments.
-pub fn command() -> clap::Command {
-    Cli::command()
 }
 
 fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {

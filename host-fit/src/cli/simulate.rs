@@ -5,11 +5,15 @@ use std::path::Path;
 use clap::Args;
 
 use super::arguments::OutputFile;
+use super::numbers::within;
 use super::output::{Failure, Written, print_written};
 use super::simulate_case::CaseArguments;
-use crate::recording::write_columns;
-use crate::simulate::band_limited::band_limited;
+use crate::recording::{RATES_HZ, write_columns};
+use crate::simulate::band_limited::{self, band_limited};
 use crate::simulate::{Simulation, simulate};
+
+/// The most rows of a log, which is made in memory: some ten gigabytes.
+const MOST_ROWS: f64 = 7.0 * 86_400.0 * 200.0;
 
 /// Write a simulated log: six axes and temperature, every number from the seed
 #[derive(Debug, Args)]
@@ -21,16 +25,16 @@ pub(super) struct Simulate {
     #[arg(required_unless_present = "case")]
     log: Option<OutputFile>,
     /// Duration, min
-    #[arg(long, default_value_t = 20.0)]
+    #[arg(long, default_value_t = 20.0, value_parser = within(0.001..=20_000.0))]
     minutes: f64,
     /// Nominal sample rate, Hz; the true one is off by up to 1 %
-    #[arg(long, default_value_t = 200.0)]
+    #[arg(long, default_value_t = 200.0, value_parser = within(RATES_HZ))]
     rate: f64,
     /// Seed of every random number
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Sensitivity to temperature, as a multiple of the unit's; 0 for none
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(-1000.0..=1000.0))]
     temperature: f64,
     /// Never move the unit; else it is moved for 30 s out of every 90 s in the last third
     #[arg(long)]
@@ -55,8 +59,14 @@ impl Simulate {
             return self.case.run(self.log.as_deref(), self.seed, self.json);
         }
         let Some(log_path) = &self.log else { return Err("name the log to write".into()) };
-        if !(self.minutes > 0.0 && self.rate > 0.0) {
-            return Err("--minutes and --rate must be positive".into());
+        let rate_hz = if self.band_limited { band_limited::RATE_HZ } else { self.rate };
+        let rows = self.minutes * 60.0 * rate_hz;
+        if rows > MOST_ROWS {
+            return Err(format!(
+                "{} minutes at {rate_hz} Hz are {rows:.0} rows, more than {MOST_ROWS:.0}, a week at 200 Hz\nhelp: a smaller --minutes or --rate",
+                self.minutes
+            )
+            .into());
         }
         if self.band_limited {
             return write(log_path, &band_limited(self.minutes * 60.0, self.seed), self.json);

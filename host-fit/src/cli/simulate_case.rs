@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 
 use super::arguments::OutputFolder;
+use super::numbers::{count, within};
 use super::output::{Failure, Written, print_written, progress};
 use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
 
@@ -15,7 +16,7 @@ pub(super) struct CaseArguments {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["log", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
     case: Option<OutputFolder>,
     /// Write a seeded mix of N cases, FOLDER/case_000 …: nothing missing, single effects, pairs, undecidable, outside
-    #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"], value_parser = count(0..=100_000))]
     suite: Option<usize>,
     /// How the unit of a case is used
     #[arg(long, value_enum, default_value = "bench", requires = "case", conflicts_with = "log")]
@@ -30,7 +31,7 @@ pub(super) struct CaseArguments {
     #[arg(long = "effect", value_name = "ID[:PARAMETER=VALUE]", requires = "case", conflicts_with = "log")]
     effects: Vec<String>,
     /// Size of each effect in the noise of the field, in standard errors
-    #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log")]
+    #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log", value_parser = within(1e-6..=1e6))]
     size: f64,
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use comfy_table::presets;
 
 use super::arguments::{OutputFolder, Reading, axes, describe};
+use super::numbers::{count, within};
 use super::output::{Failure, number, optional, print_json, print_line, progress, table};
 use crate::fit::Search;
 use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
@@ -25,16 +26,16 @@ pub(super) struct Table {
     #[arg(long, default_value = "all")]
     axis: String,
     /// Train on so many seconds at rest, from the start
-    #[arg(long, value_name = "SECONDS", default_value_t = 180.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 180.0, value_parser = within(0.001..=1e9))]
     train: f64,
     /// Choose a model on so many seconds after those; the rest is predicted
-    #[arg(long, value_name = "SECONDS", default_value_t = 180.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 180.0, value_parser = within(0.001..=1e9))]
     evaluate: f64,
     /// Model orders 1 … this
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=50))]
     max_order: u16,
     /// Cross-product degrees 1 … this
-    #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=3))]
+    #[arg(long, default_value_t = 3, value_parser = count(1..=3))]
     degree: usize,
     /// De-noising before the autoregressions: WAVELET:LEVELS:KIND, as db4:4:soft, db4:3:approximation
     #[arg(long, default_value_t = Denoising::of_the_paper(), value_name = "WAVELET:LEVELS:KIND")]
@@ -43,7 +44,7 @@ pub(super) struct Table {
     #[arg(long, default_value = "greedy")]
     search: Search,
     /// Fits that each time is the median of
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 5, value_parser = count(1..=1000))]
     repeats: usize,
     /// Draw autocorrelation, samples and error against order into this folder, as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
@@ -60,9 +61,6 @@ pub(super) struct Table {
 
 impl Table {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if !(self.train > 0.0 && self.evaluate > 0.0) {
-            return Err("--train and --evaluate must be positive".into());
-        }
         let settings = Settings {
             train_s: self.train,
             evaluate_s: self.evaluate,

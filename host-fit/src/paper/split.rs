@@ -54,12 +54,12 @@ pub(super) fn split(
     let stretches = recording.stretches_where(|row| rest.still[row] && values[row].is_finite());
     let total: usize = stretches.iter().map(ExactSizeIterator::len).sum();
     let train = (settings.train_s * rate_hz).round() as usize;
-    let both = train + (settings.evaluate_s * rate_hz).round() as usize;
-    let evaluate = both - train;
-    if total < both + evaluate {
+    let evaluate = (settings.evaluate_s * rate_hz).round() as usize;
+    let both = train.saturating_add(evaluate);
+    if total < both.saturating_add(evaluate) {
         return Err(SplitError {
             at_rest_s: total as f64 / rate_hz,
-            needed_s: (both + evaluate) as f64 / rate_hz,
+            needed_s: both.saturating_add(evaluate) as f64 / rate_hz,
         });
     }
     let mut split = Split { train: Vec::new(), evaluate: Vec::new(), predict: Vec::new() };

@@ -16,7 +16,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-const RATE_HZ: f64 = 200.0;
+/// Sample rate of the log, Hz.
+pub const RATE_HZ: f64 = 200.0;
 const GAMMA: f64 = 0.4;
 const SQUARE: f64 = 1.7;
 const LAG: usize = 10;

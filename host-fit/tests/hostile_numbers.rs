@@ -1,0 +1,254 @@
+//! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory without end.
+
+use std::any::TypeId;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+const NUMBERS: [&str; 12] = [
+    "inf",
+    "-inf",
+    "NaN",
+    "1e300",
+    "-1e300",
+    "1e-300",
+    "0",
+    "-1",
+    "65535",
+    "4294967295",
+    "18446744073709551615",
+    "-9223372036854775808",
+];
+
+/// A program that still works after so long is at work.
+const LONG: Duration = Duration::from_secs(2);
+
+/// Kilobytes of address space: several times what any of these needs.
+const LIMIT_KB: u32 = 4_000_000;
+
+/// A command line that is right, to which one option is added. An option that is in it is replaced.
+fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
+    Some(match (subcommand, option) {
+        ("simulate", "size" | "effect") => "simulate --case case --effect thermal_lag",
+        ("simulate", "suite") => "simulate suite",
+        ("simulate", _) => "simulate out.csv --at-rest --minutes 0.1",
+        ("fit", "denoise") => "fit log.csv --axis gx -o other.json --max-terms 2 --method burg",
+        ("fit", "input-lags") => "fit log.csv --axis gx -o other.json --input temp_c",
+        ("fit", _) => "fit log.csv --axis gx -o other.json --max-terms 2",
+        ("table", _) => {
+            "table log.csv --axis gx --train 40 --evaluate 20 --degree 1 --max-order 1 --repeats 1"
+        }
+        ("compare", _) => "compare unit.json log.csv",
+        ("diagnose", _) => "diagnose log.csv --axis gx",
+        ("add", _) => "add unit.json bias_ramp --from log.csv",
+        ("replay", _) => "replay unit.fosm log.csv",
+        ("report", _) => "report unit.json --from log.csv",
+        ("record", _) => "record none.stream -o recorded.csv",
+        ("calibrate", _) => "calibrate --cases 1",
+        ("demo", _) => "demo",
+        ("serve", _) => "serve",
+        ("bench", _) => "bench",
+        _ => return None,
+    })
+}
+
+/// Options whose text has numbers in it, and where.
+const TEXTS: [(&str, &str, &[&str]); 8] = [
+    ("fit", "train", &["#%", "#s", "#"]),
+    ("fit", "memory", &["#", "1,#"]),
+    (
+        "fit",
+        "input",
+        &[
+            "temp_c:lowpass(#)",
+            "temp_c:rate(#)",
+            "temp_c:variance(#)",
+            "temp_c:backlash(#)",
+            "clock:decay(#)",
+            "clock:sine(#)",
+        ],
+    ),
+    ("fit", "physical", &["temp_c:lowpass(#)", "clock:decay(#)"]),
+    ("fit", "denoise", &["db4:#:soft"]),
+    ("fit", "map", &["gx_rads=gx_rads:*#", "gx_rads=gx_rads:/#", "gx_rads=gx_rads:+#"]),
+    ("table", "denoise", &["db4:#:soft"]),
+    ("simulate", "effect", &["thermal_lag:tau_s=#", "spectral_line:frequency_hz=#"]),
+];
+
+/// Options that take text without a number, or words that are listed.
+const WORDS: [&str; 13] = [
+    "axis", "axes", "sensor", "part", "target", "method", "search", "stop", "listen", "map", "effect",
+    "input", "physical",
+];
+
+/// What became of a command line.
+#[derive(Debug, PartialEq, Clone, Copy)]
+enum End {
+    Done,
+    Refused,
+    AtWork,
+    Fell,
+}
+
+fn run(folder: &Path, program: &str, arguments: &[String]) -> (End, String) {
+    let err = folder.join(format!("err-{:?}", thread::current().id()));
+    let limited = format!("ulimit -v {LIMIT_KB}; exec \"$0\" \"$@\"");
+    let mut child = Command::new("sh")
+        .args(["-c", &limited, program])
+        .args(arguments)
+        .current_dir(folder)
+        .env("RAYON_NUM_THREADS", "2")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(std::fs::File::create(&err).expect("made"))
+        .spawn()
+        .expect("it starts");
+    let began = Instant::now();
+    let status = loop {
+        match child.try_wait().expect("it can be waited for") {
+            Some(status) => break Some(status),
+            None if began.elapsed() > LONG => {
+                let _ = (child.kill(), child.wait());
+                break None;
+            }
+            None => thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    let said = std::fs::read_to_string(&err).unwrap_or_default();
+    let end = match status.map(|status| status.code()) {
+        _ if said.contains("panicked") => End::Fell,
+        None => End::AtWork,
+        Some(Some(0)) => End::Done,
+        Some(Some(1 | 2)) if said.starts_with("error: ") => End::Refused,
+        _ => End::Fell,
+    };
+    (end, said)
+}
+
+/// `line` with the option set to `value`.
+fn with(line: &str, flag: &str, value: &str) -> Vec<String> {
+    let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+    if let Some(at) = words.iter().position(|word| *word == format!("--{flag}")) {
+        words.drain(at..at + 2);
+    }
+    words.push(format!("--{flag}={value}"));
+    words
+}
+
+fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
+    let (mut lines, mut options) = (Vec::new(), Vec::new());
+    for subcommand in host_fit::cli::command().get_subcommands() {
+        let name = subcommand.get_name();
+        for argument in subcommand.get_arguments().filter(|argument| argument.get_action().takes_values()) {
+            let kind = argument.get_value_parser().type_id();
+            let is = |of: TypeId| kind == of;
+            let numeric = is(TypeId::of::<f64>())
+                || is(TypeId::of::<usize>())
+                || is(TypeId::of::<u64>())
+                || is(TypeId::of::<u32>())
+                || is(TypeId::of::<u16>())
+                || is(TypeId::of::<u8>());
+            let Some(flag) = argument.get_long() else {
+                assert!(!numeric, "{name} {}: a number without a name", argument.get_id());
+                continue;
+            };
+            let texts =
+                TEXTS.iter().find(|(of, option, _)| (*of, *option) == (name, flag)).map(|(.., texts)| *texts);
+            let texts: &[&str] = match (numeric, texts) {
+                (true, _) => &["#"],
+                (false, Some(texts)) => texts,
+                (false, None) => {
+                    let known = is(TypeId::of::<PathBuf>())
+                        || WORDS.contains(&flag)
+                        || !argument.get_possible_values().is_empty();
+                    assert!(known, "{name} --{flag}: does it take a number? It is in no table of this test");
+                    continue;
+                }
+            };
+            let line = line_of(name, flag)
+                .unwrap_or_else(|| panic!("{name} --{flag}: no command line in this test"));
+            options.push(format!("{name} --{flag}"));
+            for text in texts {
+                lines.extend(NUMBERS.iter().map(|number| with(line, flag, &text.replace('#', number))));
+            }
+        }
+    }
+    (lines, options)
+}
+
+#[test]
+#[cfg(unix)]
+fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
+    let program = env!("CARGO_BIN_EXE_host-fit");
+    let folder = tempfile::tempdir().expect("a folder");
+    let prepare = |line: &str| {
+        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let made = Command::new(program).args(&words).current_dir(folder.path()).output().expect("it starts");
+        assert!(made.status.success(), "{line}: {}", String::from_utf8_lossy(&made.stderr));
+    };
+    prepare("simulate log.csv --minutes 2 --at-rest");
+    prepare("fit log.csv --axis gx --max-terms 2 -o unit.json");
+    prepare("export unit.json --image unit.fosm");
+    std::fs::write(folder.path().join("none.stream"), "").expect("written");
+
+    let (lines, options) = command_lines();
+    // without the option each of them works, so that a refusal is one of the number
+    let mut sound: Vec<&str> = options
+        .iter()
+        .filter_map(|option| option.split_once(" --"))
+        .filter_map(|(name, flag)| line_of(name, flag))
+        .collect();
+    sound.sort_unstable();
+    sound.dedup();
+    // of a stream without a sample nothing can be made
+    for line in sound.iter().filter(|line| !line.starts_with("record")) {
+        let words: Vec<String> = line
+            .split(' ')
+            .map(str::to_owned)
+            .chain((*line == "simulate suite").then(|| "--suite=0".to_owned()))
+            .collect();
+        let (end, said) = run(folder.path(), program, &words);
+        assert!(matches!(end, End::Done | End::AtWork), "{line}: {said}");
+    }
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        while let Some(line) = lines.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
+            // one folder each: they write files of one name
+            let own = tempfile::tempdir().expect("a folder");
+            for file in ["log.csv", "unit.json", "unit.fosm", "none.stream"] {
+                std::fs::copy(folder.path().join(file), own.path().join(file)).expect("copied");
+            }
+            let (end, said) = run(own.path(), program, line);
+            assert_ne!(end, End::Fell, "{line:?}: {said}");
+            found.push(end);
+        }
+        found
+    };
+    let ends: Vec<End> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("no number breaks it")).collect()
+    });
+    let count = |end: End| ends.iter().filter(|found| **found == end).count();
+
+    // what a panic, and memory without end, look like to this check
+    let sh = |script: &str| run(folder.path(), "sh", &["-c".to_owned(), script.to_owned()]).0;
+    let panicked = sh("echo \"thread 'main' panicked at\" >&2; exit 101");
+    let endless = sh("exec dd if=/dev/zero of=/dev/null bs=8000000000 count=1");
+    assert_eq!(panicked, End::Fell);
+    assert_eq!(endless, End::Fell);
+    println!(
+        "attack: hostile numbers | {} options with a number, found by clap's own description, each with {} numbers (infinite, none, too \
+         large, negative, 0), {} command lines within {} MB: {} refused with exit code 1 or 2 and why, {} done, {} still at work after \
+         {} s; no panic | negative control: a program that panics and one that takes 8 GB, both noticed",
+        options.len(),
+        NUMBERS.len(),
+        lines.len(),
+        LIMIT_KB / 1000,
+        count(End::Refused),
+        count(End::Done),
+        count(End::AtWork),
+        LONG.as_secs()
+    );
+}
