@@ -11,7 +11,7 @@
 //! 2. *prune*: a term that the stop rule would not have taken is taken out;
 //! 3. *extend*: the greedy search goes on from there.
 //!
-//! It ends because a set of terms has one cost ([`Worth::cost`]: ln MSE, and a price for each term), and no move is made that does not
+//! It ends because a set of terms has one cost (`Worth::cost`: ln MSE, and a price for each term), and no move is made that does not
 //! lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and there are finitely
 //! many. That a move lowers it must be looked at and does not follow from the rules of the moves: they go by Q of (6), and where terms
 //! are nearly collinear, as the lags of a smooth signal are, the Q of one term differs from the difference of two MSE of (7) by more
