@@ -344,7 +344,11 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
         runs.runs,
         runs.subcommands.len(),
         runs.printed / 1000,
-        if checks::compiler() { "C compiled" } else { "C not compiled, as there is no cc" }
+        if checks::compiler() {
+            "C preprocessed and compared token by token"
+        } else {
+            "C left out, as there is no cc"
+        }
     );
 }
 

@@ -60,7 +60,9 @@ pub(super) fn print(text: Arguments<'_>) {
     let text = text.to_string();
     match std::io::stdout().write_all(visible_lines(&text).as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            print_error(&format!("standard output: {error}\nhelp: make room where it goes to, and run the command again"));
+            print_error(&format!(
+                "standard output: {error}\nhelp: make room where it goes to, and run the command again"
+            ));
             std::process::exit(1);
         }
         _ => {}

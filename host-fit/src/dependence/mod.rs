@@ -212,8 +212,11 @@ fn of_axis(
             curve,
         })
     };
-    let others: Vec<&Channel> =
-        recording.channels().iter().filter(|channel| channel.name != column).collect();
+    let others: Vec<&Channel> = recording
+        .channels()
+        .iter()
+        .filter(|channel| channel.name != column && !channel.is_of_model())
+        .collect();
     let mut channels: Vec<ChannelDependence> = others.into_par_iter().filter_map(of_channel).collect();
     let tried = channels.len() as f64;
     channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));

@@ -192,7 +192,8 @@ impl Left<'_> {
             crate::fit::axis_of(name) != fos_core::Axis::Other && name.get(..1) == triad
                 || name == self.target
         };
-        let channels = self.recording.channels().iter().filter(|channel| !is_cousin(&channel.name));
+        let channels = self.recording.channels().iter();
+        let channels = channels.filter(|channel| !is_cousin(&channel.name) && !channel.is_of_model());
         channels
             .filter_map(|channel| {
                 let held = self.recording.held_from_first(channel);

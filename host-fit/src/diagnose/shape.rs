@@ -84,7 +84,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         .collect();
     consider(&slow, None, &basis);
     for channel in recording.channels() {
-        if AXES.contains(&channel.name.as_str()) {
+        if AXES.contains(&channel.name.as_str()) || channel.is_of_model() {
             continue;
         }
         let held = recording.held_from_first(channel);

@@ -9,6 +9,8 @@ use std::io::{self, BufRead};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
 use serde::Serialize;
 
+use crate::recording::{INNOVATION, VALIDITY};
+
 /// Frames longer than this are no frames: a stream of something else.
 const LONGEST: u64 = 4096;
 
@@ -224,10 +226,8 @@ impl Log {
             return Err(RecordError::Nothing { bytes, damaged });
         };
         let named = |prefix: &'static str| names.axes.iter().map(move |axis| format!("{prefix}{axis}"));
-        let of_values = named("")
-            .chain(names.quantities.iter().cloned())
-            .chain(named("innovation_"))
-            .chain(named("validity_"));
+        let of_values =
+            named("").chain(names.quantities.iter().cloned()).chain(named(INNOVATION)).chain(named(VALIDITY));
         let mut columns = vec![
             ("t_s".to_owned(), self.time_s),
             ("still".to_owned(), self.still),

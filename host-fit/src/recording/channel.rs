@@ -4,6 +4,10 @@ use std::sync::Arc;
 
 use super::unit::Unit;
 
+/// What the telemetry of a device says of its model, before the name of the axis.
+pub(crate) const INNOVATION: &str = "innovation_";
+pub(crate) const VALIDITY: &str = "validity_";
+
 /// One measured quantity, a value per row of its recording.
 #[derive(Clone, Debug)]
 pub struct Channel {
@@ -17,6 +21,11 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Whether it is what a model on the device made of an axis: no cause of what is left of that.
+    pub fn is_of_model(&self) -> bool {
+        self.name.starts_with(INNOVATION) || self.name.starts_with(VALIDITY)
+    }
+
     /// How many values are missing (NaN).
     pub fn n_missing(&self) -> usize {
         self.values.iter().filter(|value| value.is_nan()).count()

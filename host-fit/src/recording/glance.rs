@@ -5,6 +5,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::{AXES, Recording};
+use crate::signal::median;
 use crate::signal::spikes::{Spikes, spikes};
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
@@ -222,10 +223,4 @@ fn fast_noise(values: &[f64]) -> Option<f64> {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
     (steps.len() > 50).then(|| median(&mut steps))
-}
-
-/// The upper one of an even number.
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -53,6 +53,7 @@ mod real_log_tests;
 use std::ops::Range;
 
 pub use channel::Channel;
+pub(crate) use channel::{INNOVATION, VALIDITY};
 pub(crate) use closest::closest;
 pub use column_map::{ColumnMap, MapError};
 pub use error::RecordingError;

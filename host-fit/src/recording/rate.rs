@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::gaps::Grid;
+pub(super) use crate::signal::median;
 
 /// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
 /// stamped sample by sample. Normal jitter with sd 0.3 T gives 12 %, bursts of two samples 50 %.
@@ -143,13 +144,4 @@ pub(super) fn name_stamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps
         Stamps::Jittered if jitter_s < REGULAR_SCATTER * period_s => Stamps::Regular,
         other => other,
     }
-}
-
-/// Median (the upper one of an even number); reorders `values`. Zero of none.
-pub(super) fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

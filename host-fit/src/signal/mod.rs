@@ -66,6 +66,15 @@ pub fn variance(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64
 }
 
+/// Median (the upper one of an even number); reorders `values`. Zero of none.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 /// Whether all samples are equal, as they are where there are none.
 pub fn is_constant(stretches: &[&[f64]]) -> bool {
     let mut samples = stretches.iter().copied().flatten();

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::median;
+
 /// Values on either side that a value is held against: so many in a row, at most, can be a spike.
 const REACH: usize = 5;
 
@@ -69,22 +71,13 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     })
 }
 
-/// The upper one of an even number; 0 of none.
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::signal::simulated::{random_walk, white_noise};
 
     fn found(values: &[f64]) -> Vec<usize> {
-        spikes(values, &[0..values.len()]).map_or_else(Vec::new, |spikes| spikes.rows)
+        spikes(values, std::slice::from_ref(&(0..values.len()))).map_or_else(Vec::new, |spikes| spikes.rows)
     }
 
     #[test]

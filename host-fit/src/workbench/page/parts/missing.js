@@ -105,7 +105,7 @@ function restOf(diagnosis) {
       el("h3", {}, "Not tested"),
       untested.length === 0
         ? el("p", { class: "note" }, "The log has every column that the library asks for.")
-        : [el("p", { class: "note" }, "These need columns that the log does not have, or that never change."), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.map((column) => el("code", {}, column))))))],
+        : [el("p", { class: "note" }, "What this log lacks to try these:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.map((column) => el("code", {}, column))))))],
       el("h3", {}, "Noise"),
       el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
