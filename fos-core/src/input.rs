@@ -97,7 +97,7 @@ impl<R: Real> RunningInput<R> {
     #[inline]
     pub(crate) fn update(&mut self, logged: Option<R>) -> (R, Validity) {
         let mut validity = Validity::VALID;
-        let mut u = match logged {
+        let x = match logged {
             Some(value) if value.is_finite() => {
                 let mut x = (value - self.centre) * self.per_scale;
                 if !self.source_range.contains(x) {
@@ -105,16 +105,17 @@ impl<R: Real> RunningInput<R> {
                     x = self.source_range.limit(x);
                     validity |= Validity::INPUT_OUT_OF_RANGE;
                 }
-                self.transformer.take(x)
+                Some(x)
             }
             // gone to its mean, so that the long memory of it fades as it would have
-            _ if self.is_of_remainder() => self.transformer.take(R::ZERO),
+            _ if self.is_of_remainder() => Some(R::ZERO),
             _ => {
                 let logged_quantity = matches!(self.source, Source::Quantity(_));
                 validity |= Validity::when(logged_quantity, Validity::INPUT_NOT_FINITE);
-                self.transformer.hold()
+                None
             }
         };
+        let mut u = self.transformer.advance(x);
         if !self.range.contains(u) {
             cold_path();
             u = self.range.limit(u);
@@ -126,9 +127,6 @@ impl<R: Real> RunningInput<R> {
     /// `ticks` missing samples in bounded time.
     #[inline(never)]
     pub(crate) fn skip(&mut self, ticks: u32) {
-        match self.is_of_remainder() {
-            true => self.transformer.skip_at(R::ZERO, ticks),
-            false => self.transformer.skip(ticks),
-        }
+        self.transformer.pass(self.is_of_remainder().then_some(R::ZERO), ticks);
     }
 }

@@ -49,33 +49,29 @@ impl<R: Real> Transformer<R> {
     /// One sample: u(n) from x(n). A value that is not finite stands for the last one before it.
     #[inline]
     pub fn update(&mut self, x: R) -> R {
-        if x.is_finite() { self.take(x) } else { self.hold() }
+        self.advance(x.is_finite().then_some(x))
     }
 
-    /// One sample with a finite x.
+    /// One sample with a finite x, or without one: it is taken to have stayed.
     #[inline]
-    pub(crate) fn take(&mut self, x: R) -> R {
-        if self.held.is_none() {
-            self.running.start_at(x);
+    pub(crate) fn advance(&mut self, x: Option<R>) -> R {
+        if let Some(x) = x {
+            if self.held.is_none() {
+                self.running.start_at(x);
+            }
+            self.held = Some(x);
         }
-        self.held = Some(x);
-        self.running.update(x)
-    }
-
-    /// One sample without a value: x is taken to have stayed.
-    #[inline]
-    pub(crate) fn hold(&mut self) -> R {
         self.running.update(self.held.unwrap_or(R::ZERO))
     }
 
     /// `ticks` missing samples, x taken to have stayed; in bounded time.
     pub fn skip(&mut self, ticks: u32) {
-        self.running.skip(self.held.unwrap_or(R::ZERO), ticks);
+        self.pass(None, ticks);
     }
 
-    /// `ticks` missing samples, x taken to have been `x`.
-    pub(crate) fn skip_at(&mut self, x: R, ticks: u32) {
-        self.running.skip(x, ticks);
+    /// The same; with an `x`, that is what it is taken to have been.
+    pub(crate) fn pass(&mut self, x: Option<R>, ticks: u32) {
+        self.running.skip(x.or(self.held).unwrap_or(R::ZERO), ticks);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory without end.
 
 use std::any::TypeId;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -159,7 +159,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
                 (true, _) => &["#"],
                 (false, Some(texts)) => texts,
                 (false, None) => {
-                    let known = is(TypeId::of::<PathBuf>())
+                    let known = host_fit::cli::files::role_of(argument).is_some()
                         || WORDS.contains(&flag)
                         || !argument.get_possible_values().is_empty();
                     assert!(known, "{name} --{flag}: does it take a number? It is in no table of this test");
