@@ -244,7 +244,7 @@ impl Prepared {
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let mut diagnosis = diagnose_cleaned(&logs.question(question))?;
-    diagnosis.cautions.extend(logs.cautions);
+    diagnosis.cautions.extend(logs.cautions());
     Ok(diagnosis)
 }
 

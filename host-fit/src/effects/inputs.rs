@@ -123,13 +123,13 @@ impl<'a> Inputs<'a> {
             Some(column) => self.recording.held(self.recording.channel(column)?),
             None => vec![0.0; self.recording.n_rows()],
         };
-        let Some(first) = held.iter().position(|value| !value.is_nan()) else {
+        if held.iter().all(|value| value.is_nan()) {
             return Err(RecordingError::NoValues {
                 path: self.recording.paths(),
                 name: spec.column.clone().unwrap_or_default(),
                 rows: held.len(),
             });
-        };
+        }
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
         let mut values = Vec::with_capacity(held.len());
@@ -146,9 +146,7 @@ impl<'a> Inputs<'a> {
             };
             values.extend(held[segment.rows.clone()].iter().map(transformed));
         }
-        if first > 0 || values.iter().any(|value| value.is_nan()) {
-            back_filled(&mut values);
-        }
+        back_filled(&mut values);
         Ok(values)
     }
 }
