@@ -6,6 +6,7 @@
 //! - [`Model`]: inputs, terms, scaling of up to six axes; immutable. [`Image`] is its stored form.
 //! - [`Predictor`]: one step per sample. It [tracks](Predictor::track) while the unit is known to be still and
 //!   [coasts](Predictor::coast) while it moves; [`StillnessDetector`] tells which.
+//! - [`PoseGate`]: does the model know the true value of this axis at rest?
 //! - [`Correction`]: what it says of each axis, with a [`Validity`].
 //! - [`Monitor`]: does the model still fit?
 //!
@@ -26,6 +27,7 @@ pub mod image;
 mod input;
 mod model;
 mod monitor;
+mod pose;
 mod predictor;
 mod program;
 mod range;
@@ -44,6 +46,7 @@ pub use model::{
     Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, ModelError, Quantity,
 };
 pub use monitor::{Drift, Monitor};
+pub use pose::{GRAVITY_MPS2, OTHER_POSE, PoseGate};
 pub use predictor::{Predictor, Sample};
 pub use range::Range;
 pub use real::Real;

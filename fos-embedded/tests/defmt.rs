@@ -11,8 +11,8 @@ use embedded_hal_mock::eh1::i2c::Mock;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fos_core::{
     Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Factor, FittedOn, Image, ImageError, Info,
-    InnovationStatistics, Input, Model, ModelError, Monitor, Predictor, Quantity, Range, Sample, Source,
-    StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
+    InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate, Predictor, Quantity, Range, Sample,
+    Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
 };
 use fos_embedded::blocking::Blocking;
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
@@ -87,6 +87,7 @@ fn loggable() -> BTreeSet<String> {
         named::<Quantity>("fos-core/model.rs"),
         named::<Drift>("fos-core/monitor.rs"),
         named::<Monitor<f32>>("fos-core/monitor.rs"),
+        named::<PoseGate<f32>>("fos-core/pose.rs"),
         named::<Predictor<f32, 6, 8, 64, 128>>("fos-core/predictor.rs"),
         named::<Sample<'_, f32>>("fos-core/predictor.rs"),
         named::<Range<f32>>("fos-core/range.rs"),

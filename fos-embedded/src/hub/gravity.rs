@@ -4,12 +4,9 @@
 //! was fitted to something else: to two poses, whose difference it takes for an error, or to another part. Nothing in its own
 //! statistics shows that: it fits.
 
-use fos_core::Validity;
+use fos_core::{GRAVITY_MPS2, Validity};
 
 use super::output::Output;
-
-/// Standard gravity, m/s²; anywhere on the ground it is within 0.3 % of this.
-pub const GRAVITY_MPS2: f32 = 9.80665;
 
 const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 

@@ -7,24 +7,21 @@ mod rate;
 mod watch;
 
 use fos_core::{
-    Axis, AxisParameters, Drift, FittedOn, Image, Info, InnovationStatistics, Model, Predictor, Quantity,
-    Sample, StillnessDetector, StillnessLimits, Validity,
+    Axis, AxisParameters, Drift, FittedOn, Image, Info, InnovationStatistics, Model, PoseGate, Predictor,
+    Quantity, Sample, StillnessDetector, StillnessLimits, Validity,
 };
 use heapless::{String, Vec};
 
 pub use error::HubError;
 use gravity::Gravity;
-pub use gravity::{GRAVITY_MPS2, leads_away};
+// the pose gate is fos-core's, for the host too
+pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
+pub use gravity::leads_away;
 pub use output::{AXES, Output};
 use rate::RateEstimator;
 use watch::Watch;
 
 use crate::raw::{Faults, RawSample, Scales};
-
-/// A still accelerometer that is further than this from its reference, in scaled units (standard deviations of the data that
-/// the model was fitted to), lies in another pose, and what gravity gives there is not known: 20 are a tilt of 2° for a noise
-/// of 0.02 m/s², and a bias drifts by less.
-pub const OTHER_POSE: f64 = 20.0;
 
 /// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
 /// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
@@ -96,7 +93,7 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     rate: RateEstimator,
     model_rate_hz: f32,
     rate_off: bool,
-    /// Bit i: the latest sample of the model's axis i was near its reference, so that it may be tracked.
+    /// Bit i: the gate of the model's axis i is open, so that it may be tracked.
     in_pose: u32,
     ticks: u32,
     output: Output,
@@ -107,9 +104,7 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
 struct Modelled {
     /// Which of the six it is.
     channel: u8,
-    reference: f32,
-    /// Further from the reference it is in another pose; infinite for a gyro.
-    pose_limit: f32,
+    gate: PoseGate<f32>,
 }
 
 /// Where a logged quantity of the model comes from.
@@ -251,11 +246,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
                 return Err(HubError::Axis(index));
             }
             self.in_order &= usize::from(channel) == index;
-            // a gyro has no pose; where an accelerometer lies is not known yet
-            self.in_pose |= u32::from(channel >= 3).checked_shl(index as u32).unwrap_or(0);
-            let pose_limit = if channel < 3 { OTHER_POSE as f32 * parameters.scale } else { f32::INFINITY };
-            let modelled = Modelled { channel, reference: parameters.reference, pose_limit };
-            self.axes.push(modelled).map_err(|_| HubError::Axis(index))?;
+            let gate = PoseGate::new(&parameters);
+            self.in_pose |= u32::from(gate.is_open_at_first()).checked_shl(index as u32).unwrap_or(0);
+            self.axes.push(Modelled { channel, gate }).map_err(|_| HubError::Axis(index))?;
             self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
             self.watch.add(&parameters, model);
         }
@@ -403,7 +396,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         (output.measured, output.temperature_c) = (measured, temperature_c);
         let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
-            if (correction.corrected - axis.reference).abs() <= axis.pose_limit {
+            if axis.gate.is_open_after(correction.corrected) {
                 in_pose |= bit;
             }
             bit <<= 1;
