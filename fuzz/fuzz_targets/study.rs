@@ -6,14 +6,14 @@ use std::sync::LazyLock;
 
 use fos_core::Image;
 use fos_fuzz::log;
-use host_fit::case::CaseMeta;
-use host_fit::effects::Library;
+use fos_data::case::CaseMeta;
+use fos_diagnose::effects::Library;
 use host_fit::examine::examine;
 use host_fit::export::{c_source, image, rust_source};
-use host_fit::grow::Logs;
-use host_fit::recording::{LoadOptions, Recording, Source};
-use host_fit::simulate::{Simulation, simulate};
-use host_fit::study::Study;
+use fos_diagnose::refine::Logs;
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_simulate::{Simulation, simulate};
+use fos_diagnose::study::Study;
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 

@@ -1,8 +1,8 @@
 //! Any text as a map of columns, as effects, as a case to simulate.
 #![no_main]
 
-use host_fit::effects::{Effect, Library};
-use host_fit::recording::ColumnMap;
+use fos_diagnose::effects::{Effect, Library};
+use fos_data::recording::ColumnMap;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {

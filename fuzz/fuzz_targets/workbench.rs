@@ -10,9 +10,9 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
 use fos_fuzz::log;
-use host_fit::effects::Library;
-use host_fit::recording::write_columns;
-use host_fit::simulate::{Simulation, simulate};
+use fos_diagnose::effects::Library;
+use fos_data::recording::write_columns;
+use fos_simulate::{Simulation, simulate};
 use host_fit::workbench::{Folders, Server};
 use libfuzzer_sys::fuzz_target;
 use serde_json::{Value, json};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use host_fit::contained::announce_no_contained_panic;
-use host_fit::recording::{ColumnMap, LoadOptions, load, preview};
+use fos_data::catch_panic::announce_no_contained_panic;
+use fos_data::recording::{ColumnMap, LoadOptions, load, preview};
 use tempfile::TempDir;
 
 /// Before the first input: else a panic ends the fuzzer, contained or not.

@@ -12,11 +12,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-use crate::candidates::{Candidates, CandidatesError, Monomial};
-use crate::fit::autoregression::{self, Method};
-use crate::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, fit, fos, refit, textbook};
-use crate::moments::{Moments, Rows};
-use crate::signal::wavelet::Denoising;
+use fos_fit::candidates::{Candidates, CandidatesError, Monomial};
+use fos_fit::fit::autoregression::{self, Method};
+use fos_fit::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, fit, fos, refit, textbook};
+use fos_fit::moments::{Moments, Rows};
+use fos_fit::signal::wavelet::Denoising;
 
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 
-use crate::compare::{AxisComparison, CompareError, compare};
-use crate::dependence::Trained;
-use crate::evaluate::Trace;
-use crate::grow::{Growth, Logs};
-use crate::model::UnitModel;
-use crate::outside::quoted;
-use crate::recording::{LoadOptions, Recording, Source};
-use crate::rest;
-use crate::study::Study;
+use crate::escaping::quoted;
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::compare::{AxisComparison, CompareError, compare};
+use fos_diagnose::dependence::Trained;
+use fos_diagnose::refine::{Growth, Logs};
+use fos_diagnose::study::Study;
+use fos_fit::evaluate::Trace;
+use fos_fit::model::UnitModel;
 
 /// An axis against the field log.
 #[derive(Debug, Clone, Serialize)]
@@ -38,9 +38,9 @@ pub fn examine(
     let model: &UnitModel = growth.last().map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == growth.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let field_rest = rest::find(&logs.field);
+    let field_rest = stillness::find(&logs.field);
     let quiet =
-        logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, rest::find(quiet)));
+        logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, stillness::find(quiet)));
     let trained_rows = 0..study.data.trained_rows;
     let own_field = study.data.is(&logs.field);
     let trained = match &quiet {

@@ -5,11 +5,11 @@ use fos_embedded::hub::{Motion, is_given};
 use fos_embedded::hub_log::{Header, Record};
 use fos_embedded::raw::{RawSample, Scales};
 
-use crate::feed::Feed;
-use crate::model::UnitModel;
-use crate::recording::{Recording, RecordingError};
-use crate::rest::{ACCEL, GYRO, Rest};
-use crate::signal::quantisation::quantisation;
+use fos_data::recording::{Recording, RecordingError};
+use fos_data::stillness::{ACCEL, GYRO, Stillness};
+use fos_fit::model::UnitModel;
+use fos_fit::playback::Feed;
+use fos_fit::signal::quantisation::quantisation;
 
 /// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little larger.
 const CODES: f64 = 32_000.0;
@@ -32,7 +32,7 @@ pub fn hub_log(
     image: &Image<'_>,
     model: &UnitModel,
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
 ) -> Result<(Header, Vec<u8>), RecordingError> {
     let feed = Feed::new(recording, model, &rest.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);

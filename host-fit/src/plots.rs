@@ -5,23 +5,23 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::compare::{AxisComparison, Comparison};
-use crate::effects::Band;
-use crate::evaluate::{AxisTrace, Trace};
+use crate::escaping::in_file_name;
 use crate::figures::compare::{
     Subject, Worst, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Foretold, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
-use crate::file::{FileError, check_output, make_folder};
-use crate::grow::Growth;
-use crate::outside::in_file_name;
-use crate::recording::{Recording, pieces};
-use crate::signal::allan::{allan_deviation, averaging_times};
-use crate::signal::autocorrelation::autocorrelation;
-use crate::signal::blocks::{Envelope, envelope};
-use crate::signal::spectrum::{Spectrum, segment_length_for, welch};
+use fos_data::file::{FileError, check_output, make_folder};
+use fos_data::recording::{Recording, pieces};
+use fos_diagnose::compare::{AxisComparison, Comparison};
+use fos_diagnose::effects::Band;
+use fos_diagnose::refine::Growth;
+use fos_fit::evaluate::{AxisTrace, Trace};
+use fos_fit::signal::allan::{allan_deviation, averaging_times};
+use fos_fit::signal::autocorrelation::autocorrelation;
+use fos_fit::signal::blocks::{Envelope, envelope};
+use fos_fit::signal::spectrum::{Spectrum, segment_length_for, welch};
 
 /// Columns of pixels in a figure over time, shared by all stretches.
 const BUCKETS: usize = 1000;
@@ -105,7 +105,7 @@ pub fn staircase_of(growth: &Growth) -> Figure {
             coast: stair.errors.coast.iter().map(|coast| (coast.horizon_s, coast.mse.sqrt())).collect(),
         });
     }
-    staircase(in_words(&growth.column), crate::model::unit_of(&growth.column), &steps)
+    staircase(in_words(&growth.column), fos_fit::model::unit_of(&growth.column), &steps)
 }
 
 /// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.
@@ -339,7 +339,7 @@ pub(crate) fn outline(stretch: &[f64], total: usize, start_s: f64, period_s: f64
 
 fn mean_of(series: &[f64]) -> f64 {
     let finite: Vec<f64> = series.iter().copied().filter(|value| value.is_finite()).collect();
-    crate::signal::mean(&[&finite])
+    fos_fit::signal::mean(&[&finite])
 }
 
 /// A column in words.

@@ -7,11 +7,11 @@ use fos_embedded::hub::leads_away;
 use fos_embedded::replay::{Digest, Header, Motion, Record};
 use serde::Serialize;
 
-use crate::evaluate::{ModelErrors, trace};
-use crate::feed::Feed;
-use crate::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
-use crate::recording::{Recording, RecordingError};
-use crate::rest::{KnownBy, Rest};
+use fos_data::recording::{Recording, RecordingError};
+use fos_data::stillness::{KnownBy, Stillness};
+use fos_fit::evaluate::{ModelErrors, trace};
+use fos_fit::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
+use fos_fit::playback::Feed;
 
 /// Why an image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]
@@ -190,7 +190,7 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayE
 pub fn replay(
     image: &Image<'_>,
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
     axes: &[String],
 ) -> Result<Replay, ReplayError> {
     let n_axes = image.axes().count();
@@ -208,7 +208,7 @@ pub fn replay(
 /// # Errors
 ///
 /// As for [`replay`].
-pub fn summary(image: &Image<'_>, recording: &Recording, rest: &Rest) -> Result<Summary, ReplayError> {
+pub fn summary(image: &Image<'_>, recording: &Recording, rest: &Stillness) -> Result<Summary, ReplayError> {
     run(image, recording, rest, &[], |_, _| {})
 }
 
@@ -216,7 +216,7 @@ pub fn summary(image: &Image<'_>, recording: &Recording, rest: &Rest) -> Result<
 fn run(
     image: &Image<'_>,
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
     axes: &[String],
     mut take: impl FnMut(usize, &Correction<f32>),
 ) -> Result<Summary, ReplayError> {
@@ -264,7 +264,11 @@ fn run(
 
 /// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as four
 /// channels of the log.
-fn errors(alone: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Option<ModelErrors>, ReplayError> {
+fn errors(
+    alone: &UnitModel,
+    recording: &Recording,
+    rest: &Stillness,
+) -> Result<Option<ModelErrors>, ReplayError> {
     let feed = Feed::new(recording, alone, &rest.still)?;
     let left = trace::<f32>(alone, &feed, 0..recording.n_rows(), |_| {});
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
@@ -382,7 +386,11 @@ impl Tally {
 /// # Errors
 ///
 /// A column is missing, or there is a reference column: the firmware knows only the model's own reference.
-pub fn device_log(model: &UnitModel, recording: &Recording, rest: &Rest) -> Result<Vec<u8>, ReplayError> {
+pub fn device_log(
+    model: &UnitModel,
+    recording: &Recording,
+    rest: &Stillness,
+) -> Result<Vec<u8>, ReplayError> {
     let feed = Feed::new(recording, model, &rest.still)?;
     if feed.has_reference() {
         return Err(ReplayError::Reference);

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use checks::{c_differs, markdown_differs, page_differs, reaches_a_terminal, rust_differs};
-use host_fit::study::Study;
+use fos_diagnose::study::Study;
 use serde_json::{Value, json};
 
 /// What each target takes for its own, and every character without a shape.

@@ -2,22 +2,22 @@
 //! exported, and what the device then makes of a third log is nearer to the truth.
 
 use fos_core::Image;
-use host_fit::effects::{Band, Effect, Library, Search};
-use host_fit::evaluate::trace;
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::effects::{Band, Effect, Library, Search};
+use fos_diagnose::refine::{Ground, Growth, GrowthLogs};
+use fos_fit::evaluate::trace;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_fit::model::UnitModel;
+use fos_fit::playback::Feed;
+use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use host_fit::export::image;
-use host_fit::feed::Feed;
-use host_fit::fit::{FitOptions, fit_axis};
-use host_fit::grow::{Ground, Growth, GrowthLogs};
-use host_fit::model::UnitModel;
-use host_fit::recording::{LoadOptions, Recording, Source};
 use host_fit::replay::model_of;
-use host_fit::rest;
-use host_fit::simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use rayon::prelude::*;
 
 /// The case that shows an effect: the first set-up and axis that suit it.
 fn plan(id: &str, seed: u64) -> CasePlan {
-    let effect = simulate::Effect::named(id).expect("an effect");
+    let effect = fos_simulate::Effect::named(id).expect("an effect");
     let setups = [Setup::Bench, Setup::Desk, Setup::PoseRig, Setup::Shaker, Setup::RateTable];
     let places = [Axis::Gx, Axis::Ax].into_iter().flat_map(|axis| setups.map(|setup| (setup, axis)));
     let (setup, axis) =
@@ -64,7 +64,8 @@ impl Logs {
     /// The study's axis before anything is added.
     fn begin(&self, ground: &Ground<'_>) -> Growth {
         let options = FitOptions::default();
-        let fit = fit_axis(&self.quiet, &rest::find(&self.quiet), &self.target, &options).expect("a fit");
+        let fit =
+            fit_axis(&self.quiet, &stillness::find(&self.quiet), &self.target, &options).expect("a fit");
         let source = |log: &Recording| log.sources[0].clone();
         let logs = GrowthLogs {
             field: source(&self.field),

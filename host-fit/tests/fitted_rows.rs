@@ -1,10 +1,10 @@
 //! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the model's.
 
-use host_fit::compare::{Comparison, MODEL, study_of};
-use host_fit::evaluate::Rival;
-use host_fit::fit::{AxisFit, FitOptions, Train, fit_axis};
-use host_fit::recording::{AXES, LoadOptions, Recording, Source};
-use host_fit::rest;
+use fos_data::recording::{AXES, LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::compare::{Comparison, MODEL, study_of};
+use fos_fit::evaluate::Rival;
+use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -42,7 +42,7 @@ fn options(physical: &[&str], inputs: &[&str]) -> FitOptions {
 
 fn fitted(columns: Columns, options: &FitOptions) -> AxisFit {
     let recording = recording(columns);
-    fit_axis(&recording, &rest::find(&recording), "gx", options).expect("a fit")
+    fit_axis(&recording, &stillness::find(&recording), "gx", options).expect("a fit")
 }
 
 /// The model and how it was found, as a study keeps them.
@@ -98,7 +98,7 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
 /// The comparison of a fit, on the rows after it.
 fn compared(columns: Columns, options: &FitOptions) -> (Comparison, AxisFit) {
     let recording = recording(columns);
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let fit = fit_axis(&recording, &rest, "gx", options).expect("a fit");
     let read = LoadOptions::default();
     let (_, comparison, _) =
@@ -161,7 +161,7 @@ fn an_input_that_is_steady_or_unknown_where_it_is_fitted_is_refused_by_name() {
     let mut columns = log(ROWS, ROWS / 2, 1);
     let refused = |columns: &Columns| {
         let recording = recording(columns.clone());
-        let error = fit_axis(&recording, &rest::find(&recording), "gx", &options(&["temp_c"], &[]));
+        let error = fit_axis(&recording, &stillness::find(&recording), "gx", &options(&["temp_c"], &[]));
         error.expect_err("refused").to_string()
     };
     columns[6].1[..ROWS / 2].fill(25.0);

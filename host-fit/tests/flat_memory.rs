@@ -1,11 +1,11 @@
 //! Fits one log again and again in one process: memory stays where it was.
 
-use host_fit::evaluate::{Trace, trace};
-use host_fit::feed::Feed;
-use host_fit::fit::{AxisFit, FitOptions, fit_axis};
-use host_fit::recording::{LoadOptions, Recording, Source};
-use host_fit::rest;
-use host_fit::simulate::{Simulation, simulate};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_fit::evaluate::{Trace, trace};
+use fos_fit::fit::{AxisFit, FitOptions, fit_axis};
+use fos_fit::playback::Feed;
+use fos_simulate::{Simulation, simulate};
 
 /// From here on nothing is new: threads run, the allocator has what it needs at once.
 const WARM: usize = 20;
@@ -31,7 +31,7 @@ const JUDGED: usize = 1200;
 
 /// A model of one axis, and what it leaves of the error.
 fn fit(recording: &Recording) -> (AxisFit, Trace) {
-    let rest = rest::find(recording);
+    let rest = stillness::find(recording);
     let fitted = fit_axis(recording, &rest, "gx", &FitOptions::default()).expect("it can be fitted");
     let feed = Feed::new(recording, &fitted.model, &rest.still).expect("it can be fed");
     let left = trace::<f64>(&fitted.model, &feed, recording.n_rows() - JUDGED..recording.n_rows(), |_| {})

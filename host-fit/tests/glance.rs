@@ -1,11 +1,11 @@
 //! What a person would see at a glance in a log is said, or the log is refused; of sound logs nothing is said.
 
-use host_fit::diagnose::{Question, diagnose};
-use host_fit::effects::Library;
-use host_fit::fit::{FitOptions, fit_axis};
-use host_fit::recording::{AXES, LoadOptions, Oddity, Recording, Source, load};
-use host_fit::rest;
-use host_fit::simulate::{self, CasePlan, Durations, Kind, simulate_case, suite};
+use fos_data::recording::{AXES, LoadOptions, Oddity, Recording, Source, load};
+use fos_data::stillness;
+use fos_diagnose::detect::{Question, diagnose};
+use fos_diagnose::effects::Library;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_simulate::{self, CasePlan, Durations, Kind, simulate_case, suite};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -33,7 +33,7 @@ fn recording(rate_hz: f64, columns: Columns) -> Recording {
 }
 
 fn oddities(recording: &Recording) -> Vec<Oddity> {
-    recording.oddities(&rest::find(recording).still)
+    recording.oddities(&stillness::find(recording).still)
 }
 
 fn refused(text: &str, rate_hz: Option<f64>) -> String {
@@ -74,7 +74,8 @@ fn a_wild_sample_is_left_out_and_said() {
     wild[0].1[4321] = -32.768;
     let fitted = |columns: &Columns| {
         let recording = recording(100.0, columns.clone());
-        let fit = fit_axis(&recording, &rest::find(&recording), "gx", &FitOptions::default()).expect("a fit");
+        let fit =
+            fit_axis(&recording, &stillness::find(&recording), "gx", &FitOptions::default()).expect("a fit");
         (fit.model.axes[0].parameters, fit.report.spikes, oddities(&recording))
     };
     let ((whole, none, nothing), (without, one, said)) = (fitted(&columns), fitted(&wild));
@@ -163,7 +164,7 @@ fn nothing_is_said_of_sound_logs() {
         .flat_map(|plan| {
             let durations = Durations { baseline_s: 120.0, field_s: 400.0, eval_s: 120.0 };
             let case = simulate_case(&CasePlan { durations, ..plan.clone() });
-            let case: simulate::SimulatedCase = case.expect("a case");
+            let case: fos_simulate::SimulatedCase = case.expect("a case");
             let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
             [case.baseline, case.field, case.eval]
                 .into_iter()

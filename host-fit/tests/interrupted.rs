@@ -11,8 +11,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use fos_core::Validity;
+use fos_data::recording::{LoadOptions, load};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, encode};
-use host_fit::recording::{LoadOptions, load};
 use session::{done, fails};
 
 /// Samples that are sent before the end.

@@ -1,9 +1,10 @@
 //! Cells that are missing at the edges of a log change no diagnosis, and no hypothesis is dropped without a word.
 
-use host_fit::diagnose::{Diagnosis, diagnose};
-use host_fit::effects::{Library, Search};
-use host_fit::recording::{LoadOptions, Recording, Source};
-use host_fit::simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, SimulatedCase, simulate_case};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_diagnose::case::question_of_logs;
+use fos_diagnose::detect::{Diagnosis, diagnose};
+use fos_diagnose::effects::{Library, Search};
+use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, SimulatedCase, simulate_case};
 
 const NAN: f64 = f64::NAN;
 
@@ -12,7 +13,7 @@ const SLOW: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut
 
 fn case(effect: &str, setup: Setup, seed: u64) -> SimulatedCase {
     let effect = Effect::named(effect).expect("an effect");
-    let mut plan = CasePlan::new(seed, host_fit::simulate::PARTS[0].name, setup, Axis::Gx);
+    let mut plan = CasePlan::new(seed, fos_simulate::PARTS[0].name, setup, Axis::Gx);
     plan.planted = vec![Plant { effect, parameter: None, size: 80.0 }];
     plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 60.0 };
     simulate_case(&plan).expect("a case")
@@ -36,7 +37,8 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
         |columns| Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording");
     let (field, quiet) = (recording(field), recording(case.baseline.clone()));
     let library = Library::built_in();
-    let answer = diagnose(&case.meta.question(&field, Some(&quiet), None, &library)).expect("a diagnosis");
+    let answer =
+        diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), None, &library)).expect("a diagnosis");
 
     // every slow effect that can strike this axis stands somewhere
     let stands = |id: &String| {
@@ -57,7 +59,8 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
 
 /// The effects that were found, with their sizes.
 fn found(answer: &Diagnosis) -> Vec<(String, Vec<f64>)> {
-    let sizes = |finding: &host_fit::diagnose::Finding| finding.sizes.iter().map(|size| size.value).collect();
+    let sizes =
+        |finding: &fos_diagnose::detect::Finding| finding.sizes.iter().map(|size| size.value).collect();
     answer.findings.iter().map(|finding| (finding.effect.clone(), sizes(finding))).collect()
 }
 

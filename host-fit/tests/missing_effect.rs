@@ -4,10 +4,10 @@ mod session;
 
 use std::path::{Path, PathBuf};
 
-use host_fit::batch::Answers;
-use host_fit::diagnose::{Diagnosis, Verdict};
-use host_fit::grow::Growth;
-use host_fit::study::Study;
+use fos_diagnose::batch::Answers;
+use fos_diagnose::detect::{Diagnosis, Verdict};
+use fos_diagnose::refine::Growth;
+use fos_diagnose::study::Study;
 use session::{done, fails};
 
 /// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its quiet log.
@@ -212,7 +212,7 @@ fn every_effect_explains_itself() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let listed = done(folder, &["effects"]);
-    for effect in host_fit::effects::Library::built_in().effects() {
+    for effect in fos_diagnose::effects::Library::built_in().effects() {
         assert!(listed.contains(&effect.id), "{}", effect.id);
         let explained = words(&done(folder, &["effects", &effect.id]));
         for part in [&effect.equation, &effect.mechanism, &effect.experiment, &effect.source] {

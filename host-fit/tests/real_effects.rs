@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use host_fit::diagnose::{Diagnosis, Question, Verdict, diagnose, held_against};
-use host_fit::effects::Library;
-use host_fit::recording::{Boundary, ColumnMap, LoadOptions, Recording, Source, load};
+use fos_data::recording::{Boundary, ColumnMap, LoadOptions, Recording, Source, load};
+use fos_diagnose::detect::{Diagnosis, Question, Verdict, diagnose, held_against};
+use fos_diagnose::effects::Library;
 
 fn log(name: &str) -> Option<PathBuf> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));

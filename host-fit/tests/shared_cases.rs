@@ -3,9 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use host_fit::case::Case;
-use host_fit::diagnose::{Diagnosis, Verdict, diagnose};
-use host_fit::effects::Library;
+use fos_data::case::Case;
+use fos_diagnose::case::question;
+use fos_diagnose::detect::{Diagnosis, Verdict, diagnose};
+use fos_diagnose::effects::Library;
 
 fn answer(name: &str) -> Option<Diagnosis> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -17,7 +18,7 @@ fn answer(name: &str) -> Option<Diagnosis> {
         return None;
     };
     let case = Case::read(&found).expect("a case");
-    Some(diagnose(&case.question(&Library::built_in())).expect("an answer"))
+    Some(diagnose(&question(&case, &Library::built_in())).expect("an answer"))
 }
 
 fn assert_missing(diagnosis: &Diagnosis, effect: &str) {

@@ -5,7 +5,7 @@ mod session;
 use std::fs;
 use std::path::Path;
 
-use host_fit::study::Study;
+use fos_diagnose::study::Study;
 use serde_json::{Value, json};
 use session::{done, fails};
 

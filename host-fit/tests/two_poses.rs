@@ -5,16 +5,16 @@ use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 use fos_core::{Image, Validity};
+use fos_data::pose::{columns_of, first_two};
+use fos_data::recording::{AXES, LoadOptions, Recording, Source};
+use fos_data::stillness;
 use fos_embedded::hub::{Hub, Motion, Output};
 use fos_embedded::raw::{RawSample, Scales};
+use fos_fit::fit::{AxisError, FitOptions, Train, fit_axis};
+use fos_fit::model::UnitModel;
+use fos_simulate::{CasePlan, Durations, Setup, Simulation, simulate, simulate_case, suite};
 use host_fit::export;
-use host_fit::fit::{AxisError, FitOptions, Train, fit_axis};
-use host_fit::model::UnitModel;
-use host_fit::pose::{columns_of, first_two};
-use host_fit::recording::{AXES, LoadOptions, Recording, Source};
 use host_fit::replay::{Gravity, replay};
-use host_fit::rest;
-use host_fit::simulate::{CasePlan, Durations, Setup, Simulation, simulate, simulate_case, suite};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -59,7 +59,7 @@ fn options() -> FitOptions {
 }
 
 fn fitted(recording: &Recording, options: &FitOptions) -> UnitModel {
-    let rest = rest::find(recording);
+    let rest = stillness::find(recording);
     let mut models = AXES.map(|axis| fit_axis(recording, &rest, axis, options).unwrap().model).into_iter();
     let mut model = models.next().unwrap();
     models.for_each(|other| model.absorb(other));
@@ -87,7 +87,7 @@ fn of_two_poses(columns: &Columns) -> UnitModel {
 fn replayed(model: &UnitModel, recording: &Recording) -> (Gravity, f64) {
     let bytes = export::image(model, "test", "test").unwrap();
     let summary =
-        replay(&Image::parse(&bytes).unwrap(), recording, &rest::find(recording), &[]).unwrap().summary;
+        replay(&Image::parse(&bytes).unwrap(), recording, &stillness::find(recording), &[]).unwrap().summary;
     let valid = summary.axes[..3].iter().map(|axis| axis.valid_share).fold(1.0, f64::min);
     (summary.gravity.unwrap(), valid)
 }
@@ -131,7 +131,7 @@ fn two_poses_are_refused_and_what_was_made_of_them_is_flagged() {
     let mut refused = 0;
     for degrees in [8.0_f64, 15.0, 40.0, 90.0, 180.0] {
         let two = recording(log(&[0.0, degrees.to_radians(), 0.0, degrees.to_radians()]));
-        let rest = rest::find(&two);
+        let rest = stillness::find(&two);
         for axis in &AXES[..3] {
             let error = fit_axis(&two, &rest, axis, &options()).unwrap_err();
             let AxisError::TwoPoses { train_s, .. } = error else { panic!("{degrees}°, {axis}: {error}") };
@@ -215,7 +215,7 @@ fn simulated_logs() -> Simulated {
     let mut plans = suite(3, 60);
     plans.retain(|plan| !plan.target.is_gyro() || plan.setup == Setup::PoseRig);
     for (seed, setup) in (1..).zip(Setup::ALL) {
-        plans.push(CasePlan::new(seed, "mpu6050", setup, host_fit::simulate::Axis::Ax));
+        plans.push(CasePlan::new(seed, "mpu6050", setup, fos_simulate::Axis::Ax));
     }
     for plan in plans {
         let what = format!("{plan:?}");

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use host_fit::recording::{LoadOptions, load, write_columns};
+use fos_data::recording::{LoadOptions, load, write_columns};
 
 const ROWS: usize = 500;
 

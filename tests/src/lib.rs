@@ -1,4 +1,8 @@
-//! Tests over the public interfaces of the workspace; see `tests/`.
+//! What tests of several crates share, and tests over the public interfaces of the workspace (`tests/`).
+
+pub mod noise;
+pub mod reference;
+pub mod series;
 
 /// README's device example compiles.
 #[cfg(doctest)]

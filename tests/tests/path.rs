@@ -1,14 +1,14 @@
 //! The whole path, from a recording to corrections, through public interfaces only.
 
 use fos_core::{Image, u, y};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::compare::{MODEL, study_of};
 use fos_embedded::replay::{Decoder, Digest, HEADER_LENGTH, Header, step};
-use host_fit::compare::{MODEL, study_of};
+use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
+use fos_simulate::{Simulation, simulate};
 use host_fit::export::image;
-use host_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
-use host_fit::recording::{LoadOptions, Recording, Source};
 use host_fit::replay::{device_log, model_of, replay};
-use host_fit::rest;
-use host_fit::simulate::{Simulation, simulate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -38,7 +38,7 @@ fn quadratic_plant(seed: u64) -> Vec<f64> {
 #[test]
 fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
     let recording = recording(vec![("az_mps2".into(), quadratic_plant(5))]);
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     // the plant's own units: offset and scale known, so that coefficients compare
     let options = FitOptions {
         offset: Some(9.81),
@@ -80,7 +80,7 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
         ("gx_rads".into(), r.iter().map(|r| 1e-3 * r).collect()),
         ("supply_v".into(), supply.clone()),
     ]);
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let options = FitOptions {
         max_lag: 3,
         inputs: vec!["supply_v".parse().expect("an input")],
@@ -106,7 +106,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let white: Vec<f64> = (0..60_000).map(|_| StandardNormal.sample(&mut random)).collect();
     let recording = recording(vec![("gx_rads".into(), white), ("gy_rads".into(), quadratic_plant(6))]);
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let options = FitOptions::default();
     let fits = ["gx", "gy"].map(|axis| fit_axis(&recording, &rest, axis, &options).expect("fits"));
     assert!(
@@ -133,7 +133,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
 fn simulated_unit() -> (Recording, Vec<u8>) {
     let log = simulate(&Simulation { duration_s: 300.0, seed: 3, ..Simulation::default() });
     let recording = recording(log.columns);
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let options = FitOptions {
         train: Train::Seconds(60.0),
         physical: vec!["temp_c".parse().expect("an input")],
@@ -152,7 +152,7 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
 #[test]
 fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
     let (recording, bytes) = simulated_unit();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let stored = Image::parse(&bytes).expect("its own image");
     let host = replay(&stored, &recording, &rest, &[]).expect("replayed");
     assert_eq!(host.summary.rows, recording.n_rows());
@@ -182,7 +182,7 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
 #[test]
 fn rounding_the_model_to_f32_costs_next_to_nothing() {
     let (recording, bytes) = simulated_unit();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let host =
         replay(&Image::parse(&bytes).expect("its own image"), &recording, &rest, &[]).expect("replayed");
     for axis in &host.summary.axes {
@@ -194,7 +194,7 @@ fn rounding_the_model_to_f32_costs_next_to_nothing() {
 #[test]
 fn training_takes_rows_at_rest_only() {
     let (recording, _) = simulated_unit();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let rows = training_rows(&recording, &rest, Train::Seconds(60.0));
     let still = rows.clone().filter(|row| rest.still[*row]).count() as f64;
     assert!((still * recording.rate.period_s - 60.0).abs() < 0.01);

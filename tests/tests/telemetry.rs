@@ -5,15 +5,15 @@ use std::io::BufReader;
 
 use embedded_io::{ErrorKind, ErrorType, Write};
 use fos_core::{Image, Predictor, Sample, Validity};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::detect::{Question, Verdict, diagnose};
+use fos_diagnose::effects::Library;
 use fos_embedded::telemetry::{Recorder, SampleFrame, StartFrame, TelemetryError, VERSION};
-use host_fit::diagnose::{Question, Verdict, diagnose};
-use host_fit::effects::Library;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 use host_fit::export::image;
-use host_fit::fit::{FitOptions, fit_axis};
 use host_fit::record::record;
-use host_fit::recording::{LoadOptions, Recording, Source};
-use host_fit::rest;
-use host_fit::simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 
 /// A cable that loses a byte now and then.
 struct Cable {
@@ -53,7 +53,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
     let case = simulate_case(&plan).expect("a case");
     let quiet = recording("quiet", case.baseline);
-    let fitted = fit_axis(&quiet, &rest::find(&quiet), "gx", &FitOptions::default()).expect("a fit");
+    let fitted = fit_axis(&quiet, &stillness::find(&quiet), "gx", &FitOptions::default()).expect("a fit");
     let bytes = image(&fitted.model, "simulated", "").expect("an image");
 
     // on the device

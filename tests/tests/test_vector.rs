@@ -5,8 +5,8 @@ mod exported_model;
 use exported_model::model;
 use fos_core::{Axis, Transform, Validity};
 use fos_embedded::hub::{HubError, Motion};
+use fos_fit::model::UnitModel;
 use host_fit::export::test_vector;
-use host_fit::model::UnitModel;
 
 /// A change of a model, with its name.
 type Change = (String, Box<dyn Fn(&mut UnitModel)>);

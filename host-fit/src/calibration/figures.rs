@@ -4,8 +4,8 @@ use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
 use super::outcome::{FoundIn, Outcome};
-use crate::diagnose::Verdict;
-use crate::simulate::{Effect, Kind, Level};
+use fos_diagnose::detect::Verdict;
+use fos_simulate::{Effect, Kind, Level};
 
 /// A figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::Outcome;
-use crate::effects::Library;
-use crate::file::{FileError, write_atomically};
 use crate::program::this_build;
+use fos_data::file::{FileError, write_atomically};
+use fos_diagnose::effects::Library;
 
 /// Behind the name of the file with the outcomes stands this.
 const ENDING: &str = ".partial";

@@ -13,9 +13,9 @@ pub use figures::{Figure, Goal, figures};
 pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
 
-use crate::effects::Library;
-use crate::file::FileError;
-use crate::simulate::{PlanError, suite};
+use fos_data::file::FileError;
+use fos_diagnose::effects::Library;
+use fos_simulate::{PlanError, suite};
 
 /// Why there are no figures.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +34,7 @@ pub enum CalibrationError {
         /// Its number.
         case: usize,
         /// Why.
-        source: Box<crate::diagnose::DiagnoseError>,
+        source: Box<fos_diagnose::detect::DiagnoseError>,
     },
     /// What came out cannot be kept.
     #[error(transparent)]

@@ -3,11 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
-use crate::diagnose::{DiagnoseError, Diagnosis, Gls, NoiseLevels, Reduced, Verdict, correction, diagnose};
-use crate::effects::Library;
-use crate::recording::{LoadOptions, Recording, Source};
-use crate::signal;
-use crate::simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, simulate_case};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_diagnose::case::question_of_logs;
+use fos_diagnose::detect::{DiagnoseError, Diagnosis, Reduced, Verdict, correction, diagnose};
+use fos_diagnose::effects::Library;
+use fos_fit::noise::{Gls, NoiseLevels};
+use fos_fit::signal;
+use fos_simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, simulate_case};
 
 /// Achievable falls below this are not worth a ratio.
 const LEAST_FALL: f64 = 0.02;
@@ -88,7 +90,8 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
     let (field, eval) = (recording("field", field)?, recording("eval", eval)?);
     let baseline = recording("baseline", baseline)?;
     let start = std::time::Instant::now();
-    let answer = diagnose(&meta.question(&field, Some(&baseline), Some(&eval), library)).map_err(failed)?;
+    let answer =
+        diagnose(&question_of_logs(&meta, &field, Some(&baseline), Some(&eval), library)).map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
     let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
@@ -182,7 +185,7 @@ fn best_correction(
     noise: &AxisNoise,
     wide: bool,
 ) -> Result<Vec<f64>, DiagnoseError> {
-    let reduced = Reduced::new(field, target, &[])?;
+    let reduced = Reduced::of(field, target)?;
     let coefficients: Vec<f64> = if wide {
         // a line stands in locally white noise: plain least squares
         let known = |values: &[f64]| -> Vec<f64> {

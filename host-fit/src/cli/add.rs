@@ -8,10 +8,10 @@ use super::arguments::{OutputFolder, Reading};
 use super::diagnose::print_diagnosis;
 use super::growing::{LogArguments, column_of, print_growth, read_logs};
 use super::output::{Failure, print_json, print_line, spinner};
-use crate::effects::Library;
-use crate::grow::GrowError;
 use crate::plots;
-use crate::study::Study;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::GrowError;
+use fos_diagnose::study::Study;
 
 /// Add a missing effect to the model of a study, and show the error after every step on data that were not fitted
 #[derive(Debug, Args)]

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::Failure;
-use crate::recording::{ColumnMap, LoadOptions, Recording, load};
-use crate::rest::Rest;
+use fos_data::recording::{ColumnMap, LoadOptions, Recording, load};
+use fos_data::stillness::Stillness;
 
 /// A file that a command writes.
 #[derive(Debug, Clone)]
@@ -111,7 +111,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 }
 
 /// What was read, in a few lines.
-pub(super) fn describe(recording: &Recording, rest: &Rest) -> String {
+pub(super) fn describe(recording: &Recording, rest: &Stillness) -> String {
     let rate = &recording.rate;
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
@@ -127,7 +127,7 @@ pub(super) fn describe(recording: &Recording, rest: &Rest) -> String {
     )
 }
 
-fn quality(recording: &Recording, rest: &Rest) -> String {
+fn quality(recording: &Recording, rest: &Stillness) -> String {
     let mut report = recording.quality.to_string();
     for oddity in recording.oddities(&rest.still) {
         let line = if report.is_empty() { "" } else { "\n" };

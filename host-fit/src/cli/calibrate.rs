@@ -8,8 +8,8 @@ use super::arguments::OutputFile;
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
-use crate::effects::Library;
-use crate::file::write_atomically;
+use fos_data::file::write_atomically;
+use fos_diagnose::effects::Library;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
 #[derive(Debug, Args)]

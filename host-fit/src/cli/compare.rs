@@ -7,14 +7,14 @@ use clap::Args;
 use super::arguments::{OutputFolder, Reading, describe};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
-use crate::compare::{AxisComparison, Comparison, compare};
-use crate::dependence::{Dependence, Trained};
-use crate::evaluate::ModelErrors;
+use fos_diagnose::compare::{AxisComparison, Comparison, compare};
+use fos_diagnose::dependence::{Dependence, Trained};
+use fos_fit::evaluate::ModelErrors;
 
 use crate::plots;
-use crate::recording::{LoadOptions, Recording, load};
-use crate::rest;
-use crate::study::{Study, load_again};
+use fos_data::recording::{LoadOptions, Recording, load};
+use fos_data::stillness;
+use fos_diagnose::study::{Study, load_again};
 
 /// Compare the model of a study with measurements and with plain rivals, and show where it fails
 #[derive(Debug, Args)]
@@ -61,12 +61,12 @@ impl Compare {
                 100.0 * (ratio - 1.0)
             ));
         }
-        let rest = rest::find(&recording);
+        let rest = stillness::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
         // where it still is what it was
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
         let own = own.filter(|own| study.data.is(own));
-        let own = own.map(|own| (rest::find(&own), own));
+        let own = own.map(|own| (stillness::find(&own), own));
         let trained_rows = 0..study.data.trained_rows;
         let trained = match &own {
             Some((rest, recording)) => Some(Trained { recording, rest, rows: trained_rows }),

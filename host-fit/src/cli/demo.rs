@@ -9,21 +9,21 @@ use serde_json::json;
 use super::arguments::OutputFolder;
 use super::growing::print_growth;
 use super::output::{Failure, number, print_json, progress, say};
-use crate::compare::{compare, study_of};
-use crate::dependence::Trained;
-use crate::effects::Library;
 use crate::export::{image, rust_source};
-use crate::feed::Feed;
-use crate::file::{make_folder, write_atomically};
-use crate::fit::{FitOptions, fit_axis};
-use crate::grow::Logs;
-use crate::model::UnitModel;
 use crate::plots;
-use crate::recording::{LoadOptions, Recording, write_columns};
 use crate::replay::replay;
-use crate::rest;
-use crate::simulate::{HIDDEN_IN as AXIS, hidden_effects};
-use crate::unchanged::Seen;
+use fos_data::file::compare_and_swap::FileVersion;
+use fos_data::file::{make_folder, write_atomically};
+use fos_data::recording::{LoadOptions, Recording, write_columns};
+use fos_data::stillness;
+use fos_diagnose::compare::{compare, study_of};
+use fos_diagnose::dependence::Trained;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::Logs;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_fit::model::UnitModel;
+use fos_fit::playback::Feed;
+use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
@@ -45,7 +45,7 @@ impl Demo {
         let began = Instant::now();
         make_folder(&self.folder)?;
         let path = |name: &str| self.folder.join(name);
-        let file = Seen::now(&path("study.json"))?;
+        let file = FileVersion::now(&path("study.json"))?;
 
         let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
         say!(
@@ -57,7 +57,7 @@ impl Demo {
             minutes(&later)
         );
 
-        let quiet_rest = rest::find(&quiet);
+        let quiet_rest = stillness::find(&quiet);
         let options = FitOptions::default();
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
@@ -77,7 +77,7 @@ impl Demo {
         );
 
         let alone = study.axis_alone(AXIS)?;
-        let field_rest = rest::find(&field);
+        let field_rest = stillness::find(&field);
         let lag_1 = study.axes.iter().find(|report| report.column == AXIS).map_or(0.0, |report| report.lag_1);
         let trained = Trained { recording: &quiet, rest: &quiet_rest, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
@@ -85,7 +85,7 @@ impl Demo {
         plots::write_all(&path("figures"), &comparison, &trace, &field)?;
         let failing = &comparison.axes[0];
         let (before, quiet_error) = (failing.errors.last(), study.steps.last());
-        let slow = |errors: Option<&crate::evaluate::ModelErrors>| {
+        let slow = |errors: Option<&fos_fit::evaluate::ModelErrors>| {
             errors.and_then(|errors| errors.slow_error_coast).map_or(f64::NAN, f64::sqrt)
         };
         let in_quiet =
@@ -136,7 +136,7 @@ impl Demo {
         write_atomically(&path("unit.fosm"), &bytes)?;
         write_atomically(&path("model.rs"), rust_source(&study.model, &study.provenance()).as_bytes())?;
         let later = logs.judged.as_ref().unwrap_or(&logs.field);
-        let later_rest = rest::find(later);
+        let later_rest = stillness::find(later);
         let replayed = replay(&Image::parse(&bytes)?, later, &later_rest, &[])?;
         write_columns(path("corrected.parquet"), &replayed.columns(later))?;
         let place = replayed.summary.axes.iter().position(|axis| axis.column == AXIS);

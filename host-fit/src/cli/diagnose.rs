@@ -9,9 +9,9 @@ use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
 use super::numbers::{IN_UNIT, within};
 use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
-use crate::diagnose::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
-use crate::effects::Library;
-use crate::study::Study;
+use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
+use fos_diagnose::effects::Library;
+use fos_diagnose::study::Study;
 
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
 #[derive(Debug, Args)]

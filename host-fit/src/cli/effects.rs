@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{Failure, print_json, print_line, print_text, table};
-use crate::effects::{Effect, Library};
+use fos_diagnose::effects::EXAMPLE;
+use fos_diagnose::effects::{Effect, Library};
 
 /// List the library of physical effects, or explain one
 #[derive(Debug, Args)]
@@ -25,7 +26,6 @@ pub(super) struct Effects {
 }
 
 /// An effect of a user's own: every key, with what it means.
-const EXAMPLE: &str = include_str!("../effects/example.toml");
 
 impl Effects {
     pub(super) fn run(&self) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use comfy_table::Table;
 
 use super::output::{number, optional, table};
-use crate::evaluate::ModelErrors;
+use fos_fit::evaluate::ModelErrors;
 
 /// One column per model, one row per error.
 pub(super) fn error_table(models: &[&ModelErrors]) -> Table {

@@ -7,8 +7,8 @@ use clap::Args;
 use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_written};
 use crate::export::{c_source, image, rust_source};
-use crate::file::write_atomically;
-use crate::study::Study;
+use fos_data::file::write_atomically;
+use fos_diagnose::study::Study;
 
 /// Write the model of a study as an image, as Rust source, as a C header
 ///

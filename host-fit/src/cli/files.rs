@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::{Arg, ArgMatches, Command};
 
 use super::arguments::{OutputFile, OutputFolder};
-use crate::inputs::{Identity, Place};
+use fos_data::file::process_reads::{Identity, Place};
 
 /// What an argument that is a path is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

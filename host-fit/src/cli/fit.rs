@@ -8,14 +8,14 @@ use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, number, print_json, print_line, progress, table};
-use crate::candidates::MAX_LAG;
-use crate::compare::study_of;
-use crate::evaluate::ModelErrors;
-use crate::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
-use crate::rest;
-use crate::signal::wavelet::Denoising;
-use crate::study::Study;
-use crate::unchanged::Seen;
+use fos_data::file::compare_and_swap::FileVersion;
+use fos_data::stillness;
+use fos_diagnose::compare::study_of;
+use fos_diagnose::study::Study;
+use fos_fit::candidates::MAX_LAG;
+use fos_fit::evaluate::ModelErrors;
+use fos_fit::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
+use fos_fit::signal::wavelet::Denoising;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
 #[derive(Debug, Args)]
@@ -125,10 +125,10 @@ impl Fit {
 
     pub(super) fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
-        let file = Seen::now(&self.output)?;
+        let file = FileVersion::now(&self.output)?;
         let read = self.reading.options()?;
         let recording = read_all(&self.log, &read)?;
-        let rest = rest::find(&recording);
+        let rest = stillness::find(&recording);
         if !self.json {
             print_line!("{}", describe(&recording, &rest));
         }

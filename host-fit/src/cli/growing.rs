@@ -7,10 +7,10 @@ use clap::Args;
 use super::arguments::Reading;
 use super::error_table::error_table;
 use super::output::{Failure, number, print_line, sparkline, table};
-use crate::evaluate::ModelErrors;
-use crate::grow::{Growth, Logs, Stair};
-use crate::recording::{Source, load};
-use crate::study::{Study, load_again};
+use fos_data::recording::{Source, load};
+use fos_diagnose::refine::{Growth, Logs, Stair};
+use fos_diagnose::study::{Study, load_again};
+use fos_fit::evaluate::ModelErrors;
 
 /// The logs that an axis grows on.
 #[derive(Debug, Clone, Args)]
@@ -84,7 +84,7 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
 
 /// The staircase: every step with what was foretold and what came true, what it costs, then all errors of all steps.
 pub(super) fn print_growth(growth: &Growth) {
-    let unit = crate::model::unit_of(&growth.column);
+    let unit = fos_fit::model::unit_of(&growth.column);
     let logs = &growth.logs;
     match &logs.judged {
         Some(judged) => {

@@ -8,7 +8,7 @@ use super::arguments::OutputFolder;
 use super::growing::print_growth;
 use super::output::{Failure, print_json, print_line};
 use crate::plots;
-use crate::study::Study;
+use fos_diagnose::study::Study;
 
 /// Show which effects were added to a study, and the error after each
 #[derive(Debug, Args)]

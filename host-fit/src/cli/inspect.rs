@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::output::{Failure, print_json, print_line, print_text};
 use crate::export::description;
-use crate::file;
+use fos_data::file;
 
 /// Show what is in a model image
 #[derive(Debug, Args)]

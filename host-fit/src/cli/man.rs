@@ -6,7 +6,7 @@ use clap_mangen::Man as Page;
 use super::Cli;
 use super::arguments::OutputFolder;
 use super::output::{Failure, Written, print_written};
-use crate::file::{make_folder, write_atomically};
+use fos_data::file::{make_folder, write_atomically};
 
 /// Write manual pages, one for each subcommand
 #[derive(Debug, Args)]

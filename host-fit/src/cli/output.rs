@@ -14,8 +14,9 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::outside::{visible, visible_json, visible_lines};
-pub(super) use crate::text::number;
+use crate::escaping::visible_json;
+pub(super) use fos_data::text::number;
+use fos_data::visible::{visible, visible_lines};
 
 /// Any error on its way to the exit code.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;

@@ -10,11 +10,11 @@ use clap::Args;
 
 use super::arguments::OutputFile;
 use super::output::{Failure, print_json, print_line, print_warning};
-use crate::file::{self, FileError};
 use crate::record::arriving::{Arriving, Notice};
 use crate::record::kept::Kept;
 use crate::record::{Report, record};
-use crate::recording::{check_log_path, write_columns};
+use fos_data::file::{self, FileError};
+use fos_data::recording::{check_log_path, write_columns};
 
 /// Turn the telemetry of a device into a log that diagnose takes
 ///

@@ -7,11 +7,11 @@ use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
 use super::output::{Failure, number, optional, print_json, print_line, spinner, table};
-use crate::file;
 use crate::hub_log::hub_log;
-use crate::recording::write_columns;
 use crate::replay::{Replay as Replayed, device_log, model_of, replay};
-use crate::rest;
+use fos_data::file;
+use fos_data::recording::write_columns;
+use fos_data::stillness;
 
 /// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
 #[derive(Debug, Args)]
@@ -45,7 +45,7 @@ impl Replay {
         let bytes = file::read(&self.image)?;
         let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
         let recording = self.reading.read(&self.log)?;
-        let rest = rest::find(&recording);
+        let rest = stillness::find(&recording);
         let spinner = spinner("replaying");
         let replayed = replay(&image, &recording, &rest, &self.axes)?;
         spinner.finish_and_clear();

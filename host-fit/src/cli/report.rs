@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use super::arguments::{OutputFile, Reading};
 use super::growing::{LogArguments, column_of, read_logs};
 use super::output::{Failure, print_json, print_line, spinner};
-use crate::effects::Library;
-use crate::file::write_atomically;
 use crate::report::{Report as Content, html, markdown};
-use crate::study::Study;
+use fos_data::file::write_atomically;
+use fos_diagnose::effects::Library;
+use fos_diagnose::study::Study;
 
 /// Write what a study says into one file: model against measurement, what is missing, how the error fell
 #[derive(Debug, Args)]

@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading};
 use super::output::{Failure, print_line, print_note, print_warning};
-use crate::effects::Library;
-use crate::recording::LoadOptions;
 use crate::workbench::{Folders, Server};
+use fos_data::recording::LoadOptions;
+use fos_diagnose::effects::Library;
 
 /// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
 ///

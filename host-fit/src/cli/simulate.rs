@@ -8,9 +8,9 @@ use super::arguments::OutputFile;
 use super::numbers::within;
 use super::output::{Failure, Written, print_written};
 use super::simulate_case::CaseArguments;
-use crate::recording::{RATES_HZ, write_columns};
-use crate::simulate::band_limited::{self, band_limited};
-use crate::simulate::{Simulation, simulate};
+use fos_data::recording::{RATES_HZ, write_columns};
+use fos_simulate::band_limited::{self, band_limited};
+use fos_simulate::{Simulation, simulate};
 
 /// The most rows of a log, which is made in memory: some ten gigabytes.
 const MOST_ROWS: f64 = 7.0 * 86_400.0 * 200.0;

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use clap::Args;
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
 
 use super::arguments::OutputFolder;
 use super::numbers::{count, within};
 use super::output::{Failure, Written, print_written, progress};
-use crate::simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
+use fos_simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
 
 /// What goes into a case.
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ pub(super) struct CaseArguments {
     suite: Option<usize>,
     /// How the unit of a case is used
     #[arg(long, value_enum, default_value = "bench", requires = "case", conflicts_with = "log")]
-    setup: Setup,
+    setup: SetupArgument,
     /// Its part: bmi160, bmi270, lsm6dso, icm42688, mpu6050
     #[arg(long, default_value = "bmi270", requires = "case", conflicts_with = "log")]
     part: String,
@@ -33,6 +34,35 @@ pub(super) struct CaseArguments {
     /// Size of each effect in the noise of the field, in standard errors
     #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log", value_parser = within(1e-6..=1e6))]
     size: f64,
+}
+
+/// How the unit is used, on the command line.
+#[derive(Debug, Clone, Copy)]
+struct SetupArgument(Setup);
+
+impl ValueEnum for SetupArgument {
+    fn value_variants<'a>() -> &'a [Self] {
+        &const {
+            [
+                SetupArgument(Setup::ALL[0]),
+                SetupArgument(Setup::ALL[1]),
+                SetupArgument(Setup::ALL[2]),
+                SetupArgument(Setup::ALL[3]),
+                SetupArgument(Setup::ALL[4]),
+            ]
+        }
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let name = match self.0 {
+            Setup::Bench => "bench",
+            Setup::Desk => "desk",
+            Setup::PoseRig => "pose-rig",
+            Setup::Shaker => "shaker",
+            Setup::RateTable => "rate-table",
+        };
+        Some(PossibleValue::new(name).help(self.0.words()))
+    }
 }
 
 impl CaseArguments {
@@ -68,7 +98,7 @@ impl CaseArguments {
         let target = Axis::named(&self.target).ok_or_else(|| {
             format!("there is no axis {:?}; choose from ax, ay, az, gx, gy, gz", self.target)
         })?;
-        let mut plan = CasePlan::new(seed, &self.part, self.setup, target);
+        let mut plan = CasePlan::new(seed, &self.part, self.setup.0, target);
         for text in &self.effects {
             plan.planted.push(parse(text, self.size)?);
         }

@@ -8,11 +8,11 @@ use comfy_table::presets;
 use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::numbers::{count, within};
 use super::output::{Failure, number, optional, print_json, print_line, progress, table};
-use crate::fit::Search;
 use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
 use crate::plots;
-use crate::rest;
-use crate::signal::wavelet::Denoising;
+use fos_data::stillness;
+use fos_fit::fit::Search;
+use fos_fit::signal::wavelet::Denoising;
 
 /// Compare FOS with Yule-Walker, covariance and Burg as in the paper, and on fair terms: tables and figures
 #[derive(Debug, Args)]
@@ -71,7 +71,7 @@ impl Table {
             search: self.search,
         };
         let recording = self.reading.read(&self.log)?;
-        let rest = rest::find(&recording);
+        let rest = stillness::find(&recording);
         if !self.json {
             print_line!("{}", describe(&recording, &rest));
         }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::growing::{column_of, print_growth};
 use super::output::{Failure, print_json, print_line};
-use crate::study::Study;
+use fos_diagnose::study::Study;
 
 /// Take back the effect that was added last
 #[derive(Debug, Args)]

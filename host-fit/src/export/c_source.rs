@@ -8,9 +8,10 @@ use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample};
 
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
-use super::{ExportError, description, image};
-use crate::model::UnitModel;
-use crate::outside::{c_comment, visible};
+use super::{ExportError, UnusableImage, description, image};
+use crate::escaping::c_comment;
+use fos_data::visible::visible;
+use fos_fit::model::UnitModel;
 
 /// C99 source of a header. Everything in it begins with `name`, such as the stem of its file: characters that C does not have
 /// in names become underscores.
@@ -27,7 +28,7 @@ pub fn c_source(
     let image = image(model, sensor, provenance)?;
     let vector = test_vector(model).map_err(ExportError::Hub)?;
     let name = c_name(name)?;
-    let parsed = Image::parse(&image).map_err(ExportError::Image)?;
+    let parsed = Image::parse(&image).map_err(UnusableImage)?;
     let words = description(&parsed);
     Ok(Header { name: &name, image: &image, words: &words, model, vector: &vector }.to_string())
 }

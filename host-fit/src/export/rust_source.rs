@@ -10,8 +10,8 @@ use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample};
 
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
-use crate::model::UnitModel;
-use crate::outside::rust_comment;
+use crate::escaping::rust_comment;
+use fos_fit::model::UnitModel;
 
 /// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded. `provenance`
 /// goes into its comment. A model that no hub takes comes without the latter.

@@ -7,7 +7,7 @@ use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::outside::visible;
+use fos_data::visible::visible;
 
 /// Device pixels per unit of length. plotters places everything on whole pixels, which is coarse for thin lines:
 /// figures are drawn this much larger; the SVG says so in its viewBox, the PNG is averaged down.

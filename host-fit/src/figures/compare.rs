@@ -1,10 +1,10 @@
 //! The figures of a comparison: model against measurement, from numbers computed before.
 
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, named_with_unit};
-use crate::signal::allan::AllanPoint;
-use crate::signal::autocorrelation::Autocorrelation;
-use crate::signal::blocks::Envelope;
-use crate::signal::spectrum::Spectrum;
+use fos_fit::signal::allan::AllanPoint;
+use fos_fit::signal::autocorrelation::Autocorrelation;
+use fos_fit::signal::blocks::Envelope;
+use fos_fit::signal::spectrum::Spectrum;
 
 /// What is compared, and in which words.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -217,7 +217,7 @@ pub(crate) fn capitalised(text: &str) -> String {
 mod tests {
     use super::super::svg;
     use super::*;
-    use crate::signal::blocks::envelope;
+    use fos_fit::signal::blocks::envelope;
 
     const GYRO: Subject = Subject { channel: "gyro x", unit: "rad/s" };
     const NOWHERE: Worst = Worst { label: "worst", ranges_s: &[] };

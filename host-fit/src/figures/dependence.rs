@@ -2,7 +2,7 @@
 
 use super::compare::{Subject, capitalised};
 use super::{Axis, Figure, Ink, Panel, Series, Shape, with_unit};
-use crate::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
+use fos_diagnose::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
 
 /// Channels that are drawn: those that it depends on and all temperatures, at least the likeliest, at most so many.
 const DRAWN: usize = 4;

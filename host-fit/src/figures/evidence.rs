@@ -2,8 +2,8 @@
 
 use super::compare::{Subject, capitalised};
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, named_with_unit};
-use crate::grow::Evidence;
-use crate::signal::spectrum::Spectrum;
+use fos_diagnose::refine::Evidence;
+use fos_fit::signal::spectrum::Spectrum;
 
 /// The slow error without all other findings, beside what `effect` says of it; shaded where it is largest.
 pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use super::canvas::{Canvas, PIXELS_PER_UNIT};
 use super::round_joins::RoundJoins;
 use super::{Figure, draw};
-use crate::file::{FileError, write_atomically};
+use fos_data::file::{FileError, write_atomically};
 
 /// Why a figure was not made.
 #[derive(Debug, thiserror::Error)]

@@ -158,7 +158,7 @@ pub struct ShadedRange {
 
 /// A column with its unit, as under an axis.
 fn named_with_unit(column: &str) -> String {
-    with_unit(column, crate::model::unit_of(column))
+    with_unit(column, fos_fit::model::unit_of(column))
 }
 
 fn with_unit(name: &str, unit: &str) -> String {

@@ -4,10 +4,10 @@ use super::split::Split;
 use super::{Cell, Comparison, Entry, Judged};
 use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
-use crate::fit::autoregression::Method;
 use crate::plots::{in_words, outline};
-use crate::recording::Recording;
-use crate::signal::autocorrelation::autocorrelation;
+use fos_data::recording::Recording;
+use fos_fit::fit::autoregression::Method;
+use fos_fit::signal::autocorrelation::autocorrelation;
 
 /// Longest lag of the autocorrelation, s.
 const LONGEST_LAG_S: f64 = 5.0;

@@ -22,16 +22,16 @@ pub use figures::figures;
 pub use split::{Split, SplitError};
 
 use crate::bench::median_time;
-use crate::candidates::{Candidates, Monomial};
-use crate::evaluate::position_error_m;
-use crate::fit::autoregression::{self, Method};
-use crate::fit::{NoiseRule, Search, StopRule, refit};
-use crate::moments::Rows;
-use crate::recording::{ErrorSeries, Recording};
-use crate::rest::Rest;
-use crate::signal;
-use crate::signal::noise_floor::{NoiseFloor, noise_floor};
-use crate::signal::wavelet::Denoising;
+use fos_data::recording::{ErrorSeries, Recording};
+use fos_data::stillness::Stillness;
+use fos_fit::candidates::{Candidates, Monomial};
+use fos_fit::evaluate::position_error_m;
+use fos_fit::fit::autoregression::{self, Method};
+use fos_fit::fit::{NoiseRule, Search, StopRule, refit};
+use fos_fit::moments::Rows;
+use fos_fit::signal;
+use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
+use fos_fit::signal::wavelet::Denoising;
 
 /// How the comparison is made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -172,7 +172,7 @@ struct Prepared<'a> {
 /// The log is too short for three parts, or the axis stuck.
 pub fn compare(
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
     series: &ErrorSeries,
     settings: &Settings,
     mut progress: impl FnMut(&Cell),
@@ -219,7 +219,7 @@ pub fn compare(
     let chosen = candidates.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     let comparison = Comparison {
         column: series.channel.clone(),
-        unit: crate::model::unit_of(&series.channel).to_owned(),
+        unit: fos_fit::model::unit_of(&series.channel).to_owned(),
         rate_hz,
         samples: prepared.split.samples(),
         band_hz: settings.denoising.band_hz(rate_hz),
@@ -291,7 +291,7 @@ fn fit(
         Entry::Fos(degree) => {
             let pool = Candidates::builder().output(1..=order, degree).build()?;
             let rule = StopRule { noise: NoiseRule::ExtendedBic, ..StopRule::default() };
-            let fit = crate::fit::fit(&[&prepared.samples], train, &pool, &rule, settings.search)?;
+            let fit = fos_fit::fit::fit(&[&prepared.samples], train, &pool, &rule, settings.search)?;
             Ok(Predictor {
                 constant: fit.refit.constant,
                 terms: fit.terms,

@@ -5,8 +5,8 @@ use std::ops::Range;
 use thiserror::Error;
 
 use super::Settings;
-use crate::recording::Recording;
-use crate::rest::Rest;
+use fos_data::recording::Recording;
+use fos_data::stillness::Stillness;
 
 /// Gap-free ranges of rows at rest.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Split {
 /// Splits the known rows at rest: so long to train, so long to evaluate, the rest, at least as long as the second, to predict.
 pub(super) fn split(
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
     values: &[f64],
     settings: &Settings,
 ) -> Result<Split, SplitError> {

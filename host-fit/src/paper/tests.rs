@@ -1,7 +1,7 @@
-use crate::fit::{FitOptions, Method as FitMethod, Train, fit_axis};
-use crate::recording::{LoadOptions, Source};
-use crate::rest;
-use crate::simulate::band_limited::{band_limited, innovation_variance};
+use fos_data::recording::{LoadOptions, Source};
+use fos_data::stillness;
+use fos_fit::fit::{FitOptions, Method as FitMethod, Train, fit_axis};
+use fos_simulate::band_limited::{band_limited, innovation_variance};
 
 use super::*;
 
@@ -23,7 +23,7 @@ fn recording() -> Recording {
 
 fn compared(
     recording: &Recording,
-    rest: &Rest,
+    rest: &Stillness,
     axis: &str,
     settings: &Settings,
 ) -> Result<(Comparison, Split), PaperError> {
@@ -38,7 +38,7 @@ fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
 #[test]
 fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do_not() {
     let recording = recording();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     for axis in ["ay", "gy"] {
         let (comparison, split) = compared(&recording, &rest, axis, &settings()).unwrap();
         assert_eq!(split.samples(), [36_000, 12_000, 72_000]);
@@ -60,7 +60,7 @@ fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do
 #[test]
 fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
     let recording = recording();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let (comparison, _) = compared(&recording, &rest, "ay", &settings()).unwrap();
     let fos = judged(&comparison, Entry::Fos(1), 10);
     let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
@@ -72,7 +72,7 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
 #[test]
 fn the_residuals_are_those_of_fos_core() {
     let recording = recording();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let (comparison, split) = compared(&recording, &rest, "gy", &settings()).unwrap();
     let options = FitOptions {
         method: FitMethod::Linear(Method::Burg),
@@ -80,9 +80,9 @@ fn the_residuals_are_those_of_fos_core() {
         ..FitOptions::default()
     };
     let fit = fit_axis(&recording, &rest, "gy", &options).unwrap();
-    let feed = crate::feed::Feed::new(&recording, &fit.model, &rest.still).unwrap();
+    let feed = fos_fit::playback::Feed::new(&recording, &fit.model, &rest.still).unwrap();
     let rows = split.predict[0].clone();
-    let trace = crate::evaluate::trace::<f64>(&fit.model, &feed, rows.clone(), |_| {}).unwrap();
+    let trace = fos_fit::evaluate::trace::<f64>(&fit.model, &feed, rows.clone(), |_| {}).unwrap();
     // the same rows: those with ten samples of the prediction part before them
     let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
     let mse = signal::mean(&[&squares]);
@@ -94,7 +94,7 @@ fn the_residuals_are_those_of_fos_core() {
 #[test]
 fn a_log_too_short_for_three_parts_is_refused() {
     let recording = recording();
-    let rest = rest::find(&recording);
+    let rest = stillness::find(&recording);
     let long = Settings { train_s: 500.0, ..settings() };
     let refused = compared(&recording, &rest, "ay", &long).unwrap_err().to_string();
     assert!(refused.contains("600 s at rest") && refused.contains("620 s"), "{refused}");

@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::file::{FileError, folder_of, sync_folder};
+use fos_data::file::{FileError, folder_of, sync_folder};
 
 /// Behind the name of the log stands this.
 const ENDING: &str = ".telemetry";

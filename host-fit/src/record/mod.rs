@@ -9,7 +9,7 @@ use std::io::{self, BufRead};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
 use serde::Serialize;
 
-use crate::recording::{INNOVATION, VALIDITY};
+use fos_data::recording::{INNOVATION, VALIDITY};
 
 /// Frames longer than this are no frames: a stream of something else.
 const LONGEST: u64 = 4096;

@@ -3,16 +3,16 @@
 use serde::Serialize;
 
 use super::offer::{Offer, offers};
-use crate::candidates::monomial_text_named;
-use crate::compare::AxisComparison;
-use crate::diagnose::Diagnosis;
-use crate::effects::Library;
 use crate::examine::Examination;
 use crate::figures::Figure;
-use crate::grow::{GrowError, Growth, Logs};
-use crate::model::unit_of;
 use crate::plots::{in_words, staircase_of};
-use crate::study::Study;
+use fos_diagnose::compare::AxisComparison;
+use fos_diagnose::detect::Diagnosis;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{GrowError, Growth, Logs};
+use fos_diagnose::study::Study;
+use fos_fit::candidates::monomial_text_named;
+use fos_fit::model::unit_of;
 
 /// One axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::recording::Recording;
-use crate::rest::{self, KnownBy};
+use fos_data::recording::Recording;
+use fos_data::stillness::{self, KnownBy};
 
 /// A log in a few facts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,11 +48,12 @@ pub struct ColumnSummary {
 impl LogSummary {
     /// Of a recording.
     pub fn of(log: &Recording) -> Self {
-        let rest = rest::find(log);
+        let rest = stillness::find(log);
         let still = rest.still.iter().filter(|still| **still).count();
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
-        let column = |name: &String| ColumnSummary { name: name.clone(), unit: crate::model::unit_of(name) };
+        let column =
+            |name: &String| ColumnSummary { name: name.clone(), unit: fos_fit::model::unit_of(name) };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
         let oddities = log.oddities(&rest.still).into_iter().map(|oddity| format!("caution: {oddity}"));

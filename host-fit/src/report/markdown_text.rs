@@ -1,6 +1,6 @@
 //! Text as Markdown shows it, whatever is in it.
 
-use crate::outside::{visible, visible_lines};
+use fos_data::visible::{visible, visible_lines};
 
 /// What would otherwise begin something: emphasis, code, a link, a tag, a cell.
 const ACTIVE: [char; 8] = ['\\', '`', '*', '~', '[', '<', '|', '&'];

@@ -13,13 +13,13 @@ pub use log_summary::{ColumnSummary, LogSummary};
 pub use offer::{Card, Offer, offers};
 pub use render::{RenderError, html, markdown};
 
-use crate::compare::CompareError;
-use crate::effects::Library;
 use crate::examine::{command_lines, examine};
 use crate::figures::Figure;
-use crate::grow::{GrowError, Logs};
 use crate::plots::View;
-use crate::study::{Study, Tool};
+use fos_diagnose::compare::CompareError;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{GrowError, Logs};
+use fos_diagnose::study::{Study, Tool};
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]

@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-use crate::diagnose::{Diagnosis, Finding};
-use crate::effects::{Band, Effect, Library};
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
 use crate::figures::evidence::{evidence, line_evidence};
-use crate::grow::{Cost, Ground, GrowError, Growth};
-use crate::model::unit_of;
 use crate::plots::in_words;
-use crate::recording::Recording;
-use crate::signal::spectrum::welch;
+use fos_data::recording::Recording;
+use fos_diagnose::detect::{Diagnosis, Finding};
+use fos_diagnose::effects::{Band, Effect, Library};
+use fos_diagnose::refine::{Cost, Ground, GrowError, Growth};
+use fos_fit::model::unit_of;
+use fos_fit::signal::spectrum::welch;
 
 /// An effect that was found, to be added or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -121,7 +121,7 @@ fn picture(
     let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
     let error = field.error_series(&growth.column)?.values;
     let finite = |rows: std::ops::Range<usize>| -> Vec<std::ops::Range<usize>> {
-        crate::recording::runs(rows, |row| error[row].is_finite())
+        fos_data::recording::runs(rows, |row| error[row].is_finite())
     };
     let stretches: Vec<&[f64]> = field
         .segments

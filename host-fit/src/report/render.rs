@@ -6,8 +6,8 @@ use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context, escap
 
 use super::{Report, markdown_text};
 use crate::figures::{Figure, svg};
-use crate::outside::visible_lines;
-use crate::text::number;
+use fos_data::text::number;
+use fos_data::visible::visible_lines;
 
 /// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]

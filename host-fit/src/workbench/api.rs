@@ -21,10 +21,10 @@ use super::series::{Rows, Series, ViewKind, series as series_of};
 use super::study::{Entry, State as StudyState, Study};
 use super::tasks::Open;
 use crate::export::{c_source, image, rust_source};
-use crate::file::{Beside, FileError};
 use crate::plots::View;
-use crate::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 use crate::report::{Card, Report, ReportAxis, html, markdown};
+use fos_data::file::{FileError, TemporarySibling};
+use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -212,7 +212,7 @@ pub(super) async fn series(
             trace: axis.examination.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
         };
         let series = series_of(rows, window.view, window.from, window.to, window.width);
-        Ok(AxisSeries { unit: crate::model::unit_of(&window.axis), axis: window.axis, series })
+        Ok(AxisSeries { unit: fos_fit::model::unit_of(&window.axis), axis: window.axis, series })
     });
     Ok(Json(drawn.await?))
 }
@@ -305,7 +305,7 @@ fn exported(study: &Study, format: &str) -> Result<Response, Refused> {
 }
 
 /// The report of the axes that are known by now.
-fn report(study: &Study, file: &crate::study::Study) -> Result<Report, Refused> {
+fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Refused> {
     let read = study.read().map_err(not_now)?;
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
     let axes = known.filter_map(|axis| {
@@ -326,7 +326,7 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let length = bytes.len();
         let summary = study.replay(bytes).map_err(wrong)?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
-        let command = format!("host-fit replay unit.fosm {}", crate::outside::quoted(&log.paths()));
+        let command = format!("host-fit replay unit.fosm {}", crate::escaping::quoted(&log.paths()));
         Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": length }))
     });
     Ok(Json(answer.await?))
@@ -368,7 +368,7 @@ pub(super) async fn upload(
         let error = FileError::writing(&path)(error);
         Refused(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())
     };
-    let arriving = Beside::of(&path).map_err(failed)?;
+    let arriving = TemporarySibling::of(&path).map_err(failed)?;
     let mut file = tokio::fs::File::from_std(arriving.file().try_clone().map_err(failed)?);
     let (mut stream, mut bytes) = (body.into_data_stream(), 0_u64);
     while let Some(piece) = stream.next().await {

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::folders::Folders;
 use super::study::{Entry, Study};
 use super::tasks::Open;
-use crate::effects::Library;
+use fos_diagnose::effects::Library;
 
 /// Studies that are open at once, at most: each keeps its logs in memory.
 const MOST: usize = 12;

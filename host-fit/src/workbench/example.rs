@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use crate::file::make_folder;
-use crate::grow::Logs;
-use crate::recording::LoadOptions;
-use crate::simulate::hidden_effects;
+use fos_data::file::make_folder;
+use fos_data::recording::LoadOptions;
+use fos_diagnose::refine::Logs;
+use fos_simulate::hidden_effects;
 
-pub(super) use crate::simulate::HIDDEN_IN as AXIS;
+pub(super) use fos_simulate::HIDDEN_IN as AXIS;
 
 /// Seed of the example.
 const SEED: u64 = 1;

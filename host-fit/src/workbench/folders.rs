@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::file::{FileError, make_folder};
+use fos_data::file::{FileError, make_folder};
 
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::job::Job;
 use super::tasks::Task;
-use crate::interrupt::Stop;
+use fos_data::interrupt::Stop;
 
 /// The tasks of a study, in their order, and the one that is being done.
 #[derive(Default)]

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::evaluate::{AxisTrace, Trace};
-use crate::recording::Recording;
+use fos_data::recording::Recording;
+use fos_fit::evaluate::{AxisTrace, Trace};
 
 /// What is shown beside the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -226,7 +226,7 @@ fn within(recording: &Recording, piece: Range<usize>, from_s: f64, to_s: f64) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{LoadOptions, Source};
+    use fos_data::recording::{LoadOptions, Source};
 
     fn log(rows: usize, gap_at: usize) -> Recording {
         let time: Vec<f64> =

@@ -22,8 +22,8 @@ use super::folders::Folders;
 use super::guard::{Names, guard};
 use super::tasks::Open;
 use super::{api, assets};
-use crate::effects::Library;
-use crate::recording::LoadOptions;
+use fos_data::recording::LoadOptions;
+use fos_diagnose::effects::Library;
 
 /// Bytes of a request that is not a file.
 const LARGEST_REQUEST: usize = 64 * 1024;

@@ -13,15 +13,15 @@ use tokio::sync::watch;
 use super::job::Job;
 use super::queue::Queue;
 use super::tasks::{self, Open, Task};
-use crate::diagnose::Verdict;
-use crate::effects::Library;
 use crate::examine::{Examination, command_lines};
-use crate::grow::{Growth, Logs, Stair};
-use crate::interrupt::{Interrupted, Stop, interruptible};
 use crate::replay::{self, Summary};
 use crate::report::{AxisSection, LogSummary};
-use crate::rest;
-use crate::study::Study as StudyFile;
+use fos_data::interrupt::{Interrupted, Stop, interruptible};
+use fos_data::stillness;
+use fos_diagnose::detect::Verdict;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{Growth, Logs, Stair};
+use fos_diagnose::study::Study as StudyFile;
 
 /// A study that is open.
 pub(super) struct Study {
@@ -347,7 +347,8 @@ impl Study {
         let read = self.read()?;
         let parsed = Image::parse(&image).map_err(|error| error.to_string())?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
-        let summary = replay::summary(&parsed, log, &rest::find(log)).map_err(|error| error.to_string())?;
+        let summary =
+            replay::summary(&parsed, log, &stillness::find(log)).map_err(|error| error.to_string())?;
         *last = Some((image, summary.clone()));
         Ok(summary)
     }

@@ -6,16 +6,16 @@ use std::sync::Arc;
 use super::example;
 use super::job::Job;
 use super::study::{Change, Read, Snapshot, Summaries};
-use crate::compare::study_of;
-use crate::effects::Library;
 use crate::examine::examine;
-use crate::file::name_of;
-use crate::fit::{FitOptions, fit_axis};
-use crate::grow::{Growth, Logs};
 use crate::plots::in_words;
-use crate::recording::{LoadOptions, Recording, load};
 use crate::report::{AxisSection, LogSummary};
-use crate::rest;
+use fos_data::file::name_of;
+use fos_data::recording::{LoadOptions, Recording, load};
+use fos_data::stillness;
+use fos_diagnose::compare::study_of;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{Growth, Logs};
+use fos_fit::fit::{FitOptions, fit_axis};
 
 /// A piece of work on one study.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,7 +160,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let logs = &known.read()?.logs;
     let own = logs.quiet.as_ref().unwrap_or(&logs.field);
-    let rest = rest::find(own);
+    let rest = stillness::find(own);
     let options = FitOptions::default();
     let fitted = fit_axis(own, &rest, column, &options).map_err(in_text)?;
     let (study, ..) =
@@ -214,7 +214,7 @@ fn undo(column: &str, keep: usize, known: &Snapshot) -> Result<Change, String> {
 }
 
 /// An axis with another growth: what was known of the model before no longer holds.
-fn regrown(study: &crate::study::Study, growth: Growth) -> Change {
+fn regrown(study: &fos_diagnose::study::Study, growth: Growth) -> Change {
     let section = AxisSection::of(study, &growth);
     change(&growth.column.clone(), move |axis| {
         // the picture of the model before stays until the new one is there

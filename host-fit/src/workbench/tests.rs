@@ -15,9 +15,9 @@ use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, OWN_HEADER};
 use super::server::{Server, router};
-use crate::effects::Library;
-use crate::recording::write_columns;
-use crate::simulate::{Simulation, simulate};
+use fos_data::recording::write_columns;
+use fos_diagnose::effects::Library;
+use fos_simulate::{Simulation, simulate};
 
 const PORT: u16 = 4180;
 

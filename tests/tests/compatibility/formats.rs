@@ -6,12 +6,12 @@ use std::io::BufReader;
 use std::path::Path;
 
 use fos_core::Image;
+use fos_data::case::{self, CaseMeta};
+use fos_diagnose::study::{self, Study};
 use fos_embedded::hub::{Hub, HubError};
 use fos_embedded::{hub_log, replay, telemetry};
-use host_fit::case::{self, CaseMeta};
-use host_fit::evaluate::ModelErrors;
+use fos_fit::evaluate::ModelErrors;
 use host_fit::record::record;
-use host_fit::study::{self, Study};
 
 use crate::digest::Digest;
 use crate::flash::{Flash, images, store};

@@ -3,20 +3,20 @@
 use std::fs;
 
 use embedded_io::{ErrorType, Write};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::compare::study_of;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{Ground, GrowthLogs};
+use fos_diagnose::study::Study;
 use fos_embedded::blocking::now;
 use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::hub_log::{self, Header, Record, step};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::replay;
 use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode};
-use host_fit::compare::study_of;
-use host_fit::effects::Library;
-use host_fit::fit::{FitOptions, fit_axis};
-use host_fit::grow::{Ground, GrowthLogs};
-use host_fit::recording::{LoadOptions, Recording, Source};
-use host_fit::rest;
-use host_fit::simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
-use host_fit::study::Study;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
 
 use crate::flash::{BYTES, Flash, store};
 use crate::formats::FORMATS;
@@ -59,8 +59,7 @@ const SCALES: Scales = Scales {
 
 /// A second of a simulated unit: six axes, and degrees Celsius.
 fn simulated() -> Vec<([f64; 6], f64)> {
-    let log =
-        host_fit::simulate::simulate(&Simulation { duration_s: 2.0, seed: 21, ..Simulation::default() });
+    let log = fos_simulate::simulate(&Simulation { duration_s: 2.0, seed: 21, ..Simulation::default() });
     let column = |name: &str| &log.columns.iter().find(|(column, _)| column == name).expect("a column").1;
     let axes = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"].map(column);
     let celsius = column("temp_c");
@@ -180,7 +179,7 @@ pub(crate) fn telemetry_as_version(bytes: &[u8], version: u32) -> Vec<u8> {
 fn simulated_case() -> SimulatedCase {
     let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
-    host_fit::simulate::simulate_case(&plan).expect("a case")
+    fos_simulate::simulate_case(&plan).expect("a case")
 }
 
 pub(crate) fn case() -> Vec<u8> {
@@ -199,7 +198,7 @@ fn written_study() -> Study {
     };
     let (quiet, field) =
         (recording("simulated quiet log", case.baseline), recording("simulated field log", case.field));
-    let rest = rest::find(&quiet);
+    let rest = stillness::find(&quiet);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
     let fit = fit_axis(&quiet, &rest, "gx", &options).expect("fits");
     let (mut study, ..) =

@@ -4,7 +4,7 @@ use fos_core::{
     Axis, AxisParameters, Factor, FittedOn, InnovationStatistics, Input, Quantity, Range, Source,
     StillnessLimits, Transform, u, y,
 };
-use host_fit::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
+use fos_fit::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
 fn term(coefficient: f64, factors: &[Factor]) -> FittedTerm {
     FittedTerm { coefficient, standard_error: None, factors: factors.to_vec() }

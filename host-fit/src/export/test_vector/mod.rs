@@ -7,7 +7,7 @@ use fos_embedded::hub_log::{Record, step};
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample, TestVector};
 
-use crate::model::{FittedTerm, UnitModel};
+use fos_fit::model::{FittedTerm, UnitModel};
 use samples::Generator;
 
 use samples::HOW;

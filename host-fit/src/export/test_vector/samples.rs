@@ -6,7 +6,7 @@ use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::TestSample;
 
 use super::{HostHub, loaded};
-use crate::model::{FittedAxis, UnitModel};
+use fos_fit::model::{FittedAxis, UnitModel};
 
 /// Codes that the narrowest fitted range of three axes spans, unless their size does not allow it.
 const CODES_OF_AN_AXIS: f64 = 300.0;

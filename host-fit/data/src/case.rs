@@ -1,0 +1,234 @@
+//! A case: a folder with up to three logs of one unit and what is known of it.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::file::{self, FileError};
+use crate::recording::{LoadOptions, Recording, RecordingError, load};
+use crate::schema::{Refused, from_json};
+
+/// The schema that this program writes, and the only one it reads.
+pub const SCHEMA: &str = "fos-case/1";
+
+/// `meta.json` of a case folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaseMeta {
+    /// [`SCHEMA`]; a description that somebody wrote by hand may leave it out.
+    #[serde(default = "this_schema")]
+    pub schema: String,
+    /// Name of the case.
+    pub case: String,
+    /// Column to be explained.
+    pub target: String,
+    /// Kind of device.
+    #[serde(default)]
+    pub device: String,
+    /// How it was used, in words.
+    #[serde(default)]
+    pub setup: String,
+    /// Nominal sample rate, Hz.
+    pub nominal_rate_hz: f64,
+    /// Full scale of the accelerometers, m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_full_scale_mps2: Option<f64>,
+    /// Full scale of the gyros, rad/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_full_scale_rads: Option<f64>,
+    /// Least significant bit of the accelerometers, m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_lsb_mps2: Option<f64>,
+    /// Least significant bit of the gyros, rad/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_lsb_rads: Option<f64>,
+    /// What the data sheet says.
+    #[serde(default)]
+    pub datasheet: DataSheetFigures,
+    /// Names of the logs, without ending.
+    pub files: CaseFiles,
+    /// What the logs are, in words.
+    #[serde(default)]
+    pub note: String,
+}
+
+/// What a data sheet says of an axis, in the axis' unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DataSheet {
+    /// Noise density, one-sided, unit/√Hz.
+    pub noise_density: f64,
+    /// Bias instability B, unit.
+    pub bias_instability: f64,
+}
+
+/// Figures of a data sheet as they are printed there; any may be missing.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct DataSheetFigures {
+    /// Noise density of the gyros, °/s/√Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_noise_density_dps_rthz: Option<f64>,
+    /// Noise density of the accelerometers, µg/√Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_noise_density_ug_rthz: Option<f64>,
+    /// Bias instability of the gyros, °/h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_bias_instability_dph: Option<f64>,
+    /// Bias instability of the accelerometers, µg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_bias_instability_ug: Option<f64>,
+    /// Temperature coefficient of the gyros, °/s/K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_tco_dps_per_k: Option<f64>,
+    /// Temperature coefficient of the accelerometers, mg/K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_tco_mg_per_k: Option<f64>,
+}
+
+/// Names of the logs of a case, without ending; up to three.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CaseFiles {
+    /// The quiet log.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline: Option<String>,
+    /// The log to be explained.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
+    /// The log to be corrected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eval: Option<String>,
+}
+
+/// A case that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// `meta.json` is not what it should be.
+    #[error("{}:{line}:{column}: not the description of a case: {reason}\nhelp: it needs \"case\", \"target\", \"nominal_rate_hz\" and \"files\"", path.display())]
+    Meta {
+        /// The file.
+        path: PathBuf,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+        /// What the reader said.
+        reason: String,
+    },
+    /// Another version.
+    #[error(
+        "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
+    )]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        found: String,
+    },
+    /// There is no log to explain.
+    #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"field\" }}", path.display())]
+    NoField {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A log of that name is there in no format.
+    #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
+    NoLog {
+        /// The folder.
+        folder: PathBuf,
+        /// Name without ending.
+        name: String,
+    },
+    /// A log cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+}
+
+/// A case with its logs read.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What is known.
+    pub meta: CaseMeta,
+    /// The quiet log.
+    pub baseline: Option<Recording>,
+    /// The log to explain.
+    pub field: Recording,
+    /// The log to correct.
+    pub eval: Option<Recording>,
+}
+
+fn this_schema() -> String {
+    SCHEMA.to_owned()
+}
+
+impl CaseMeta {
+    /// Reads `meta.json` of a case folder.
+    ///
+    /// # Errors
+    ///
+    /// It is not there, not the description of a case, or one of another schema.
+    pub fn read(folder: &Path) -> Result<Self, CaseError> {
+        let path = folder.join("meta.json");
+        let bytes = file::read(&path)?;
+        from_json(&bytes, SCHEMA).map_err(|refused| match refused {
+            Refused::NotJson { line, column, reason } => CaseError::Meta { path, line, column, reason },
+            Refused::Schema(found) => CaseError::Schema { path, found },
+        })
+    }
+
+    /// The target is a gyro.
+    fn is_gyro(&self) -> bool {
+        self.target.ends_with("_rads")
+    }
+
+    /// Full scale of the target, in its unit.
+    pub fn full_scale(&self) -> Option<f64> {
+        if self.is_gyro() { self.gyro_full_scale_rads } else { self.accel_full_scale_mps2 }
+    }
+
+    /// Least significant bit of the target, in its unit.
+    pub fn lsb(&self) -> Option<f64> {
+        if self.is_gyro() { self.gyro_lsb_rads } else { self.accel_lsb_mps2 }
+    }
+
+    /// The noise of the target on the data sheet, if it states both numbers.
+    pub fn data_sheet(&self) -> Option<DataSheet> {
+        const DPS: f64 = std::f64::consts::PI / 180.0;
+        const MICRO_G: f64 = 9.80665e-6;
+        let sheet = &self.datasheet;
+        Some(match self.is_gyro() {
+            true => DataSheet {
+                noise_density: sheet.gyro_noise_density_dps_rthz? * DPS,
+                bias_instability: sheet.gyro_bias_instability_dph? * DPS / 3600.0,
+            },
+            false => DataSheet {
+                noise_density: sheet.accel_noise_density_ug_rthz? * MICRO_G,
+                bias_instability: sheet.accel_bias_instability_ug? * MICRO_G,
+            },
+        })
+    }
+}
+
+impl Case {
+    /// Reads a case folder.
+    ///
+    /// # Errors
+    ///
+    /// `meta.json` or a log that it names cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, CaseError> {
+        let meta = CaseMeta::read(folder)?;
+        let log = |name: &Option<String>| -> Result<Option<Recording>, CaseError> {
+            let Some(name) = name else { return Ok(None) };
+            let named = ["parquet", "csv.gz", "csv"].map(|ending| folder.join(format!("{name}.{ending}")));
+            let path = named
+                .iter()
+                .find(|path| path.exists())
+                .ok_or_else(|| CaseError::NoLog { folder: folder.to_owned(), name: name.clone() })?;
+            let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
+            Ok(Some(load(path, &options)?))
+        };
+        let field =
+            log(&meta.files.field)?.ok_or_else(|| CaseError::NoField { path: folder.join("meta.json") })?;
+        Ok(Self { baseline: log(&meta.files.baseline)?, field, eval: log(&meta.files.eval)?, meta })
+    }
+}

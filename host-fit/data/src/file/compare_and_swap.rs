@@ -1,0 +1,180 @@
+//! A file that is read, changed and written back: it goes back only if nobody else has written it meanwhile.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::error::FileError;
+use super::paths::{folder_of, followed, is_linked};
+use super::replace::TemporarySibling;
+
+/// A file as it was at a moment.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileVersion {
+    path: PathBuf,
+    /// Of its content; none if it was not there.
+    digest: Option<[u8; 32]>,
+    /// It was read to be changed: what is written back is the same study, and takes its place.
+    is_changed: bool,
+}
+
+/// A file that cannot be written back.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareAndSwapError {
+    /// The system refused.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Somebody else was quicker.
+    #[error(
+        "{}: changed meanwhile by another process; nothing was written, what that one wrote is still there\nhelp: run the command again",
+        .0.display()
+    )]
+    Changed(PathBuf),
+}
+
+impl FileVersion {
+    /// `path` as it is now, which may be not there.
+    ///
+    /// # Errors
+    ///
+    /// It is there and cannot be read.
+    pub fn now(path: &Path) -> Result<Self, FileError> {
+        let digest = digest_of(path).map_err(FileError::reading(path))?;
+        Ok(Self { path: path.to_owned(), digest, is_changed: false })
+    }
+
+    /// `path`, of which `content` was just read, to be changed.
+    pub fn of(path: &Path, content: &[u8]) -> Self {
+        Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Replaces the file if it still is as it was seen; no other process replaces it between the look and the deed.
+    ///
+    /// # Errors
+    ///
+    /// It is not, or cannot be written; what is there then stays.
+    pub fn replace(&self, content: &[u8]) -> Result<(), CompareAndSwapError> {
+        let failed = || FileError::writing(&self.path);
+        let sibling = TemporarySibling::of(&self.path).map_err(failed())?;
+        sibling.file().write_all(content).map_err(failed())?;
+        let _lock = Lock::of(&self.path).map_err(failed())?;
+        if digest_of(&self.path).map_err(FileError::reading(&self.path))? != self.digest {
+            return Err(CompareAndSwapError::Changed(self.path.clone()));
+        }
+        let put = if self.is_changed { TemporarySibling::put_back } else { TemporarySibling::put };
+        Ok(put(sibling).map_err(failed())?)
+    }
+}
+
+fn digest_of(path: &Path) -> io::Result<Option<[u8; 32]>> {
+    match fs::read(path) {
+        Ok(content) => Ok(Some(Sha256::digest(&content).into())),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Keeps other processes from replacing a file. It is the lock of a file beside it, `.fos-NAME.lock`: the file itself is another
+/// one after every rename, and scripts lock it, or its folder, around this very program.
+struct Lock {
+    _file: File,
+    path: PathBuf,
+}
+
+impl Lock {
+    /// Waits for its turn: others hold it no longer than a rename takes.
+    fn of(path: &Path) -> io::Result<Self> {
+        let path = followed(path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let path = folder_of(&path).join(format!(".fos-{name}.lock"));
+        loop {
+            let file = File::options().create(true).truncate(false).write(true).open(&path)?;
+            match file.lock() {
+                // a file system without locks: the look has to do
+                Err(error) if error.kind() == ErrorKind::Unsupported => {}
+                done => done?,
+            }
+            // who held it before has removed it: the next one makes a new one
+            if is_linked(&file)? {
+                return Ok(Self { _file: file, path });
+            }
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // while it is locked; if it stays, the next writer takes it
+        if cfg!(unix) {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_has_changed_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        let absent = FileVersion::now(&path).unwrap();
+        absent.replace(b"one").unwrap();
+        let one = FileVersion::of(&path, b"one");
+        assert_eq!(one.digest, FileVersion::now(&path).unwrap().digest);
+        let said = absent.replace(b"two").unwrap_err().to_string();
+        assert!(said.contains("a.json: changed meanwhile") && said.contains("help: run"), "{said}");
+        one.replace(b"two").unwrap();
+        assert!(matches!(one.replace(b"three"), Err(CompareAndSwapError::Changed(_))));
+        fs::remove_file(&path).unwrap();
+        assert!(matches!(
+            FileVersion::of(&path, b"two").replace(b"three"),
+            Err(CompareAndSwapError::Changed(_))
+        ));
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            0,
+            "neither lock nor half of a file is left"
+        );
+    }
+
+    /// Each adds a line to what it read, again if somebody else was quicker: no line is lost.
+    #[test]
+    fn of_many_writers_at_once_none_loses_what_it_added() {
+        const WRITERS: usize = 8;
+        const LINES: usize = 20;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lines");
+        fs::write(&path, b"").unwrap();
+        let write = |writer: usize| {
+            for line in 0..LINES {
+                loop {
+                    let mut content = fs::read(&path).unwrap();
+                    let seen = FileVersion::of(&path, &content);
+                    content.extend(format!("{writer} {line}\n").bytes());
+                    match seen.replace(&content) {
+                        Ok(()) => break,
+                        Err(CompareAndSwapError::Changed(_)) => {}
+                        Err(other) => panic!("{other}"),
+                    }
+                }
+            }
+        };
+        thread::scope(|scope| {
+            let write = &write;
+            (0..WRITERS).for_each(|writer| drop(scope.spawn(move || write(writer))));
+        });
+        assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), WRITERS * LINES);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,15 @@
+//! Files are written beside and renamed: a reader sees the old one or the new one, whole, whenever the writer is killed or the
+//! power is cut. What was read is not replaced.
+
+mod error;
+mod paths;
+mod read;
+mod replace;
+
+pub mod compare_and_swap;
+pub mod process_reads;
+
+pub use error::FileError;
+pub use paths::{folder_of, followed, name_of, sync_folder};
+pub use read::{open, open_to_seek, read, standard_input};
+pub use replace::{TemporarySibling, check_output, make_folder, replace, write_atomically};

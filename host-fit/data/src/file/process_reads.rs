@@ -1,0 +1,178 @@
+//! What this process has read is not replaced by what it writes.
+//!
+//! A promise of the whole process, so there is one list for all of it: the doors through which files of the user's come in
+//! ([`open`](crate::file::open), [`read`](crate::file::read)) note which file that was, and the one writer
+//! ([`TemporarySibling::put`](crate::file::TemporarySibling)) asks here before it gives a file its name. A file is known by what it is and not by what it
+//! is called: other spellings, symbolic and hard links lead to the same one.
+//!
+//! What this process has written is its own: it may read it and write it again, as the workbench does with its example. A study that
+//! is changed goes back over what was read by [`FileVersion`](crate::file::compare_and_swap::FileVersion), which sees to it that nothing is lost.
+
+use std::collections::{HashMap, HashSet};
+use std::fs::{self, File, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+
+use super::paths::folder_of;
+
+/// What a file is, whatever it is called.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Identity {
+    #[cfg(unix)]
+    device: u64,
+    #[cfg(unix)]
+    inode: u64,
+    /// An inode is given again when its file is gone; where the file system knows, by when it was made.
+    #[cfg(unix)]
+    made: Option<std::time::SystemTime>,
+    #[cfg(not(unix))]
+    path: PathBuf,
+}
+
+impl Identity {
+    #[cfg(unix)]
+    fn new(about: &Metadata, _: &Path) -> Self {
+        use std::os::unix::fs::MetadataExt;
+        Self { device: about.dev(), inode: about.ino(), made: about.created().ok() }
+    }
+
+    #[cfg(not(unix))]
+    fn new(_: &Metadata, path: &Path) -> Self {
+        Self { path: super::paths::followed(path) }
+    }
+
+    /// Of what `path` leads to, if it leads to a file or folder.
+    pub fn of(path: &Path) -> Option<Self> {
+        fs::metadata(path).ok().map(|about| Self::new(&about, path))
+    }
+}
+
+/// Where a file is, or will be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// What is there.
+    Taken(Identity),
+    /// A free name in a folder.
+    Free(Identity, PathBuf),
+    /// A path into a folder that is not there.
+    Nowhere(PathBuf),
+}
+
+impl Place {
+    /// Of what `path` leads to, there or not.
+    pub fn of(path: &Path) -> Self {
+        match (Identity::of(path), Identity::of(folder_of(path))) {
+            (Some(identity), _) => Self::Taken(identity),
+            (None, Some(folder)) => Self::Free(folder, path.file_name().unwrap_or_default().into()),
+            (None, None) => Self::Nowhere(path.to_owned()),
+        }
+    }
+}
+
+/// Why a file is not replaced.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{}, which was read: it would be lost\nhelp: write to another file",
+    if read == asked { "it is the very file".to_owned() } else { format!("it is {}", read.display()) }
+)]
+struct OwnInput<'a> {
+    asked: &'a Path,
+    read: &'a Path,
+}
+
+#[derive(Default)]
+struct Known {
+    /// Files that were read, by what they were called.
+    read: HashMap<Identity, PathBuf>,
+    written: HashSet<Identity>,
+}
+
+static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
+
+fn known() -> MutexGuard<'static, Known> {
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// `file` was opened as `path`, to be read.
+pub fn note_read(file: &File, path: &Path) -> io::Result<()> {
+    let about = file.metadata()?;
+    // a pipe or a device is not replaced by anything
+    if about.is_file() {
+        let identity = Identity::new(&about, path);
+        let mut known = known();
+        if !known.written.contains(&identity) {
+            known.read.entry(identity).or_insert_with(|| path.to_owned());
+        }
+    }
+    Ok(())
+}
+
+/// `file`, which this process has written, is now at `path`.
+pub fn note_written(file: &File, path: &Path) -> io::Result<()> {
+    let identity = Identity::new(&file.metadata()?, path);
+    let mut known = known();
+    known.read.remove(&identity);
+    known.written.insert(identity);
+    Ok(())
+}
+
+/// # Errors
+///
+/// `path` leads to a file that was read.
+pub fn refuse_to_replace(path: &Path) -> io::Result<()> {
+    let Some(identity) = Identity::of(path) else { return Ok(()) };
+    match known().read.get(&identity) {
+        None => Ok(()),
+        Some(read) => Err(io::Error::other(OwnInput { asked: path, read }.to_string())),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use crate::file::{read, write_atomically};
+
+    #[test]
+    fn what_was_read_is_not_replaced_whatever_it_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("log.csv"), b"measured").unwrap();
+        fs::hard_link(at("log.csv"), at("hard.csv")).unwrap();
+        std::os::unix::fs::symlink(at("log.csv"), at("link.csv")).unwrap();
+        fs::copy(at("log.csv"), at("copy.csv")).unwrap();
+        read(&at("log.csv")).unwrap();
+        for name in ["log.csv", "./log.csv", "hard.csv", "link.csv"] {
+            let said = write_atomically(&at(name), b"made").unwrap_err().to_string();
+            assert!(said.contains("which was read") || said.contains("very file"), "{name}: {said}");
+            assert!(said.contains("\nhelp: write to another file"), "{name}: {said}");
+        }
+        assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
+        write_atomically(&at("copy.csv"), b"made").unwrap();
+        // nothing is lost
+        write_atomically(&at("hard.csv"), b"measured").unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "nothing is left beside it");
+    }
+
+    #[test]
+    fn what_was_written_here_may_be_read_and_written_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("example.csv");
+        for content in [&b"one"[..], b"two", b"three"] {
+            write_atomically(&path, content).unwrap();
+            assert_eq!(read(&path).unwrap(), content);
+        }
+    }
+
+    #[test]
+    fn two_names_of_one_place_are_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("below")).unwrap();
+        std::os::unix::fs::symlink(at("below"), at("link")).unwrap();
+        assert_eq!(Place::of(&at("below/new.csv")), Place::of(&at("link/../below/new.csv")));
+        assert_eq!(Place::of(&at("below/new.csv")), Place::of(&at("link/new.csv")));
+        assert_ne!(Place::of(&at("below/new.csv")), Place::of(&at("new.csv")));
+        assert_ne!(Place::of(&at("below/new.csv")), Place::of(&at("below/other.csv")));
+    }
+}

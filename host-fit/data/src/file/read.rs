@@ -1,0 +1,61 @@
+//! The doors through which files come in; each notes what it opened (`process_reads`).
+
+use std::fs::File;
+use std::io::{self, Read, Seek};
+use std::path::Path;
+
+use super::error::{COPY, FileError};
+use super::process_reads::note_read;
+
+/// Reads the whole of `path`.
+///
+/// # Errors
+///
+/// It is not there or not readable.
+pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    let mut content = Vec::new();
+    let mut file = File::open(path).map_err(FileError::reading(path))?;
+    note_read(&file, path).and_then(|()| file.read_to_end(&mut content)).map_err(FileError::reading(path))?;
+    Ok(content)
+}
+
+/// Opens `path`, to be read.
+///
+/// # Errors
+///
+/// It is not there or not readable.
+pub fn open(path: &Path) -> Result<File, FileError> {
+    let file = File::open(path).map_err(FileError::opening(path))?;
+    note_read(&file, path).map_err(FileError::opening(path))?;
+    Ok(file)
+}
+
+/// The same, and what comes through a pipe, which can be read but once and in order, copied to a file that has no name.
+///
+/// # Errors
+///
+/// As of [`open`], or there is no room for the copy.
+pub fn open_to_seek(path: &Path) -> Result<File, FileError> {
+    let mut file = open(path)?;
+    // a folder, too, is refused by whoever reads it
+    if file.stream_position().is_ok() || file.metadata().is_ok_and(|about| about.is_dir()) {
+        return Ok(file);
+    }
+    let copy = tempfile::tempfile().and_then(|mut copy| {
+        io::copy(&mut file, &mut copy)?;
+        copy.rewind()?;
+        Ok(copy)
+    });
+    copy.map_err(FileError::when(COPY, path))
+}
+
+/// Standard input as a file, to be read: it may be one.
+pub fn standard_input() -> io::Result<File> {
+    #[cfg(unix)]
+    let input = std::os::fd::AsFd::as_fd(&io::stdin()).try_clone_to_owned()?;
+    #[cfg(windows)]
+    let input = std::os::windows::io::AsHandle::as_handle(&io::stdin()).try_clone_to_owned()?;
+    let file = File::from(input);
+    note_read(&file, Path::new("standard input"))?;
+    Ok(file)
+}

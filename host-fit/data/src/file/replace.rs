@@ -1,0 +1,241 @@
+//! The one writer: into a temporary sibling of a file, which then takes the file's name.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::error::{FileError, MAKE};
+use super::paths::{folder_of, followed, is_linked, sync_folder};
+use super::process_reads::{note_read, note_written, refuse_to_replace};
+
+/// A temporary sibling is named `.fos-…….tmp`, with random letters.
+const SIBLING: (&str, &str) = (".fos-", ".tmp");
+
+/// Writes `path` by way of a temporary file in the same folder.
+///
+/// # Errors
+///
+/// The folder is not there or not writable, the disk is full. The old file, if any, is then untouched.
+pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    replace(path, |mut file| file.write_all(content)).map_err(FileError::writing(path))
+}
+
+/// Lets `write` fill a file beside `path`, brings it to the disk and renames it.
+pub fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
+    let sibling = TemporarySibling::of(path)?;
+    write(sibling.file())?;
+    sibling.put()
+}
+
+/// # Errors
+///
+/// Nothing can be written to `path`: it is there and no file, or it was read.
+pub fn check_output(path: &Path) -> Result<(), FileError> {
+    may_be_replaced(path).and_then(|()| refuse_to_replace(path)).map_err(FileError::writing(path))
+}
+
+fn may_be_replaced(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(old) if !old.is_file() => {
+            Err(io::Error::new(ErrorKind::InvalidInput, "it is there and is no file"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Makes the folder `path`, and those above it, where they are not there.
+///
+/// # Errors
+///
+/// It cannot be made.
+pub fn make_folder(path: &Path) -> Result<(), FileError> {
+    let missing: Vec<&Path> =
+        path.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists()).collect();
+    fs::create_dir_all(path)
+        .and_then(|()| missing.into_iter().try_for_each(|made| sync_folder(folder_of(made))))
+        .map_err(FileError::when(MAKE, path))
+}
+
+/// A file beside its place, which it takes once it is whole. Dropped before, it is gone.
+#[derive(Debug)]
+pub struct TemporarySibling {
+    file: NamedTempFile,
+    path: PathBuf,
+}
+
+impl TemporarySibling {
+    /// A new one for `path`, with the permissions of what is there.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        let path = followed(path);
+        may_be_replaced(&path)?;
+        let old = fs::metadata(&path).ok();
+        let folder = folder_of(&path);
+        remove_stale(folder);
+        let file = new_in(folder)?;
+        if let Some(old) = old {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        Ok(Self { file, path })
+    }
+
+    /// To be written to.
+    pub fn file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Gives it the first of `names`, all in its folder, that is free: of two at once each gets one.
+    pub fn put_as_new(self, names: impl IntoIterator<Item = PathBuf>) -> io::Result<PathBuf> {
+        self.file.as_file().sync_all()?;
+        let mut sibling = self.file;
+        for name in names {
+            match sibling.persist_noclobber(&name) {
+                Ok(file) => {
+                    note_written(&file, &name)?;
+                    sync_folder(folder_of(&name))?;
+                    return Ok(name);
+                }
+                Err(taken) if taken.error.kind() == ErrorKind::AlreadyExists => sibling = taken.file,
+                Err(other) => return Err(other.error),
+            }
+        }
+        Err(ErrorKind::AlreadyExists.into())
+    }
+
+    /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read, unless it is the same.
+    pub fn put(self) -> io::Result<()> {
+        if let Err(refused) = refuse_to_replace(&self.path) {
+            // the example of the workbench, once its logs have been opened as logs
+            let is_same = fs::read(self.file.path())? == fs::read(&self.path)?;
+            return if is_same { Ok(()) } else { Err(refused) };
+        }
+        let (file, path) = self.replace()?;
+        note_written(&file, &path)
+    }
+
+    /// The same, also over what was read: it is what was read, changed, and is not replaced by anything else either.
+    pub fn put_back(self) -> io::Result<()> {
+        let (file, path) = self.replace()?;
+        note_read(&file, &path)
+    }
+
+    fn replace(self) -> io::Result<(File, PathBuf)> {
+        self.file.as_file().sync_all()?;
+        let file = self.file.persist(&self.path).map_err(|error| error.error)?;
+        sync_folder(folder_of(&self.path))?;
+        Ok((file, self.path))
+    }
+}
+
+/// An empty file with the permissions a new file has; a temporary one could be read by its owner only. It is locked until it is
+/// closed: as long as somebody writes it.
+fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(SIBLING.0).suffix(SIBLING.1);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666)); // less the umask
+    }
+    // ends: only a writer that looks around in this very moment can take it, once
+    loop {
+        let file = builder.tempfile_in(folder)?;
+        // another process may have taken it for a stale one before it was locked
+        if file.as_file().lock().is_err() || is_linked(file.as_file())? {
+            return Ok(file);
+        }
+    }
+}
+
+/// Removes what writers that were killed have left in `folder`: nobody holds its lock. Where this cannot be told, it stays.
+#[cfg(unix)]
+fn remove_stale(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let is_ours =
+            name.to_str().is_some_and(|name| name.starts_with(SIBLING.0) && name.ends_with(SIBLING.1));
+        if is_ours
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && let Ok(file) = File::options().write(true).open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            // what cannot be removed harms nobody
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn remove_stale(_folder: &Path) {}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read::read;
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn a_writer_that_fails_leaves_the_old_file_and_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_atomically(&path, b"old").unwrap();
+        let error = replace(&path, |mut file| {
+            file.write_all(b"ne")?;
+            Err(ErrorKind::StorageFull.into())
+        });
+        let said = error.map_err(FileError::writing(&path)).unwrap_err().to_string();
+        assert!(said.contains("a.json") && said.contains("help: the disk is full"), "{said}");
+        assert_eq!(read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.json"]);
+    }
+
+    #[test]
+    fn what_is_no_file_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("folder");
+        make_folder(&path).unwrap();
+        assert!(write_atomically(&path, b"new").unwrap_err().to_string().contains("is no file"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_killed_writer_left_is_removed_and_what_is_being_written_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        fs::write(folder.path().join(".fos-killed.tmp"), b"half").unwrap();
+        fs::write(folder.path().join(".fos-notes"), b"somebody's").unwrap();
+        let mut all = Vec::new();
+        for _ in 0..3 {
+            all.push(TemporarySibling::of(&path).unwrap());
+        }
+        assert_eq!(names(folder.path()).len(), 4, "{:?}", names(folder.path()));
+        for sibling in all {
+            sibling.file().write_all(b"whole").unwrap();
+            sibling.put().unwrap();
+        }
+        let mut left = names(folder.path());
+        left.sort_unstable();
+        assert_eq!(left, [".fos-notes", "a.json"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_one_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.json"), folder.path().join("link.json"));
+        write_atomically(&path, b"old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        write_atomically(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(read(&path).unwrap(), b"new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+}

@@ -1,0 +1,136 @@
+//! The end of a long computation before time.
+//!
+//! A wish to stop stands beside the computation, not in it: the thread that computes calls [`check`] in its long loops, and the
+//! stack is unwound to [`interruptible`] if someone has [asked](Stop::ask). So the numerical code need not hand the wish through
+//! every argument and return value, and what it had begun to compute is dropped with the stack.
+
+use std::cell::RefCell;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A wish to stop, asked from any thread.
+#[derive(Debug, Clone, Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+/// How an interruptible computation ended, where it gave no result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interrupted {
+    /// As was asked.
+    Stopped,
+    /// By a defect of this program.
+    Panicked,
+}
+
+struct Unwound;
+
+thread_local! {
+    static WISH: RefCell<Option<Stop>> = const { RefCell::new(None) };
+}
+
+impl Stop {
+    /// Asks the computation to stop where it next checks.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it has been asked to.
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Stops here if the computation that this thread is in was asked to; outside of one nothing happens.
+#[inline]
+pub fn check() {
+    counting::count();
+    let asked = WISH.with_borrow(|wish| wish.as_ref().is_some_and(Stop::is_asked));
+    if asked {
+        // no panic message: nothing is wrong
+        panic::resume_unwind(Box::new(Unwound));
+    }
+}
+
+/// Runs a computation that `stop` may end.
+///
+/// # Errors
+///
+/// It was stopped, or panicked: whatever happens in it, the caller goes on. What it changes should be published only when it is
+/// whole.
+pub fn interruptible<T>(stop: &Stop, work: impl FnOnce() -> T) -> Result<T, Interrupted> {
+    let outer = WISH.replace(Some(stop.clone()));
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    WISH.set(outer);
+    result.map_err(|cause| match cause.is::<Unwound>() {
+        true => Interrupted::Stopped,
+        false => Interrupted::Panicked,
+    })
+}
+
+pub use counting::counted;
+
+mod counting {
+    use std::cell::Cell;
+
+    use super::*;
+
+    thread_local! {
+        static STEPS_LEFT: Cell<Option<u64>> = const { Cell::new(None) };
+    }
+
+    /// How often [`check`] is called in a computation on this thread; none if that is more than `most`, where it is ended. So a test
+    /// can say that a search ends, without a clock.
+    pub fn counted(most: u64, work: impl FnOnce()) -> Option<u64> {
+        STEPS_LEFT.set(Some(most));
+        let result = panic::catch_unwind(AssertUnwindSafe(work));
+        let left = STEPS_LEFT.take();
+        match result {
+            Ok(()) => left.map(|left| most - left),
+            Err(cause) if cause.is::<Unwound>() => None,
+            Err(cause) => panic::resume_unwind(cause),
+        }
+    }
+
+    #[inline]
+    pub(super) fn count() {
+        if let Some(left) = STEPS_LEFT.get() {
+            if left == 0 {
+                panic::resume_unwind(Box::new(Unwound));
+            }
+            STEPS_LEFT.set(Some(left - 1));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_computation_ends_where_it_checks_and_not_before() {
+        let stop = Stop::default();
+        let mut last = 0;
+        let result = interruptible(&stop, || {
+            for step in 0..10 {
+                last = step;
+                if step == 3 {
+                    stop.ask();
+                }
+                check();
+            }
+        });
+        assert_eq!((result, last), (Err(Interrupted::Stopped), 3));
+        // asked but outside: nothing happens
+        check();
+        assert_eq!(interruptible(&Stop::default(), || 7), Ok(7));
+    }
+
+    #[test]
+    fn a_panic_is_told_apart_from_a_stop() {
+        let hook = panic::take_hook();
+        panic::set_hook(Box::new(|_| {}));
+        let result = interruptible(&Stop::default(), || panic!("on purpose"));
+        panic::set_hook(hook);
+        assert_eq!(result, Err::<(), _>(Interrupted::Panicked));
+    }
+}

@@ -1,0 +1,17 @@
+//! Logs of inertial sensors: channels with units on a regular sample grid, in segments without gaps; where the unit was still;
+//! files that are whole or not there.
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+pub mod case;
+pub mod catch_panic;
+pub mod file;
+pub mod interrupt;
+pub mod pose;
+pub mod recording;
+pub mod schema;
+pub mod spikes;
+pub mod statistics;
+pub mod stillness;
+pub mod text;
+pub mod visible;

@@ -1,0 +1,221 @@
+//! What a person would see at a glance in a log: values that cannot be what their column says.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::ops::Range;
+
+use super::{AXES, Recording};
+use crate::spikes::{Spikes, spikes};
+use crate::statistics::median;
+
+/// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
+const GRAVITY: f64 = 9.806_65;
+const GRAVITY_WITHIN: f64 = 0.15;
+
+/// A rate at rest that no bias reaches, rad/s: 57 °/s.
+const RATE_AT_REST: f64 = 1.0;
+
+/// A value that stays for more than this share of the log is stuck.
+const STUCK_SHARE: f64 = 0.1;
+
+/// Logs of which the noise differs by more than this factor are not of one unit in one place.
+const NOISE_RATIO: f64 = 3.0;
+
+/// Rates of logs that differ by more than this, relative, are not those of one clock.
+const RATE_DIFFERS: f64 = 2e-3;
+
+/// Something about a log that cannot be right.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Oddity {
+    /// All values of an axis are the same, or so for a tenth of the log and more.
+    Stuck {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+        /// For so long, s, of so much.
+        seconds: [f64; 2],
+    },
+    /// Single samples far off all others.
+    Spikes {
+        /// The column.
+        column: String,
+        /// How many.
+        count: usize,
+        /// The worst: its time as stamped, s, its value, and by how many standard deviations it is off.
+        worst: [f64; 3],
+    },
+    /// Two axes hold the same values.
+    Same {
+        /// The columns.
+        columns: [String; 2],
+    },
+    /// The accelerometers together do not show gravity.
+    NotGravity {
+        /// What they show: the median, m/s² as read.
+        magnitude: f64,
+    },
+    /// A gyro shows a rate that no unit at rest has.
+    TurnsAtRest {
+        /// The column.
+        column: String,
+        /// The median rate, rad/s as read.
+        rate: f64,
+    },
+    /// Logs that were joined run at different rates.
+    RatesDiffer {
+        /// The rates, Hz: of the first and of the one that differs most.
+        rates_hz: [f64; 2],
+    },
+    /// Logs that were joined are not of one noise.
+    NoiseDiffers {
+        /// The column.
+        column: String,
+        /// The noise of the loudest over that of the quietest.
+        ratio: f64,
+    },
+}
+
+impl fmt::Display for Oddity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stuck { column, value, seconds: [stuck, all] } => {
+                write!(f, "{column} is {value} for {stuck:.1} s of {all:.1} s: stuck, or not connected")
+            }
+            Self::Spikes { column, count, worst: [time_s, value, times] } => write!(
+                f,
+                "{column}: {count} samples are no measurements, as {value:e} at {time_s:.3} s, {times:.0} standard deviations off; fits and diagnoses leave them out"
+            ),
+            Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
+            Self::NotGravity { magnitude } => write!(
+                f,
+                "the accelerometers show {magnitude:.3} m/s² together, and gravity is {GRAVITY:.2}: another unit (--map ax_mps2=ax:g), or without gravity"
+            ),
+            Self::TurnsAtRest { column, rate } => write!(
+                f,
+                "{column} shows {rate:.3} rad/s where the unit is at rest: another unit (--map {column}=NAME:dps), or it turns"
+            ),
+            Self::RatesDiffer { rates_hz: [one, other] } => write!(
+                f,
+                "the logs run at {one:.3} and {other:.3} Hz, and the lags of one model are samples: fit them one by one where that matters"
+            ),
+            Self::NoiseDiffers { column, ratio } => write!(
+                f,
+                "the noise of {column} is {ratio:.1} times as large in one log as in another: not at rest in both, or not one unit"
+            ),
+        }
+    }
+}
+
+impl Recording {
+    /// What a person would see at a glance. `still` tells of every row whether the unit is at rest.
+    pub fn oddities(&self, still: &[bool]) -> Vec<Oddity> {
+        let mut found = Vec::new();
+        let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
+        let logs: Vec<Range<usize>> = self.power_ons();
+        for (place, axis) in axes.iter().enumerate() {
+            let values = self.values(axis);
+            found.extend(self.stuck(axis));
+            if let Some(Spikes { rows, worst: (row, value, times) }) =
+                self.spikes(axis, 0..self.n_rows(), still)
+            {
+                let (column, worst) = ((*axis).to_owned(), [self.time_s[row], value, times]);
+                found.push(Oddity::Spikes { column, count: rows.len(), worst });
+            }
+            for other in &axes[place + 1..] {
+                let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+                if values.iter().zip(self.values(other)).all(same) && values.iter().any(|v| *v != values[0]) {
+                    found.push(Oddity::Same { columns: [(*axis).to_owned(), (*other).to_owned()] });
+                }
+            }
+            let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
+            let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();
+            let no_reference = self.channel(&format!("ref_{axis}")).is_err();
+            if axis.starts_with('g')
+                && no_reference
+                && !rates.is_empty()
+                && median(&mut rates).abs() > RATE_AT_REST
+            {
+                found.push(Oddity::TurnsAtRest { column: (*axis).to_owned(), rate: median(&mut rates) });
+            }
+            let mut noise: Vec<f64> =
+                logs.iter().filter_map(|rows| fast_noise(&values[rows.clone()])).collect();
+            noise.sort_by(f64::total_cmp);
+            if let [quietest, .., loudest] = noise[..]
+                && loudest > NOISE_RATIO * quietest
+            {
+                found.push(Oddity::NoiseDiffers { column: (*axis).to_owned(), ratio: loudest / quietest });
+            }
+        }
+        found.extend(self.not_gravity(still));
+        found.extend(self.rates_differ(&logs));
+        found
+    }
+
+    /// The samples of an axis among `rows` at rest that are no measurements: spikes of its error.
+    pub(crate) fn spikes(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> Option<Spikes> {
+        let error = self.error_series(axis).ok()?;
+        let stretches = self.stretches_where(|row| rows.contains(&row) && still[row]);
+        spikes(&error.values, &stretches)
+    }
+
+    /// The same recording with the spikes of an axis among `rows` at rest taken for empty cells, and how many there are.
+    pub fn without_spikes(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
+        let Some(spikes) = self.spikes(axis, rows, still) else { return (Cow::Borrowed(self), 0) };
+        let mut values = self.values(axis).to_vec();
+        spikes.rows.iter().for_each(|row| values[*row] = f64::NAN);
+        (Cow::Owned(self.with_values(axis, values)), spikes.rows.len())
+    }
+
+    fn values(&self, column: &str) -> &[f64] {
+        self.channel(column).map_or(&[], |channel| &channel.values)
+    }
+
+    fn stuck(&self, axis: &str) -> Option<Oddity> {
+        let known: Vec<f64> = self.values(axis).iter().copied().filter(|value| !value.is_nan()).collect();
+        let run = known.chunk_by(|a, b| a == b).max_by_key(|run| run.len())?;
+        let seconds = [run.len() as f64 * self.rate.period_s, known.len() as f64 * self.rate.period_s];
+        let is_stuck = run.len() as f64 > STUCK_SHARE * known.len() as f64 && run.len() > 10;
+        is_stuck.then(|| Oddity::Stuck { column: axis.to_owned(), value: run[0], seconds })
+    }
+
+    fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
+        if AXES[..3]
+            .iter()
+            .any(|axis| self.channel(axis).is_err() || self.channel(&format!("ref_{axis}")).is_ok())
+        {
+            return None;
+        }
+        let [x, y, z] = [0, 1, 2].map(|axis| self.values(AXES[axis]));
+        let square = |row: usize| x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
+        let at_rest = (0..self.n_rows()).filter(|row| still[*row]);
+        let mut magnitudes: Vec<f64> =
+            at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite()).collect();
+        if magnitudes.is_empty() {
+            return None;
+        }
+        let magnitude = median(&mut magnitudes);
+        ((magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN).then_some(Oddity::NotGravity { magnitude })
+    }
+
+    fn rates_differ(&self, logs: &[Range<usize>]) -> Option<Oddity> {
+        let rate = |rows: &Range<usize>| {
+            let longest = self.segments.iter().filter(|segment| rows.contains(&segment.rows.start));
+            let longest = longest.max_by_key(|segment| segment.rows.len())?.rows.clone();
+            let seconds = self.time_s[longest.end - 1] - self.time_s[longest.start];
+            (longest.len() > 1000 && seconds > 0.0).then(|| (longest.len() - 1) as f64 / seconds)
+        };
+        let rates: Vec<f64> = logs.iter().filter_map(rate).collect();
+        let (first, others) = rates.split_first()?;
+        let other = others.iter().max_by(|a, b| (*a - first).abs().total_cmp(&(*b - first).abs()))?;
+        let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
+        differs.then_some(Oddity::RatesDiffer { rates_hz: [*first, *other] })
+    }
+}
+
+/// Noise from one sample to the next, by the median: shocks and steps do not move it. None of a constant.
+fn fast_noise(values: &[f64]) -> Option<f64> {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    (steps.len() > 50).then(|| median(&mut steps))
+}

@@ -1,0 +1,94 @@
+//! Cells that are missing: which value stands for them.
+
+use super::channel::Channel;
+use super::{Boundary, Recording};
+
+impl Recording {
+    /// The values of a channel as a device has them, one per row: where one is missing, the last one before it, over gaps too.
+    /// NaN until there is one since the unit was switched on, at the begin of each recording that was joined.
+    pub fn held(&self, channel: &Channel) -> Vec<f64> {
+        let mut values = channel.values.to_vec();
+        for rows in self.power_ons() {
+            let mut last = f64::NAN;
+            for value in &mut values[rows] {
+                match value.is_nan() {
+                    true => *value = last,
+                    false => last = *value,
+                }
+            }
+        }
+        values
+    }
+
+    /// The same for those who need a value in every row: before the first one, that stands, as nothing else is known. NaN only
+    /// where the channel has no value at all.
+    pub fn held_from_first(&self, channel: &Channel) -> Vec<f64> {
+        let mut values = self.held(channel);
+        back_filled(&mut values);
+        values
+    }
+
+    /// Rows from one start of the unit to the next.
+    pub(super) fn power_ons(&self) -> Vec<std::ops::Range<usize>> {
+        let mut starts: Vec<usize> = self
+            .segments
+            .iter()
+            .filter(|s| s.boundary == Boundary::Recording)
+            .map(|s| s.rows.start)
+            .collect();
+        starts.insert(0, 0);
+        starts.push(self.n_rows());
+        starts.windows(2).map(|pair| pair[0]..pair[1]).collect()
+    }
+}
+
+/// Puts the next value there is into rows where one is not known, and after the last that one.
+pub fn back_filled(values: &mut [f64]) {
+    let mut next = values.iter().rev().copied().find(|value| !value.is_nan()).unwrap_or(f64::NAN);
+    for value in values.iter_mut().rev() {
+        match value.is_nan() {
+            true => *value = next,
+            false => next = *value,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Source};
+    use super::*;
+
+    const NAN: f64 = f64::NAN;
+
+    fn recording(temp_c: &[f64]) -> Recording {
+        let columns = vec![("temp_c".to_owned(), temp_c.to_vec())];
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
+    }
+
+    fn equal(found: &[f64], wanted: &[f64]) {
+        assert!(
+            found.iter().zip(wanted).all(|(f, w)| f == w || f.is_nan() && w.is_nan())
+                && found.len() == wanted.len(),
+            "{found:?} {wanted:?}"
+        );
+    }
+
+    #[test]
+    fn a_missing_value_is_held_and_before_the_first_nothing_is_known() {
+        let recording = recording(&[NAN, 1.0, NAN, NAN, 2.0, NAN]);
+        let channel = recording.channel("temp_c").unwrap();
+        equal(&recording.held(channel), &[NAN, 1.0, 1.0, 1.0, 2.0, 2.0]);
+        equal(&recording.held_from_first(channel), &[1.0, 1.0, 1.0, 1.0, 2.0, 2.0]);
+        assert_eq!(channel.n_missing(), 4);
+    }
+
+    /// The last value of one log stood for the first of the next, though the unit may have been off for a week.
+    #[test]
+    fn nothing_is_held_from_one_recording_into_the_next() {
+        let both = Recording::join(vec![recording(&[1.0, 2.0, 3.0]), recording(&[NAN, 7.0, NAN])]).unwrap();
+        let channel = both.channel("temp_c").unwrap();
+        equal(&both.held(channel), &[1.0, 2.0, 3.0, NAN, 7.0, 7.0]);
+        equal(&both.held_from_first(channel), &[1.0, 2.0, 3.0, 7.0, 7.0, 7.0]);
+    }
+}

@@ -1,0 +1,236 @@
+//! Measured data: channels with units on a regular sample grid, in segments without gaps.
+//!
+//! [`load`] reads CSV, gzip'd CSV and Parquet with the columns of the log format (`t_s`, `ax_mps2` … `gz_rads`,
+//! `temp_c`, …; a [`ColumnMap`] names and converts others) into a [`Recording`]; [`write_columns`] writes. The rules
+//! for what is wrong with real logs:
+//!
+//! | in the log | what happens |
+//! |---|---|
+//! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
+//! | time goes back by more than a sample, and stays back | the segment ends; counted |
+//! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
+//! | a stamp repeats, the sample differs | kept and counted |
+//! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
+//! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
+//! | over 5 % of rows are like that, or one in strict mode | refused |
+//! | a column holds text | left out and listed (`segment`: its labels count) |
+//! | the value of `segment` changes | the segment ends |
+//! | `still` is above 0.5 | the sensor is known to be still |
+//! | stamps that mean fewer than 0.01 or more than 10⁶ samples a second | refused: in another unit |
+//! | no `t_s` | row number over the stated rate, else refused |
+
+mod channel;
+mod closest;
+mod column_map;
+mod csv_file;
+mod error;
+mod error_series;
+mod gaps;
+mod glance;
+mod guess;
+mod gzip;
+mod held;
+mod join;
+mod load;
+mod other_format;
+mod parquet_file;
+mod parquet_input;
+mod preview;
+mod quality;
+mod rate;
+mod source;
+mod table;
+mod unit;
+mod write;
+
+#[cfg(test)]
+mod gap_tests;
+#[cfg(test)]
+mod load_tests;
+#[cfg(test)]
+mod real_log_tests;
+
+use std::ops::Range;
+
+pub use channel::Channel;
+pub use channel::{INNOVATION, VALIDITY};
+pub use closest::closest;
+pub use column_map::{ColumnMap, MapError};
+pub use error::RecordingError;
+pub use error_series::{ErrorSeries, Reference};
+pub use gaps::{Boundary, Segment};
+pub use glance::Oddity;
+pub use held::back_filled;
+pub use load::{LoadOptions, MAX_UNUSABLE, RATES_HZ, load};
+pub use preview::{ColumnPreview, Preview, preview};
+pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
+pub use rate::{Rate, Stamps};
+pub use source::Source;
+pub use unit::Unit;
+pub use write::{check_log_path, write_columns};
+
+/// The inertial channels, in their order everywhere.
+pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+/// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Where it came from: one file, or those it was joined of.
+    pub sources: Vec<Source>,
+    /// Time of every row as stamped, s.
+    pub time_s: Vec<f64>,
+    channels: Vec<Channel>,
+    /// Stretches without gaps, in order; together they are all rows. Nothing is fitted or predicted across two.
+    pub segments: Vec<Segment>,
+    /// The sample rate, as measured.
+    pub rate: Rate,
+    /// Where the sensor is known to be still, one flag per row; `None` if the log does not say.
+    pub still: Option<Vec<bool>>,
+    /// What was wrong with the log.
+    pub quality: Quality,
+}
+
+impl Recording {
+    /// Rows.
+    pub fn n_rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// All channels, in the order of the file.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The channel of this name.
+    ///
+    /// # Errors
+    /// There is none; the error lists what there is, and the most similar name.
+    pub fn channel(&self, name: &str) -> Result<&Channel, RecordingError> {
+        self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
+            let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
+            let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);
+            RecordingError::NoChannel { name: name.to_owned(), closest, available }
+        })
+    }
+
+    /// The inertial channels that it has.
+    ///
+    /// # Errors
+    /// It has none.
+    pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
+        let axes = AXES.into_iter().filter(|name| self.channel(name).is_ok());
+        let axes: Vec<String> = axes.map(str::to_owned).collect();
+        if axes.is_empty() {
+            let text_columns = self.quality.text_columns.clone();
+            let first = self.quality.first_text.clone().map(Box::new);
+            return Err(RecordingError::NoAxes { path: self.paths(), text_columns, first });
+        }
+        Ok(axes)
+    }
+
+    /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment
+    /// that the cut falls into is cut in two. `fraction` is held to 0 … 1.
+    pub fn split(&self, fraction: f64) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+        let cut = (fraction.clamp(0.0, 1.0) * self.n_rows() as f64).round() as usize;
+        let part = |from: usize, to: usize| {
+            let rows = self.segments.iter().map(|s| s.rows.start.max(from)..s.rows.end.min(to));
+            rows.filter(|rows| !rows.is_empty()).collect()
+        };
+        (part(0, cut), part(cut, self.n_rows()))
+    }
+
+    /// The first `rows` of it as a recording of its own.
+    pub fn first_rows(&self, rows: usize) -> Self {
+        let rows = rows.min(self.n_rows());
+        let first = |values: &[f64]| values[..rows].to_vec();
+        let channels = self.channels.iter();
+        let segments = self.segments.iter().filter(|segment| segment.rows.start < rows);
+        Self {
+            sources: self.sources.clone(),
+            time_s: first(&self.time_s),
+            channels: channels.map(|c| Channel { values: first(&c.values).into(), ..c.clone() }).collect(),
+            segments: segments
+                .map(|s| Segment { rows: s.rows.start..s.rows.end.min(rows), ..s.clone() })
+                .collect(),
+            rate: self.rate.clone(),
+            still: self.still.as_ref().map(|still| still[..rows].to_vec()),
+            quality: self.quality.clone(),
+        }
+    }
+
+    /// The same with other values in a channel, one per row; without such a channel it is the same.
+    pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
+        let mut other = self.clone();
+        if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
+            channel.values = values.into();
+        }
+        other
+    }
+
+    /// From the first sample to the last by the sample grid, s: stamps may go back.
+    pub fn duration_s(&self) -> f64 {
+        let last = self.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
+        last.saturating_sub(1) as f64 * self.rate.period_s
+    }
+
+    /// The same with times that go on where a segment is stamped as if it began before the end of the one before it.
+    pub fn counted_on(mut self) -> Self {
+        let period_s = self.rate.period_s;
+        let mut shift_s = 0.0;
+        let mut ended_s = f64::NEG_INFINITY;
+        for segment in &self.segments {
+            let times = &mut self.time_s[segment.rows.clone()];
+            let begins_s = level(times.iter().copied(), period_s) + shift_s;
+            if begins_s < ended_s - 0.5 * period_s {
+                shift_s += ended_s + period_s - begins_s;
+            }
+            times.iter_mut().for_each(|time_s| *time_s += shift_s);
+            ended_s = -level(times.iter().rev().map(|time_s| -time_s), period_s);
+        }
+        self
+    }
+
+    /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
+    pub fn still_rows(&self) -> Vec<Range<usize>> {
+        self.stretches_where(|row| self.still.as_ref().is_none_or(|still| still[row]))
+    }
+
+    /// Stretches of rows that all have what `holds` asks for, none across two segments.
+    pub fn stretches_where(&self, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+        self.segments.iter().flat_map(|segment| runs(segment.rows.clone(), &holds)).collect()
+    }
+
+    /// Where it came from, in words.
+    pub fn paths(&self) -> String {
+        self.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The first time of rows a period apart, by the median of some: one stamp may be wrong.
+fn level(times: impl Iterator<Item = f64>, period_s: f64) -> f64 {
+    let mut levels: Vec<f64> =
+        times.take(9).enumerate().map(|(row, time_s)| time_s - row as f64 * period_s).collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    levels[levels.len() / 2]
+}
+
+/// Ranges cut into pieces of `length`, each from the begin of its own; the last of each may be shorter.
+pub fn pieces(ranges: &[Range<usize>], length: usize) -> Vec<Range<usize>> {
+    let of = |range: &Range<usize>| {
+        let end = range.end;
+        range.clone().step_by(length).map(move |start| start..(start + length).min(end))
+    };
+    ranges.iter().flat_map(of).collect()
+}
+
+/// The longest ranges within `rows` in which `holds` for every row, in order.
+pub fn runs(rows: Range<usize>, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for row in rows.filter(|row| holds(*row)) {
+        match runs.last_mut() {
+            Some(last) if last.end == row => last.end += 1,
+            _ => runs.push(row..row + 1),
+        }
+    }
+    runs
+}

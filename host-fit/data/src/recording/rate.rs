@@ -1,0 +1,147 @@
+//! The true sample rate, from time stamps that jitter, arrive in bursts and miss samples.
+
+use serde::Serialize;
+
+use super::gaps::Grid;
+pub(super) use crate::statistics::median;
+
+/// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
+/// stamped sample by sample. Normal jitter with sd 0.3 T gives 12 %, bursts of two samples 50 %.
+const EARLY_SHARE: f64 = 0.2;
+
+/// Scatter below which stamps count as regular, sample periods. Rounding to a tenth of a period gives 0.03.
+const REGULAR_SCATTER: f64 = 0.02;
+
+/// MAD of a normal distribution in standard deviations.
+pub(super) const MAD_TO_SD: f64 = 1.4826;
+
+/// Rows per block in which the scatter of stamps is taken, short enough that no clock wanders in it.
+const SCATTER_BLOCK: usize = 64;
+
+/// Longest reach in rows of the first estimate of the period.
+const FIRST_REACH: usize = 4096;
+
+/// The sample rate of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rate {
+    /// As stated by the user or a case's `meta.json`, Hz.
+    pub nominal_hz: Option<f64>,
+    /// As measured: one over `period_s`, Hz.
+    pub true_hz: f64,
+    /// Slope of time stamp against sample count, missing samples counted: median over pairs of rows half the
+    /// longest unbroken stretch apart (after Theil 1950, Sen 1968), s.
+    pub period_s: f64,
+    /// Scatter of the stamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64
+    /// rows, s.
+    pub jitter_s: f64,
+    /// How the stamps lie on the grid.
+    pub stamps: Stamps,
+}
+
+/// How time stamps lie on the regular sample grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stamps {
+    /// Scatter below 2 % of the period.
+    Regular,
+    /// Stamped sample by sample, with jitter.
+    Jittered,
+    /// Stamped in bursts, as by a host that polls or by a clock of coarse ticks: late, never early.
+    Bursts,
+    /// None: the times are the row number over the stated rate.
+    Absent,
+}
+
+/// A first look at stamps, enough to look for gaps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstLook {
+    /// Sample period, s.
+    pub(super) period_s: f64,
+    /// `Regular` or `Bursts`, or `Jittered`.
+    pub(super) stamps: Stamps,
+    /// Scatter of single stamps, sample periods.
+    pub(super) scatter: f64,
+    /// Mean number of rows from one long wait to the next.
+    pub(super) burst_rows: f64,
+}
+
+/// Estimates the period before the gaps are known; `None` if time does not run forward.
+pub(super) fn first_look(time_s: &[f64], nominal_hz: Option<f64>) -> Option<FirstLook> {
+    let n = time_s.len();
+    let waits: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let typical_wait = median(&mut waits.clone());
+
+    // over many rows bursts and coarse stamps average out; missing samples lengthen it
+    let reach = (n / 4).clamp(1, FIRST_REACH);
+    let mut slopes: Vec<f64> = (reach..n).map(|i| (time_s[i] - time_s[i - reach]) / reach as f64).collect();
+    let far = median(&mut slopes);
+    if !(far > 0.0 && far.is_finite()) {
+        return None;
+    }
+    let share = |count: usize| count as f64 / waits.len() as f64;
+    let early = share(waits.iter().filter(|&&wait| wait < 0.5 * far).count());
+
+    // the mean of the usual waits, not their median: stamps in whole milliseconds
+    let usual: Vec<f64> = waits
+        .iter()
+        .copied()
+        .filter(|wait| (wait - typical_wait).abs() <= 0.5 * typical_wait.abs())
+        .collect();
+    let near = usual.iter().sum::<f64>() / usual.len().max(1) as f64;
+    let near = if near.is_finite() { near } else { 0.0 };
+
+    // waits of one and two ticks in turn may be loss or a coarse clock: only the stated rate can tell
+    let nominal_is = |period: f64| nominal_hz.is_some_and(|hz| (period * hz - 1.0).abs() < 0.2);
+    if early > EARLY_SHARE || near <= 0.0 || (nominal_is(far) && !nominal_is(near)) {
+        let long = share(waits.iter().filter(|&&wait| wait > 1.5 * far).count());
+        let burst_rows = 1.0 / long.max(1e-9);
+        return Some(FirstLook { period_s: far, stamps: Stamps::Bursts, scatter: 0.0, burst_rows });
+    }
+    let mut deviations: Vec<f64> = waits.iter().map(|wait| (wait - typical_wait).abs()).collect();
+    // the wait between two stamps scatters by √2 as much as a stamp
+    let scatter = MAD_TO_SD * median(&mut deviations) / near / std::f64::consts::SQRT_2;
+    Some(FirstLook { period_s: near, stamps: Stamps::Jittered, scatter, burst_rows: 1.0 })
+}
+
+/// Slope of time against ticks of the grid; `None` if no two rows can be compared.
+pub(super) fn slope(time_s: &[f64], grid: &Grid) -> Option<f64> {
+    let stretches = grid.unbroken();
+    let longest = stretches.iter().map(|rows| rows.len()).max()?;
+    let reach = (longest / 2).max(1);
+    let ticks = grid.ticks();
+    let mut slopes: Vec<f64> = stretches
+        .into_iter()
+        .flat_map(|rows| rows.start + reach..rows.end.max(rows.start + reach))
+        .map(|i| (time_s[i] - time_s[i - reach]) / (ticks[i] - ticks[i - reach]) as f64)
+        .collect();
+    if slopes.is_empty() {
+        return None;
+    }
+    Some(median(&mut slopes)).filter(|slope| *slope > 0.0 && slope.is_finite())
+}
+
+/// Scatter of the stamps about the grid, s.
+pub(super) fn jitter(time_s: &[f64], grid: &Grid, period_s: f64) -> f64 {
+    let ticks = grid.ticks();
+    let mut deviations = Vec::with_capacity(time_s.len());
+    for rows in grid.unbroken() {
+        // from the stretch's own start, so that large numbers cancel before they are scaled
+        let start = rows.start;
+        let late = |i: usize| (time_s[i] - time_s[start]) - period_s * (ticks[i] - ticks[start]) as f64;
+        for block in rows.clone().step_by(SCATTER_BLOCK) {
+            let end = (block + SCATTER_BLOCK).min(rows.end);
+            let mut block: Vec<f64> = (block..end).map(late).collect();
+            let level = median(&mut block);
+            deviations.extend(block.iter().map(|late| (late - level).abs()));
+        }
+    }
+    MAD_TO_SD * median(&mut deviations)
+}
+
+/// Names the stamps by their scatter.
+pub(super) fn name_stamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps {
+    match first {
+        Stamps::Jittered if jitter_s < REGULAR_SCATTER * period_s => Stamps::Regular,
+        other => other,
+    }
+}

@@ -1,0 +1,109 @@
+//! Samples that are no measurements: single values, or a few, far off those around them.
+
+use std::ops::Range;
+
+use crate::statistics::median;
+
+/// Values on either side that a value is held against: so many in a row, at most, can be a spike.
+const REACH: usize = 5;
+
+/// A spike is so many standard deviations off. Normal noise never is; of noise with tails as wide as Laplace's one sample in
+/// 10¹⁸.
+const FAR: f64 = 30.0;
+
+/// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after. Shaking that
+/// begins does not.
+const ALONE: f64 = 10.0;
+const AROUND: usize = 25;
+
+/// More than this share of the rows are no spikes: the noise comes and goes.
+const MOST: f64 = 1e-3;
+
+/// MAD of a normal distribution in standard deviations.
+const MAD_TO_SD: f64 = 1.4826;
+
+/// Spikes of a series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spikes {
+    /// Their rows, in order.
+    pub rows: Vec<usize>,
+    /// The one furthest off: its row, its value, and by how many standard deviations of the values about their neighbours.
+    pub worst: (usize, f64, f64),
+}
+
+/// The spikes among `stretches` of rows without gaps: values further than 30 standard deviations from the median of those
+/// around them, and ten times as far off as their neighbours. None where there are more of them than a thousandth, or too few
+/// values to tell.
+pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
+    let mut off: Vec<(usize, f64)> = Vec::new();
+    for stretch in stretches {
+        let known: Vec<usize> = stretch.clone().filter(|row| values[*row].is_finite()).collect();
+        for at in 0..known.len() {
+            let around = &known[at.saturating_sub(REACH)..(at + REACH + 1).min(known.len())];
+            if around.len() > REACH {
+                let mut window: Vec<f64> = around.iter().map(|row| values[*row]).collect();
+                off.push((known[at], (values[known[at]] - median(&mut window)).abs()));
+            }
+        }
+    }
+    let deviation = MAD_TO_SD * median(&mut off.iter().map(|(_, off)| *off).collect::<Vec<_>>());
+    // coarse steps: most values are their neighbours'
+    let mean = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
+    let deviation = if deviation > 0.0 { deviation } else { mean };
+    if deviation <= 0.0 {
+        return None;
+    }
+    let stands_alone = |at: usize| {
+        let (row, own) = off[at];
+        let near = &off[at.saturating_sub(AROUND)..(at + AROUND + 1).min(off.len())];
+        let mut others: Vec<f64> =
+            near.iter().filter(|(other, _)| other.abs_diff(row) <= AROUND).map(|(_, off)| *off).collect();
+        let place = others.len().saturating_sub(REACH + 1);
+        own > ALONE * *others.select_nth_unstable_by(place, f64::total_cmp).1
+    };
+    let is_far = |at: &usize| off[*at].1 > FAR * deviation && stands_alone(*at);
+    let far: Vec<(usize, f64)> = (0..off.len()).filter(is_far).map(|at| off[at]).collect();
+    let worst = far.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let few = far.len() <= ((MOST * off.len() as f64) as usize).max(1);
+    few.then(|| Spikes {
+        rows: far.iter().map(|(row, _)| *row).collect(),
+        worst: (worst.0, values[worst.0], worst.1 / deviation),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_testkit::noise::{random_walk, white_noise};
+
+    fn found(values: &[f64]) -> Vec<usize> {
+        spikes(values, std::slice::from_ref(&(0..values.len()))).map_or_else(Vec::new, |spikes| spikes.rows)
+    }
+
+    #[test]
+    fn a_wild_sample_is_found_wherever_it_is() {
+        for row in [0, 1, 500, 998, 999] {
+            let mut values = white_noise(3, 1000);
+            values[row] = -32_768.0;
+            assert_eq!(found(&values), [row]);
+        }
+    }
+
+    #[test]
+    fn noise_walks_steps_and_bursts_have_none() {
+        let step: Vec<f64> = white_noise(1, 4000)
+            .iter()
+            .enumerate()
+            .map(|(row, x)| x + if row > 1900 { 500.0 } else { 0.0 })
+            .collect();
+        let burst: Vec<f64> = white_noise(2, 4000)
+            .iter()
+            .enumerate()
+            .map(|(row, x)| if (1000..1400).contains(&row) { 200.0 * x } else { *x })
+            .collect();
+        let coarse: Vec<f64> = white_noise(4, 4000).iter().map(|x| (x * 0.4).round()).collect();
+        for values in [white_noise(5, 100_000), random_walk(6, 4000), step, burst, coarse, vec![2.5; 1000]] {
+            assert!(found(&values).is_empty());
+        }
+    }
+}

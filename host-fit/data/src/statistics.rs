@@ -1,0 +1,73 @@
+//! Mean, variance and median of a sampled series in `stretches`: the gap-free pieces of one recording. Values must be finite.
+
+/// Number of samples in all stretches together.
+pub fn sample_count(stretches: &[&[f64]]) -> usize {
+    stretches.iter().map(|stretch| stretch.len()).sum()
+}
+
+/// Mean of all samples; 0 where there are none.
+pub fn mean(stretches: &[&[f64]]) -> f64 {
+    let count = sample_count(stretches).max(1);
+    stretches.iter().copied().flatten().sum::<f64>() / count as f64
+}
+
+/// The samples about their mean: products of large numbers (°C squared) keep their digits.
+pub fn centred(mut samples: Vec<f64>) -> Vec<f64> {
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    samples.iter_mut().for_each(|sample| *sample -= mean);
+    samples
+}
+
+/// Mean square about the mean of all samples (divided by N, not N − 1); 0 where there are none.
+///
+/// ```
+/// use fos_data::statistics::variance;
+/// assert_eq!(variance(&[&[1.0, 3.0], &[5.0, 7.0]]), 5.0);
+/// ```
+pub fn variance(stretches: &[&[f64]]) -> f64 {
+    let mean = mean(stretches);
+    let count = sample_count(stretches).max(1);
+    stretches.iter().copied().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64
+}
+
+/// Median (the upper one of an even number); reorders `values`. Zero of none.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Whether all samples are equal, as they are where there are none.
+pub fn is_constant(stretches: &[&[f64]]) -> bool {
+    let mut samples = stretches.iter().copied().flatten();
+    let first = samples.next();
+    samples.all(|x| Some(x) == first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_variance_do_not_depend_on_where_the_gaps_are() {
+        let series = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
+        for cut in 0..=series.len() {
+            let (left, right) = series.split_at(cut);
+            assert_eq!(mean(&[left, right]), 5.0);
+            assert_eq!(variance(&[left, right]), 4.0);
+        }
+    }
+
+    #[test]
+    fn nothing_measured_has_mean_and_variance_zero() {
+        assert_eq!((mean(&[]), variance(&[])), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_constant_is_one_across_gaps_too() {
+        assert!(is_constant(&[]) && is_constant(&[&[]]) && is_constant(&[&[1.0], &[1.0, 1.0]]));
+        assert!(!is_constant(&[&[1.0], &[1.0, 2.0]]) && !is_constant(&[&[1.0], &[2.0]]));
+    }
+}

@@ -1,0 +1,161 @@
+//! Where in a recording the unit is at rest, for logs that do not say.
+
+use std::ops::Range;
+
+use fos_core::{StillnessDetector, StillnessLimits};
+
+use crate::recording::Recording;
+
+/// Length of a window, s.
+const WINDOW_S: f64 = 0.5;
+
+/// The limit of a window's variance over that of the quietest tenth of all windows: three times the noise. A window
+/// of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
+const VARIANCE_RATIO: f64 = 9.0;
+
+/// The columns of the accelerometers.
+pub const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+/// The columns of the gyros.
+pub const GYRO: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
+
+/// Where a recording is still, and how that is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stillness {
+    /// One flag per row.
+    pub still: Vec<bool>,
+    /// How it is known.
+    pub known_by: KnownBy,
+    /// Limits for the detector on the device, learnt from the quietest windows; `None` without all six axes.
+    pub limits: Option<StillnessLimits<f64>>,
+}
+
+/// How it is known where the unit is still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum KnownBy {
+    /// The log has a `still` column.
+    Column,
+    /// The detector of fos-core ran over accelerometers and gyros.
+    Detector,
+    /// Neither; all of it is taken to be still.
+    Assumed,
+}
+
+impl KnownBy {
+    /// In words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Column => "by its column `still`",
+            Self::Detector => "by the stillness detector",
+            Self::Assumed => "assumed: there is no column `still`, and not all six axes to detect it from",
+        }
+    }
+}
+
+/// Finds where `recording` is still: by its column, else by the detector, else all of it.
+pub fn find(recording: &Recording) -> Stillness {
+    let limits = limits(recording, &(0..recording.n_rows()));
+    if let Some(still) = &recording.still {
+        return Stillness { still: still.clone(), known_by: KnownBy::Column, limits };
+    }
+    let detected = limits.and_then(|limits| detect(recording, limits));
+    match detected {
+        Some(still) => Stillness { still, known_by: KnownBy::Detector, limits },
+        None => Stillness { still: vec![true; recording.n_rows()], known_by: KnownBy::Assumed, limits: None },
+    }
+}
+
+fn triad<'a>(recording: &'a Recording, names: [&str; 3]) -> Option<[&'a [f64]; 3]> {
+    let column = |name| recording.channel(name).ok().map(|channel| channel.values.as_slice());
+    Some([column(names[0])?, column(names[1])?, column(names[2])?])
+}
+
+fn detect(recording: &Recording, limits: StillnessLimits<f64>) -> Option<Vec<bool>> {
+    let (accel, gyro) = (triad(recording, ACCEL)?, triad(recording, GYRO)?);
+    let mut detector = StillnessDetector::new(limits).ok()?;
+    let mut still = vec![false; recording.n_rows()];
+    for segment in &recording.segments {
+        detector.disturbed();
+        for row in segment.rows.clone() {
+            still[row] = detector.update(accel.map(|axis| axis[row]), gyro.map(|axis| axis[row]));
+        }
+        back_date(&mut still[segment.rows.clone()], usize::from(limits.window));
+    }
+    Some(still)
+}
+
+/// The detector needs two quiet windows before it says so; in a log it is known afterwards that they were quiet. The
+/// first of them is left out as margin.
+fn back_date(still: &mut [bool], window: usize) {
+    let starts: Vec<usize> = (1..still.len()).filter(|&row| still[row] && !still[row - 1]).collect();
+    for start in starts {
+        still[start.saturating_sub(window)..start].fill(true);
+    }
+}
+
+/// Limits from the quietest windows among `rows`.
+pub fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLimits<f64>> {
+    let (accel, gyro) = (triad(recording, ACCEL)?, triad(recording, GYRO)?);
+    let window = ((WINDOW_S / recording.rate.period_s).round() as usize).clamp(10, usize::from(u16::MAX));
+    let windows: Vec<Window> = recording
+        .segments
+        .iter()
+        .flat_map(|segment| {
+            let (start, end) = (segment.rows.start.max(rows.start), segment.rows.end.min(rows.end));
+            (start..end).step_by(window).filter(|start| start + window <= end).collect::<Vec<_>>()
+        })
+        .filter_map(|start| Window::of(&accel, &gyro, start..start + window))
+        .collect();
+    let accel_variance = VARIANCE_RATIO * low_quantile(windows.iter().map(|w| w.accel_variance).collect())?;
+    let gyro_variance = VARIANCE_RATIO * low_quantile(windows.iter().map(|w| w.gyro_variance).collect())?;
+    let quiet: Vec<&Window> = windows
+        .iter()
+        .filter(|w| w.accel_variance <= accel_variance && w.gyro_variance <= gyro_variance)
+        .collect();
+    let gyro_at_rest = [0, 1, 2].map(|axis| median(quiet.iter().map(|w| w.gyro_mean[axis]).collect()));
+    let distance =
+        |w: &&Window| (0..3).map(|axis| (w.gyro_mean[axis] - gyro_at_rest[axis]).powi(2)).sum::<f64>().sqrt();
+    // half of the quiet windows are nearer than the median; a bias that drifts goes some times further
+    let spread = median(quiet.iter().map(distance).collect());
+    let limits = StillnessLimits {
+        window: window as u16,
+        accel_variance,
+        gyro_variance,
+        gyro_at_rest,
+        gyro_deviation: 10.0 * spread + gyro_variance.sqrt(),
+    };
+    StillnessDetector::new(limits).ok().map(|_| limits)
+}
+
+struct Window {
+    accel_variance: f64,
+    gyro_variance: f64,
+    gyro_mean: [f64; 3],
+}
+
+impl Window {
+    /// `None` if a value is missing or a triad does not change at all.
+    fn of(accel: &[&[f64]; 3], gyro: &[&[f64]; 3], rows: Range<usize>) -> Option<Self> {
+        let moments = |axis: &[f64]| {
+            let stretch = &axis[rows.clone()];
+            (crate::statistics::mean(&[stretch]), crate::statistics::variance(&[stretch]))
+        };
+        let (accel, gyro) = (accel.map(moments), gyro.map(moments));
+        let window = Self {
+            accel_variance: accel.iter().map(|(_, variance)| variance).sum(),
+            gyro_variance: gyro.iter().map(|(_, variance)| variance).sum(),
+            gyro_mean: gyro.map(|(mean, _)| mean),
+        };
+        (window.accel_variance > 0.0 && window.gyro_variance > 0.0).then_some(window)
+    }
+}
+
+fn low_quantile(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 10).copied()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

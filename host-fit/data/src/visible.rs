@@ -1,0 +1,54 @@
+//! Text that came from outside, made visible: nothing in it moves a cursor, ends a line, turns the order of letters or hides.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Has no shape of its own, but does something: moves the cursor, ends a line, turns the order of letters (bidi), hides.
+///
+/// Unicode 16: Cc, Zl, Zp and those of Cf that are no part of a script; and the noncharacters that XML has no place for.
+pub fn is_hidden(letter: char) -> bool {
+    letter.is_control()
+        || matches!(letter,
+            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{fffe}' | '\u{ffff}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// Text in which nothing is hidden, on one line: what has no shape is named by its code point, as `<U+001B>`.
+pub fn visible(text: &str) -> Cow<'_, str> {
+    shown(text, is_hidden)
+}
+
+/// The same with the lines that the text has: those that end in `\n`.
+pub fn visible_lines(text: &str) -> Cow<'_, str> {
+    shown(text, |letter| letter != '\n' && is_hidden(letter))
+}
+
+fn shown(text: &str, is_named: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_named) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for letter in text.chars() {
+        if is_named(letter) {
+            let _ = write!(shown, "<U+{:04X}>", u32::from(letter));
+        } else {
+            shown.push(letter);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_shape_is_named() {
+        assert_eq!(
+            visible("gx\r\n\u{1b}[31m\u{202e}\u{9b}\0"),
+            "gx<U+000D><U+000A><U+001B>[31m<U+202E><U+009B><U+0000>"
+        );
+        assert_eq!(visible_lines("a\nb\tc"), "a\nb<U+0009>c");
+        assert!(matches!(visible("r̂ – é 漢字 😀 ماء"), Cow::Borrowed(_)), "what is text stays as it is");
+    }
+}

@@ -1,0 +1,235 @@
+//! A folder of cases: every one diagnosed and corrected, in parallel; what is done is kept, so that a run that was broken off
+//! goes on where it was.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::case::question;
+use crate::detect::{DiagnoseError, Diagnosis, correction, diagnose, is_fast};
+use crate::effects::Library;
+use crate::study::Tool;
+use fos_data::case::{Case, CaseError, CaseMeta};
+use fos_data::file::{self, FileError};
+use fos_data::recording::{Recording, RecordingError, write_columns};
+
+/// Schema of the answers.
+pub const SCHEMA: &str = "fos-answers/1";
+
+/// Rate at which slow corrections are written, Hz.
+const SLOW_RATE_HZ: f64 = 10.0;
+
+/// The answers to a folder of cases.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answers {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The program that answered.
+    pub tool: Tool,
+    /// One answer per case, in the order of their folders.
+    pub cases: Vec<Answer>,
+}
+
+/// The answer to one case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Name of the case.
+    pub case: String,
+    /// What is missing; absent if the case could not be read or judged.
+    #[serde(flatten)]
+    pub diagnosis: Option<Diagnosis>,
+    /// Why there is no diagnosis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Correction of the evaluation log: `t_s,corr`, relative to the answers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correction_eval_csv: Option<String>,
+    /// Correction of the field log.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correction_field_csv: Option<String>,
+    /// What it took, s.
+    pub seconds: f64,
+}
+
+/// An answer as it is kept for a later run, with what it depends on.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept {
+    key: String,
+    answer: Answer,
+}
+
+/// Why a batch cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum BatchError {
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A correction.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A case.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A diagnosis.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// There is no case.
+    #[error("{}: no folder in it has a meta.json\nhelp: `host-fit simulate --suite 20 {}` writes some", .0.display(), .0.display())]
+    NoCases(PathBuf),
+    /// The folder cannot be listed.
+    #[error("{}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+/// Answers every case in `folder` and writes `answers.json` and the corrections to `output`. `progress` is told the number of
+/// cases done and the name of the last. What was answered before is taken again if the same `program` answered it: any text that
+/// is another one for another build.
+///
+/// # Errors
+///
+/// The folder has no case, or the answers cannot be written. A case that cannot be read is an answer with an error.
+pub fn run(
+    folder: &Path,
+    output: &Path,
+    library: &Library,
+    program: &str,
+    progress: impl Fn(usize, usize, &str) + Sync,
+) -> Result<Answers, BatchError> {
+    let cases = case_folders(folder)?;
+    for path in [output.join("corr"), output.join("done")] {
+        file::make_folder(&path)?;
+    }
+    let done = AtomicUsize::new(0);
+    let answers: Vec<Answer> = cases
+        .par_iter()
+        .map(|case| -> Result<Answer, BatchError> {
+            let answer = answer(case, output, library, program)?;
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, cases.len(), &answer.case);
+            Ok(answer)
+        })
+        .collect::<Result<_, _>>()?;
+    let answers = Answers { schema: SCHEMA.to_owned(), tool: Tool::this(), cases: answers };
+    write_json(&output.join("answers.json"), &answers)?;
+    Ok(answers)
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
+    let mut text = serde_json::to_vec_pretty(value).expect("answers have only string keys");
+    text.push(b'\n');
+    file::write_atomically(path, &text)
+}
+
+/// The folders with a `meta.json`, by name.
+fn case_folders(folder: &Path) -> Result<Vec<PathBuf>, BatchError> {
+    let listed =
+        std::fs::read_dir(folder).map_err(|source| BatchError::Folder { path: folder.to_owned(), source })?;
+    let mut cases: Vec<PathBuf> = listed
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.join("meta.json").exists())
+        .collect();
+    cases.sort_unstable();
+    if cases.is_empty() { Err(BatchError::NoCases(folder.to_owned())) } else { Ok(cases) }
+}
+
+/// One case: what was kept of an earlier run if nothing has changed since, else anew.
+fn answer(folder: &Path, output: &Path, library: &Library, program: &str) -> Result<Answer, BatchError> {
+    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let kept_path = output.join("done").join(format!("{name}.json"));
+    let key = key(folder, library, program);
+    if let Ok(bytes) = std::fs::read(&kept_path)
+        && let Ok(kept) = serde_json::from_slice::<Kept>(&bytes)
+        && kept.key == key
+        && corrections(&kept.answer).all(|path| output.join(path).exists())
+    {
+        return Ok(kept.answer);
+    }
+    let start = Instant::now();
+    let mut answer = match examine(folder, output, &name, library) {
+        Ok(answer) => answer,
+        // what is wrong with one case does not stop the others; what is wrong with the output does
+        Err(error @ (BatchError::Case(_) | BatchError::Diagnose(_))) => Answer {
+            case: name,
+            diagnosis: None,
+            error: Some(error.to_string()),
+            correction_eval_csv: None,
+            correction_field_csv: None,
+            seconds: 0.0,
+        },
+        Err(error) => return Err(error),
+    };
+    answer.seconds = start.elapsed().as_secs_f64();
+    let kept = Kept { key, answer };
+    write_json(&kept_path, &kept)?;
+    Ok(kept.answer)
+}
+
+fn corrections(answer: &Answer) -> impl Iterator<Item = &String> {
+    answer.correction_eval_csv.iter().chain(&answer.correction_field_csv)
+}
+
+/// Names, sizes and times of change of a case's files, this program and the library.
+fn key(folder: &Path, library: &Library, program: &str) -> String {
+    let mut digest = Sha256::new();
+    digest.update(program);
+    digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| {
+            let entry = entry.ok()?;
+            let about = entry.metadata().ok()?;
+            Some(format!("{:?} {} {:?}", entry.file_name(), about.len(), about.modified().ok()))
+        })
+        .collect();
+    files.sort_unstable();
+    files.iter().for_each(|file| digest.update(file));
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Result<Answer, BatchError> {
+    let case = Case::read(folder)?;
+    let diagnosis = diagnose(&question(&case, library))?;
+    let write = |log: &Recording, which: &str| -> Result<String, BatchError> {
+        let path = format!("corr/{name}_{which}.csv");
+        write_correction(&output.join(&path), &diagnosis, &case.field, log)?;
+        Ok(path)
+    };
+    let correction_eval_csv = case.eval.as_ref().map(|eval| write(eval, "eval")).transpose()?;
+    let correction_field_csv = Some(write(&case.field, "field")?);
+    let CaseMeta { case: name, .. } = case.meta;
+    Ok(Answer {
+        case: name,
+        diagnosis: Some(diagnosis),
+        error: None,
+        correction_eval_csv,
+        correction_field_csv,
+        seconds: 0.0,
+    })
+}
+
+/// `t_s,corr`, thinned to means over a tenth of a second where the correction is slow.
+fn write_correction(
+    path: &Path,
+    diagnosis: &Diagnosis,
+    field: &Recording,
+    log: &Recording,
+) -> Result<(), BatchError> {
+    let values = correction(&diagnosis.findings, field, log)?;
+    let chunk = match is_fast(&diagnosis.findings) {
+        true => 1,
+        false => ((log.rate.true_hz / SLOW_RATE_HZ).round() as usize).max(1),
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let time: Vec<f64> = log.time_s.chunks(chunk).map(mean).collect();
+    let values: Vec<f64> = values.chunks(chunk).map(mean).collect();
+    Ok(write_columns(path, &[("t_s", &time), ("corr", &values)])?)
+}

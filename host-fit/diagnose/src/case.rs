@@ -1,0 +1,33 @@
+//! What a case asks.
+
+use fos_data::case::{Case, CaseMeta};
+use fos_data::recording::Recording;
+
+use crate::detect::Question;
+use crate::effects::Library;
+
+/// What is asked of these logs of a case: what in `field` is to be explained and corrected in `judged`.
+pub fn question_of_logs<'a>(
+    meta: &'a CaseMeta,
+    field: &'a Recording,
+    quiet: Option<&'a Recording>,
+    judged: Option<&'a Recording>,
+    library: &'a Library,
+) -> Question<'a> {
+    Question {
+        field,
+        quiet,
+        judged,
+        target: &meta.target,
+        sheet: meta.data_sheet(),
+        full_scale: meta.full_scale(),
+        lsb: meta.lsb(),
+        library,
+        given: &[],
+    }
+}
+
+/// What the case asks.
+pub fn question<'a>(case: &'a Case, library: &'a Library) -> Question<'a> {
+    question_of_logs(&case.meta, &case.field, case.baseline.as_ref(), case.eval.as_ref(), library)
+}

@@ -1,0 +1,202 @@
+//! A model against the measurements and against its rivals.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::dependence::{Dependence, DependenceError, Trained, dependence};
+use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
+use fos_data::recording::{LoadOptions, Recording, RecordingError};
+use fos_data::stillness::Stillness;
+use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
+use fos_fit::fit::{AxisFit, FitOptions};
+use fos_fit::model::{UnitModel, unit_of};
+use fos_fit::playback::Feed;
+use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
+
+/// Name of the model among its rivals.
+pub const MODEL: &str = "model";
+
+/// Why a comparison cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// A column that the model needs is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// fos-core refuses the model.
+    #[error("the model cannot be run: {0}")]
+    Model(#[from] fos_core::ModelError),
+    /// What is left cannot be held against what is logged.
+    #[error(transparent)]
+    Dependence(#[from] DependenceError),
+    /// Nothing is left to judge on.
+    #[error(
+        "no row at rest is left to judge on: all {trained} were trained on\nhelp: a smaller --train, or a longer log"
+    )]
+    NothingLeft {
+        /// Rows that were trained on.
+        trained: usize,
+    },
+}
+
+/// A model against the measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// First and last time stamp of the judged rows, s.
+    pub judged_s: (f64, f64),
+    /// The axes of the model.
+    pub axes: Vec<AxisComparison>,
+}
+
+/// One axis against the measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisComparison {
+    /// The column.
+    pub column: String,
+    /// Its unit.
+    pub unit: String,
+    /// Rows at rest that were judged.
+    pub rows: usize,
+    /// What no causal predictor can beat, in the square of the unit, and its 95 % interval.
+    pub noise_floor: Option<(f64, (f64, f64))>,
+    /// Why the floor should not be trusted.
+    pub floor_cautions: Vec<String>,
+    /// The rivals, then the model.
+    pub errors: Vec<ModelErrors>,
+    /// The five stretches where the model fails worst.
+    pub worst: Vec<Stretch>,
+    /// What is left against everything that is logged; absent where that is too little to tell.
+    pub dependence: Option<Dependence>,
+}
+
+/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data.
+/// `trained` is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
+/// trace, for the figures.
+///
+/// # Errors
+///
+/// A column is missing, the model cannot be run, or no row at rest is left.
+pub fn compare(
+    model: &UnitModel,
+    lag_1: &[f64],
+    recording: &Recording,
+    rest: &Stillness,
+    rows: Range<usize>,
+    trained: Option<&Trained<'_>>,
+    mut progress: impl FnMut(&str),
+) -> Result<(Comparison, Trace), CompareError> {
+    let feed = Feed::new(recording, model, &rest.still)?;
+    if !rows.clone().any(|row| feed.is_still(row)) {
+        return Err(CompareError::NothingLeft { trained: rows.start });
+    }
+    let mut floors: Vec<Option<NoiseFloor>> = Vec::new();
+    let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); model.axes.len()];
+    let mut add = |name: &str, trace: &Trace| {
+        // what is measured is the same with every model
+        if floors.is_empty() {
+            floors = trace.axes.iter().map(|axis| noise_floor(&trace.stretches_of(&axis.measured))).collect();
+        }
+        for (axis, errors) in errors.iter_mut().enumerate() {
+            errors.push(ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref()));
+        }
+    };
+    // a trace may be as large as the log, and so may be what is looked at for dependences: one at a time
+    for kind in Rival::ALL {
+        progress(kind.name());
+        add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &feed, rows.clone(), |_| {})?);
+    }
+    progress(MODEL);
+    let dependences = dependence(model, recording, rest, rows.clone(), trained)?;
+    let mut own = trace::<f64>(model, &feed, rows.clone(), |_| {})?;
+    add(MODEL, &own);
+    for axis in &mut own.axes {
+        // its error is in the comparison; nothing shows it row by row
+        axis.coast_whole = Vec::new();
+    }
+    let axes = model
+        .axes
+        .iter()
+        .enumerate()
+        .zip(errors)
+        .zip(dependences)
+        .map(|(((axis, fitted), errors), dependence)| AxisComparison {
+            column: fitted.column.clone(),
+            unit: unit_of(&fitted.column).to_owned(),
+            rows: own.axes[axis].measured.iter().filter(|value| value.is_finite()).count(),
+            noise_floor: floors[axis].as_ref().map(|floor| (floor.variance, floor.interval)),
+            floor_cautions: floors[axis]
+                .iter()
+                .flat_map(|floor| floor.cautions.iter().map(ToString::to_string))
+                .collect(),
+            errors,
+            worst: worst_stretches(&own, axis, recording),
+            dependence,
+        })
+        .collect();
+    let judged_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
+    Ok((Comparison { judged_s, axes }, own))
+}
+
+/// Puts fitted axes together into a study, judged on the rows after the training part. Also gives that judgement, and
+/// the model's own trace.
+///
+/// # Errors
+///
+/// As for [`compare`].
+pub fn study_of(
+    recording: &Recording,
+    rest: &Stillness,
+    fits: Vec<AxisFit>,
+    settings: FitOptions,
+    read: LoadOptions,
+    progress: impl FnMut(&str),
+) -> Result<(Study, Comparison, Trace), CompareError> {
+    let trained_rows = fos_fit::fit::training_rows(recording, rest, settings.train).end;
+    let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
+        fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
+    let mut model = models.remove(0);
+    models.into_iter().for_each(|other| model.absorb(other));
+    let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
+    let rows = trained_rows..recording.n_rows();
+    let trained = Trained { recording, rest, rows: 0..trained_rows };
+    let (comparison, trace) = compare(&model, &lag_1, recording, rest, rows, Some(&trained), progress)?;
+    let still = rest.still.iter().filter(|still| **still).count();
+    let study = Study {
+        schema: SCHEMA.to_owned(),
+        tool: Tool::this(),
+        data: Data {
+            sources: recording.sources.clone(),
+            read: read.clone(),
+            rows: recording.n_rows(),
+            trained_rows,
+            true_rate_hz: recording.rate.true_hz,
+            segments: recording.segments.len(),
+            still_known_by: rest.known_by,
+            still_share: still as f64 / recording.n_rows() as f64,
+        },
+        settings,
+        model,
+        axes: reports,
+        steps: steps_of(&comparison),
+        growth: Vec::new(),
+    };
+    Ok((study, comparison, trace))
+}
+
+/// The rivals and the model as the steps of a study.
+fn steps_of(comparison: &Comparison) -> Vec<StudyStep> {
+    let n_models = comparison.axes.first().map_or(0, |axis| axis.errors.len());
+    (0..n_models)
+        .map(|step| StudyStep {
+            name: comparison.axes[0].errors[step].model.clone(),
+            errors: comparison.axes.iter().map(|axis| axis.errors[step].clone()).collect(),
+        })
+        .collect()
+}
+
+impl Study {
+    /// Lag-1 autocorrelation of each axis' training data: what the Gauss-Markov rival is made of.
+    pub fn lag_1(&self) -> Vec<f64> {
+        self.axes.iter().map(|report| report.lag_1).collect()
+    }
+}

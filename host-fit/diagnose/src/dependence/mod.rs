@@ -1,0 +1,233 @@
+//! What is left of an axis against everything that is logged: each channel, each delay of it, each hour and frequency.
+//!
+//! What is looked at is the slow remainder: measured error less offset and physical part. The stochastic part is left out,
+//! since what it feeds back would hide slow effects. Sensor noise is not white, so every test has the noise of the sensor
+//! as its null hypothesis (white, flicker, random walk: [`NoiseLevels`]), with levels as they were learnt from the rows that
+//! the model was fitted to, and fitted anew with and without what is tested.
+
+mod bands;
+mod channel;
+mod lag;
+mod likelihood;
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+pub use bands::{Cell, PowerMap};
+pub use channel::{Bin, Bins};
+pub use lag::{Delay, LagProfile};
+pub use likelihood::Test;
+
+use crate::detect::MIN_BLOCKS;
+use channel::Noise;
+use fos_data::recording::{Channel, Recording, RecordingError, Unit};
+use fos_data::stillness::Stillness;
+use fos_fit::model::{HostPredictor, UnitModel, unit_of};
+use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
+use fos_fit::playback::Feed;
+use lag::Grid;
+use likelihood::Remainder;
+
+/// Blocks that the judged rows are cut into, about, and the shortest block, s: as for a diagnosis.
+const BLOCKS: f64 = 600.0;
+const SHORTEST_S: f64 = 0.5;
+
+/// A channel that varies by less than this share of its size does not change.
+const CHANGES: f64 = 1e-9;
+
+/// A channel is named if less likely than this among all channels.
+const NAMED: f64 = 0.05;
+
+/// What is left of an axis, against everything that is logged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// Length of the blocks that means were taken over, s.
+    pub block_s: f64,
+    /// How many.
+    pub blocks: usize,
+    /// The noise, with no channel taken into account.
+    pub noise: NoiseLevels,
+    /// The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is less
+    /// sure.
+    pub learnt: bool,
+    /// Every channel that changes, least likely first.
+    pub channels: Vec<ChannelDependence>,
+    /// Power by time and frequency.
+    pub power: PowerMap,
+}
+
+/// What is left of an axis, against one channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelDependence {
+    /// The channel.
+    pub channel: String,
+    /// Its unit.
+    pub unit: String,
+    /// A curve of the channel against a constant.
+    pub curve: Test,
+    /// p of the curve after allowing for all channels (Bonferroni).
+    pub p_of_all: f64,
+    /// What is left by value of the channel.
+    pub bins: Bins,
+    /// What is left by delay of the channel.
+    pub lag: LagProfile,
+}
+
+impl ChannelDependence {
+    /// Whether it is more than chance explains, all channels considered.
+    pub fn is_clear(&self) -> bool {
+        self.p_of_all < NAMED
+    }
+}
+
+/// The rows that a model was fitted to: what its noise is learnt from.
+#[derive(Debug, Clone)]
+pub struct Trained<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Where it is still.
+    pub rest: &'a Stillness,
+    /// The rows.
+    pub rows: Range<usize>,
+}
+
+/// What is left of every axis of `model` in `rows`, against everything that is logged; `None` where that is too little to
+/// tell a dependence from drifting noise.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn dependence(
+    model: &UnitModel,
+    recording: &Recording,
+    rest: &Stillness,
+    rows: Range<usize>,
+    trained: Option<&Trained<'_>>,
+) -> Result<Vec<Option<Dependence>>, DependenceError> {
+    let left = remainders(model, recording, rest)?;
+    let is_same = |trained: &&Trained<'_>| {
+        std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.rest, rest)
+    };
+    // most often the rows that were fitted are of the same log, and one is as large as its axes
+    let of_another = trained.filter(|trained| !is_same(trained));
+    let of_another =
+        of_another.map(|trained| remainders(model, trained.recording, trained.rest)).transpose()?;
+    let axes = model.axes.iter().enumerate().map(|(axis, fitted)| {
+        let learnt_from = trained.map(|trained| {
+            let left = of_another.as_ref().unwrap_or(&left);
+            (trained.recording, trained.rows.clone(), left[axis].as_slice())
+        });
+        of_axis(recording, &fitted.column, rows.clone(), &left[axis], learnt_from)
+    });
+    Ok(axes.collect())
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum DependenceError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// fos-core refuses the model.
+    #[error("the model cannot be run: {0}")]
+    Model(#[from] fos_core::ModelError),
+}
+
+/// Measured error less offset and physical part, one value per row of the recording for each axis; NaN where it moves or the
+/// value is not known.
+fn remainders(
+    model: &UnitModel,
+    recording: &Recording,
+    rest: &Stillness,
+) -> Result<Vec<Vec<f64>>, DependenceError> {
+    let mut physical = model.clone();
+    for axis in &mut physical.axes {
+        axis.stochastic.clear();
+        axis.parameters.constant = 0.0;
+    }
+    physical.drop_unused();
+    let feed = Feed::new(recording, &physical, &rest.still)?;
+    let mut predictor: HostPredictor<f64> = physical.predictor()?;
+    let mut left = vec![Vec::with_capacity(recording.n_rows()); physical.axes.len()];
+    for row in 0..recording.n_rows() {
+        // without a stochastic part the innovation is the remainder
+        for (left, correction) in left.iter_mut().zip(feed.step(&mut predictor, row)) {
+            left.push(correction.innovation.unwrap_or(f64::NAN));
+        }
+    }
+    Ok(left)
+}
+
+/// Blocks of the rows in which `left` is known, and its means.
+fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s: f64) -> (Blocks, Vec<f64>) {
+    let known = (0..left.len()).map(|row| rows.contains(&row) && left[row].is_finite()).collect();
+    let blocks = Blocks::new(recording, length_s, known);
+    let means = blocks.means(left);
+    (blocks, means)
+}
+
+fn of_axis(
+    recording: &Recording,
+    column: &str,
+    rows: Range<usize>,
+    left: &[f64],
+    learnt_from: Option<(&Recording, Range<usize>, &[f64])>,
+) -> Option<Dependence> {
+    let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
+    let (blocks, means) = in_blocks(recording, &rows, left, length_s);
+    if blocks.len() < MIN_BLOCKS {
+        return None;
+    }
+    let learnt = learnt_from.and_then(|(recording, rows, left)| {
+        let (blocks, means) = in_blocks(recording, &rows, left, length_s);
+        let ones = vec![1.0; blocks.len()];
+        (blocks.len() >= MIN_BLOCKS)
+            .then(|| LevelPrior::of_log(&blocks, &means).learnt(&blocks, &means, &[ones]))
+    });
+    let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(&blocks, &means));
+    let remainder = Remainder { blocks: &blocks, means: &means, prior: &prior };
+    let null = remainder.constant();
+    let grid = Grid::new(recording);
+    let of_channel = |channel: &Channel| -> Option<ChannelDependence> {
+        let held = recording.held_from_first(channel);
+        let values = blocks.means(&held);
+        let size = held[rows.clone()].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let spread = fos_fit::signal::variance(&[&values]).sqrt();
+        // not a number where nothing was ever logged
+        if spread.is_nan() || spread <= CHANGES * size {
+            return None;
+        }
+        let (curve, fitted) = channel::curve(&remainder, &null, &values)?;
+        let noise = Noise::of(&curve, &fitted);
+        Some(ChannelDependence {
+            channel: channel.name.clone(),
+            unit: unit_of(&channel.name).to_owned(),
+            p_of_all: curve.p,
+            bins: channel::bins(&remainder, noise, &values, channel.unit == Unit::Celsius),
+            lag: lag::profile(&remainder, (&null, &fitted.levels), &grid, &held)?,
+            curve,
+        })
+    };
+    let others: Vec<&Channel> = recording
+        .channels()
+        .iter()
+        .filter(|channel| channel.name != column && !channel.is_of_model())
+        .collect();
+    let mut channels: Vec<ChannelDependence> = others.into_par_iter().filter_map(of_channel).collect();
+    let tried = channels.len() as f64;
+    channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));
+    channels.sort_by(|a, b| a.curve.p.total_cmp(&b.curve.p).then(b.curve.score.total_cmp(&a.curve.score)));
+    Some(Dependence {
+        block_s: blocks.length_s,
+        blocks: blocks.len(),
+        noise: null.levels,
+        learnt: learnt.is_some(),
+        channels,
+        power: bands::power_map(recording, rows, left),
+    })
+}

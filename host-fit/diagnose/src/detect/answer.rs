@@ -1,0 +1,151 @@
+//! What a diagnosis says: plain data, the same for tables, JSON and pages.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::open::Lead;
+use crate::effects::Band;
+use fos_fit::noise::NoiseLevels;
+
+/// The outcome in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// One or more effects of the library are missing from the model.
+    Missing,
+    /// The log looks like the noise of the unit.
+    NothingMissing,
+    /// Something is missing, and nothing in the library explains it.
+    Unexplained,
+}
+
+/// What is missing from a model on a log.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// The column that was explained.
+    pub target: String,
+    /// Its unit.
+    pub unit: String,
+    /// The outcome.
+    pub verdict: Verdict,
+    /// The outcome in a sentence.
+    pub sentence: String,
+    /// What is missing, best first.
+    pub findings: Vec<Finding>,
+    /// What else the log follows; leads and no findings.
+    pub leads: Vec<Lead>,
+    /// Effects that were tried and rejected, with their score; the nearest first.
+    pub rejected: Vec<Rejected>,
+    /// Effects that could not be tried, with the columns that would be needed.
+    pub untested: Vec<Untested>,
+    /// The noise levels that the evidence rests on.
+    pub noise: NoiseReport,
+    /// Why the answer should be taken with care.
+    pub cautions: Vec<String>,
+}
+
+/// A missing effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Its identifier.
+    pub effect: String,
+    /// Its name.
+    pub name: String,
+    /// Where it shows.
+    pub band: Band,
+    /// Its parameter, by name.
+    pub params: BTreeMap<String, f64>,
+    /// 95 % intervals of the parameters, where they are known.
+    pub params_interval: BTreeMap<String, [f64; 2]>,
+    /// Its size in data-sheet units, one per regressor.
+    pub sizes: Vec<Size>,
+    /// By how much −2 ln L falls with it.
+    pub gain: f64,
+    /// The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
+    pub score: f64,
+    /// Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide).
+    pub expected_drop: f64,
+    /// Its 90 % interval.
+    pub expected_drop_ci: [f64; 2],
+    /// The fall that came true on the log that was given to judge on, those before it in the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub realised_fall: Option<f64>,
+    /// Effects that this log cannot tell from it.
+    pub confounded_with: Vec<String>,
+    /// The experiments that separate them.
+    pub separate: Vec<Separation>,
+    /// The column against which it shows best, if any.
+    pub shows_against: Option<String>,
+    /// Where in the log it is largest: begin and end, s as stamped.
+    pub shows_from_to_s: Option<[f64; 2]>,
+    /// Its regressors and their coefficients in SI, as the model takes them.
+    pub correction: Vec<CorrectionTerm>,
+    /// Limits that inputs are kept inside, by their text: how far a curve may be followed.
+    #[serde(default)]
+    pub limits: BTreeMap<String, [f64; 2]>,
+}
+
+/// A coefficient in data-sheet units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Size {
+    /// The regressor.
+    pub of: String,
+    /// Value.
+    pub value: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+    /// Unit.
+    pub unit: String,
+}
+
+/// The experiment that tells a finding from a rival.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Separation {
+    /// The rival.
+    pub effect: String,
+    /// The experiment.
+    pub experiment: String,
+}
+
+/// One term of a correction: coefficient times regressor, in the axis' unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CorrectionTerm {
+    /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
+    pub regressor: String,
+    /// Coefficient, unit of the axis per unit of the product.
+    pub coefficient: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+/// An effect that was tried and rejected.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rejected {
+    /// Its identifier.
+    pub effect: String,
+    /// Its score alone on the log.
+    pub score: f64,
+}
+
+/// An effect that could not be tried.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Untested {
+    /// Its identifier.
+    pub effect: String,
+    /// What of its columns the log does not have, in words: that they are not there, begin too late, never change.
+    pub needs: Vec<String>,
+}
+
+/// The noise behind a diagnosis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NoiseReport {
+    /// Levels with everything that was found, unit of the axis.
+    pub levels: NoiseLevels,
+    /// Where they were learnt from.
+    pub learnt_from: String,
+    /// Length of the blocks that slow effects were looked for in, s.
+    pub block_s: f64,
+    /// How many blocks there are.
+    pub blocks: usize,
+}

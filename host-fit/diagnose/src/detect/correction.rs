@@ -1,0 +1,93 @@
+//! What the findings of a diagnosis take out of a log.
+
+use super::answer::{CorrectionTerm, Finding};
+use crate::effects::{Band, Inputs, Regressor};
+use fos_data::recording::{Recording, RecordingError};
+
+/// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they were
+/// found in: the correction of a slow effect is 0 on its mean, since the mean belongs to the bias.
+///
+/// A step that was found in one log is a constant in the next. Before a quantity has its first value it is taken to have stood
+/// at it.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn correction(
+    findings: &[Finding],
+    fitted: &Recording,
+    log: &Recording,
+) -> Result<Vec<f64>, RecordingError> {
+    let (own, other) = (Inputs::new(fitted), Inputs::new(log));
+    let mut sum = vec![0.0; log.n_rows()];
+    for finding in findings {
+        for CorrectionTerm { regressor, coefficient, .. } in &finding.correction {
+            if let Some(time_s) = step_time(regressor) {
+                add_step(&mut sum, *coefficient, time_s, fitted, log);
+                continue;
+            }
+            let Ok(regressor) = Regressor::parse(regressor) else { continue };
+            let at_fit = own.regressor(&regressor)?;
+            let mean = at_fit.iter().sum::<f64>() / at_fit.len().max(1) as f64;
+            let values = other.regressor_within(&regressor, &finding.limits)?;
+            for (sum, value) in sum.iter_mut().zip(values.iter()) {
+                *sum += coefficient * (value - mean);
+            }
+        }
+    }
+    Ok(sum)
+}
+
+/// Adds a step about its mean in the log that it was found in; in another log all of it has happened.
+fn add_step(sum: &mut [f64], coefficient: f64, time_s: f64, fitted: &Recording, log: &Recording) {
+    let mean = step_share(fitted, time_s);
+    let own = fitted.sources == log.sources;
+    for (sum, time) in sum.iter_mut().zip(&log.time_s) {
+        let after = !own || *time - log.time_s[0] > time_s;
+        *sum += coefficient * (f64::from(u8::from(after)) - mean);
+    }
+}
+
+/// The share of a log that lies after a step.
+pub(super) fn step_share(log: &Recording, time_s: f64) -> f64 {
+    let after = log.time_s.iter().filter(|time| **time - log.time_s[0] > time_s).count();
+    after as f64 / log.n_rows() as f64
+}
+
+/// Takes the steps that were found out of the log they were found in: the values as they would be had every step happened
+/// before it, which is how they are in every later log.
+pub(crate) fn as_after_steps(
+    findings: &[Finding],
+    column: &str,
+    log: &Recording,
+) -> Result<Recording, RecordingError> {
+    let terms = findings.iter().flat_map(|finding| &finding.correction);
+    let steps: Vec<(f64, f64)> =
+        terms.filter_map(|term| Some((step_time(&term.regressor)?, term.coefficient))).collect();
+    if steps.is_empty() {
+        return Ok(log.clone());
+    }
+    let to_come = |time: f64| -> f64 {
+        steps.iter().filter(|(at, _)| time - log.time_s[0] <= *at).map(|(_, size)| size).sum()
+    };
+    let values = log.channel(column)?.values.iter().zip(&log.time_s);
+    Ok(log.with_values(column, values.map(|(value, time)| value + to_come(*time)).collect()))
+}
+
+/// The time of a step, s after the first sample, if the text of a product is one.
+pub(crate) fn step_time(product: &str) -> Option<f64> {
+    product.strip_prefix("clock:step(")?.strip_suffix(')')?.parse().ok()
+}
+
+/// Whether all that is subtracted is steps: constants in every later log.
+pub(crate) fn is_step(finding: &Finding) -> bool {
+    let mut terms = finding.correction.iter();
+    !finding.correction.is_empty() && terms.all(|term| step_time(&term.regressor).is_some())
+}
+
+/// Whether a correction changes from one sample to the next, so that it is needed at the full rate.
+pub fn is_fast(findings: &[Finding]) -> bool {
+    let terms = || findings.iter().flat_map(|finding| &finding.correction);
+    findings.iter().any(|finding| finding.band == Band::Wide && !finding.correction.is_empty())
+        || terms().any(|term| term.regressor.contains("ref_"))
+}

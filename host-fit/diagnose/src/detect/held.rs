@@ -1,0 +1,80 @@
+//! What was found in one log, held against another: what makes the error worse there is no law.
+
+use super::answer::{Diagnosis, Finding, Verdict};
+use super::findings::{outweighed, sentence};
+use super::open::Lead;
+use super::reduced::Reduced;
+use super::{DiagnoseError, correction, is_bias_known, is_step};
+use crate::effects::Band;
+use fos_data::recording::Recording;
+
+/// Adds to every finding the fall of the error that came true on `judged`, those before it in the model. A slow effect that
+/// was sure to help and makes the error worse there becomes a lead.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn held_against(
+    mut diagnosis: Diagnosis,
+    field: &Recording,
+    judged: &Recording,
+) -> Result<Diagnosis, DiagnoseError> {
+    let reduced = Reduced::in_slow_blocks(judged, &diagnosis.target)?;
+    let own = Reduced::in_slow_blocks(field, &diagnosis.target)?;
+    let rows = 0..judged.n_rows();
+    let left_of =
+        |reduced: &Reduced, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
+            let taken = correction(findings, field, log)?;
+            Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
+        };
+    let left = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
+        let left = left_of(&reduced, judged, findings)?;
+        Ok(match as_of.band {
+            Band::Wide => reduced.wide_variance(&left, &rows),
+            // what is constant here is an error about the bias of the log it was found in
+            _ if is_step(as_of) => {
+                let bias = own.slow_mean(&left_of(&own, field, findings)?, &(0..field.n_rows()));
+                reduced.slow_variance(&left, &rows) + (reduced.slow_mean(&left, &rows) - bias).powi(2)
+            }
+            _ => reduced.slow_variance(&left, &rows),
+        })
+    };
+    let mut held: Vec<Finding> = Vec::new();
+    for mut finding in std::mem::take(&mut diagnosis.findings) {
+        if finding.correction.is_empty() || finding.expected_drop <= 0.0 {
+            held.push(finding);
+            continue;
+        }
+        if is_step(&finding) && !is_bias_known(judged, &diagnosis.target) {
+            held.push(finding);
+            continue;
+        }
+        let before = left(&held, &finding)?;
+        let mut with = held.clone();
+        with.push(finding.clone());
+        let fall = 1.0 - left(&with, &finding)? / before;
+        finding.realised_fall = Some(fall);
+        if finding.band == Band::Slow && fall < 0.0 && finding.expected_drop_ci[0] > 0.0 {
+            diagnosis.leads.push(Lead {
+                follows: format!(
+                    "{} in this log, but with it the error on the judged log rises by {:.0} %",
+                    finding.name,
+                    -100.0 * fall
+                ),
+                gain: finding.gain,
+                score: finding.score,
+                share: finding.expected_drop,
+            });
+        } else {
+            held.push(finding);
+        }
+    }
+    diagnosis.findings = held;
+    if !diagnosis.leads.is_empty() {
+        diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
+        diagnosis.verdict = Verdict::Unexplained;
+        outweighed(&mut diagnosis.findings, &diagnosis.leads);
+        diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
+    }
+    Ok(diagnosis)
+}

@@ -1,0 +1,144 @@
+//! What may be missing: an effect with a value of its parameter, and its regressors in block means.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::effects::{Effect, Inputs, Regressor, Search};
+use fos_data::recording::RecordingError;
+use fos_fit::noise::Blocks;
+use fos_fit::signal::centred;
+
+/// Neighbours on the grid of a parameter are this factor apart, about: between two of them nothing is lost that a later
+/// refinement does not find.
+const GRID_RATIO: f64 = 1.5;
+
+/// An effect with a value of its parameter.
+#[derive(Debug, Clone)]
+pub(super) struct Hypothesis {
+    /// The effect.
+    pub(super) effect: Rc<Effect>,
+    /// The value of its parameter, if it has one.
+    pub(super) value: Option<f64>,
+    /// Its regressors in block means, each about its mean.
+    pub(super) columns: Rc<Vec<Vec<f64>>>,
+    /// Which terms of the effect they are; terms that explain nothing are left out.
+    pub(super) terms: Vec<usize>,
+    /// The regressors, one per column; none for a step.
+    pub(super) regressors: Vec<Regressor>,
+}
+
+impl Hypothesis {
+    /// Borrowed columns.
+    pub(super) fn columns(&self) -> Vec<&[f64]> {
+        self.columns.iter().map(Vec::as_slice).collect()
+    }
+
+    /// With some of its regressors only.
+    pub(super) fn of_terms(&self, places: &[usize]) -> Self {
+        let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
+        let terms = places.iter().map(|place| self.terms[*place]).collect();
+        let regressors = places.iter().filter_map(|place| self.regressors.get(*place).cloned()).collect();
+        Self { columns: Rc::new(columns), terms, regressors, ..self.clone() }
+    }
+
+    /// Whether it is the same effect, whatever the value.
+    pub(super) fn is_same_effect(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id
+    }
+}
+
+/// Makes hypotheses for one target over one recording.
+#[derive(Debug)]
+pub(super) struct Hypotheses<'a> {
+    inputs: &'a Inputs<'a>,
+    blocks: &'a Blocks,
+    target: &'a str,
+    made: RefCell<HashMap<(String, u64), Hypothesis>>,
+}
+
+impl<'a> Hypotheses<'a> {
+    /// For the axis of column `target`.
+    pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
+        Self { inputs, blocks, target, made: RefCell::default() }
+    }
+
+    /// The values of the parameter to look at first; one `None` for an effect without one.
+    pub(super) fn grid(&self, effect: &Effect) -> Vec<Option<f64>> {
+        match (&effect.parameter, effect.search) {
+            // a step after the first and before the last ten blocks: outside, nothing tells it from the constant
+            (_, Search::Step) => {
+                let last = self.blocks.len().saturating_sub(STEP_MARGIN);
+                (STEP_MARGIN..last).map(|block| Some(self.step_time(block))).collect()
+            }
+            (Some(parameter), Search::Terms) => {
+                let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
+                let ratio = (parameter.high / parameter.low).powf(1.0 / steps);
+                // a time constant far below a block is the first block alone, or no lag at all
+                let least = if parameter.unit == "s" { SHORTEST_BLOCKS * self.blocks.length_s } else { 0.0 };
+                let values = (0..=steps as i32).map(|i| parameter.low * ratio.powi(i));
+                let mut values: Vec<f64> = values.filter(|value| *value >= least).collect();
+                if values.is_empty() {
+                    values.push(parameter.high);
+                }
+                values.into_iter().map(Some).collect()
+            }
+            _ => vec![None],
+        }
+    }
+
+    /// Time of a step just before `block`, s after the first sample.
+    fn step_time(&self, block: usize) -> f64 {
+        self.blocks.middle_s(block) - self.blocks.length_s / 2.0
+    }
+
+    /// The hypothesis of `effect` at `value`; no columns are left of an effect whose inputs never change.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+        let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
+        if let Some(made) = self.made.borrow().get(&key) {
+            return Ok(made.clone());
+        }
+        let made = match effect.search {
+            Search::Step => self.step(effect, value),
+            _ => self.of_regressors(effect, value)?,
+        };
+        self.made.borrow_mut().insert(key, made.clone());
+        Ok(made)
+    }
+
+    fn step(&self, effect: &Rc<Effect>, value: Option<f64>) -> Hypothesis {
+        let time_s = value.unwrap_or(0.0);
+        let after = |block: usize| {
+            ((self.blocks.middle_s(block) - time_s) / self.blocks.length_s + 0.5).clamp(0.0, 1.0)
+        };
+        let column = centred((0..self.blocks.len()).map(after).collect());
+        let columns = Rc::new(vec![column]);
+        Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
+    }
+
+    fn of_regressors(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+        let all = effect.regressors(self.target, value).unwrap_or_default();
+        let logged: Vec<(usize, Regressor)> = all
+            .iter()
+            .filter_map(|(term, regressor)| Some((*term, self.inputs.logged(regressor)?)))
+            .collect();
+        // all of them, for the error that names the column
+        let used = if logged.is_empty() { all } else { logged };
+        let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
+        let columns: Vec<Vec<f64>> = regressors
+            .iter()
+            .map(|regressor| Ok(centred(self.blocks.means(&self.inputs.regressor(regressor)?))))
+            .collect::<Result<_, RecordingError>>()?;
+        Ok(Hypothesis { effect: effect.clone(), value, columns: Rc::new(columns), terms, regressors })
+    }
+}
+
+/// Shortest time constant that is looked for, in blocks.
+const SHORTEST_BLOCKS: f64 = 0.5;
+
+/// A step is looked for so many blocks away from both ends.
+const STEP_MARGIN: usize = 10;

@@ -1,0 +1,239 @@
+//! What the library does not know: an open search over what is logged, once the library has said what it can. Its results
+//! are leads and not findings.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use fos_data::recording::Recording;
+use fos_fit::noise::Blocks;
+use fos_fit::noise::{Gls, dot};
+use fos_fit::noise::{LevelPrior, Regression};
+use fos_fit::signal::centred;
+
+/// Least score of a lead.
+const ACCEPT: f64 = 12.0;
+
+/// Knots of free curves, from coarse to fine; places of a threshold; places of a dip.
+const KNOTS: [usize; 3] = [7, 15, 31];
+const THRESHOLDS: usize = 100;
+const PLACES: usize = 16;
+
+/// Leads whose noise levels are fitted.
+const FITTED: usize = 2;
+
+/// Something that what is left follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lead {
+    /// What it follows, in words.
+    pub follows: String,
+    /// By how much −2 ln L falls with it.
+    pub gain: f64,
+    /// The gain after the price of its coefficients and of everything that was tried.
+    pub score: f64,
+    /// Its share of the variance of the block means of what is left.
+    pub share: f64,
+}
+
+/// A curve that was tried.
+struct Curve {
+    follows: String,
+    columns: Vec<Vec<f64>>,
+}
+
+/// Block means of a logged quantity about their mean, over their standard deviation.
+struct Quantity {
+    name: String,
+    unit: &'static str,
+    mean: f64,
+    deviation: f64,
+    values: Vec<f64>,
+}
+
+/// What is left of a log after the library, and what it was explained with.
+pub(super) struct Left<'a> {
+    pub(super) recording: &'a Recording,
+    pub(super) blocks: &'a Blocks,
+    pub(super) target: &'a str,
+    pub(super) y: &'a [f64],
+    /// All regressors of the model so far.
+    pub(super) regressors: &'a [&'a [f64]],
+    pub(super) fitted: &'a fos_fit::noise::Fitted,
+    pub(super) prior: &'a LevelPrior,
+    /// The axis measures shaking, whose beats are no error.
+    pub(super) shaken: bool,
+}
+
+impl Left<'_> {
+    /// Everything that passes, best first.
+    pub(super) fn leads(&self) -> Vec<Lead> {
+        let gls = &self.fitted.gls;
+        let curves = self.curves();
+        let price = |k: usize| k as f64 * (self.blocks.len() as f64).ln() + 2.0 * (curves.len() as f64).ln();
+        let mut ranked: Vec<(f64, usize, &Curve)> = curves
+            .iter()
+            .map(|curve| {
+                let columns: Vec<&[f64]> = curve.columns.iter().map(Vec::as_slice).collect();
+                let (gain, k) = gls.gain(self.blocks, &columns);
+                (gain - price(k), k, curve)
+            })
+            .filter(|(_, k, _)| *k > 0)
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut leads: Vec<Lead> = ranked
+            .into_iter()
+            .take(FITTED)
+            .filter(|(score, ..)| *score > ACCEPT / 2.0)
+            .map(|(_, k, curve)| {
+                let mut regressors = self.regressors.to_vec();
+                regressors.extend(curve.columns.iter().map(Vec::as_slice));
+                let regression =
+                    Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: self.prior };
+                let fitted = match self.fitted.levels.gauss_markov {
+                    Some(process) => regression.fit_gauss_markov(
+                        fos_fit::noise::NoiseLevels { gauss_markov: None, ..self.fitted.levels },
+                        process,
+                    ),
+                    None => regression.fit(self.fitted.levels),
+                };
+                let gain = self.fitted.deviance - fitted.deviance;
+                let share = self.share(&fitted.gls, &regressors);
+                Lead { follows: curve.follows.clone(), gain, score: gain - price(k), share }
+            })
+            .filter(|lead| lead.score >= ACCEPT)
+            .collect();
+        leads.sort_by(|a, b| b.score.total_cmp(&a.score));
+        leads
+    }
+
+    /// Variance of block means that the regressors beyond the model's explain, over what the model leaves.
+    fn share(&self, gls: &Gls, regressors: &[&[f64]]) -> f64 {
+        let left = |gls: &Gls, regressors: &[&[f64]]| -> Vec<f64> {
+            let coefficients = gls.coefficients();
+            (0..self.y.len())
+                .map(|i| {
+                    self.y[i]
+                        - coefficients.iter().zip(regressors).map(|(c, column)| c * column[i]).sum::<f64>()
+                })
+                .collect()
+        };
+        let before = fos_fit::signal::variance(&[&left(&self.fitted.gls, self.regressors)]);
+        let after = fos_fit::signal::variance(&[&left(gls, regressors)]);
+        (1.0 - after / before).max(0.0)
+    }
+
+    /// Free curves of every logged quantity, thresholds and dips, products of two, slow oscillations.
+    fn curves(&self) -> Vec<Curve> {
+        let quantities = self.quantities();
+        let mut curves = Vec::new();
+        for Quantity { name, unit, mean, deviation, values } in &quantities {
+            let real = |value: f64| format!("{:.4} {unit}", mean + deviation * value);
+            let sorted = sorted(values);
+            let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+            for n_knots in KNOTS {
+                let (low, high) = (at(0.0), at(1.0));
+                let knots: Vec<f64> =
+                    (0..n_knots).map(|i| low + (high - low) * i as f64 / (n_knots - 1) as f64).collect();
+                curves.push(Curve { follows: format!("a curve of {name}"), columns: hats(values, &knots) });
+            }
+            for place in 1..THRESHOLDS {
+                let threshold = at(place as f64 / THRESHOLDS as f64);
+                let column = values.iter().map(|v| f64::from(u8::from(*v > threshold))).collect();
+                curves.push(Curve {
+                    follows: format!("whether {name} is above {}", real(threshold)),
+                    columns: vec![centred(column)],
+                });
+            }
+            let (low, high) = (at(0.0), at(1.0));
+            for place in 1..PLACES {
+                let centre = low + (high - low) * place as f64 / PLACES as f64;
+                let width = (high - low) / PLACES as f64;
+                let column = values.iter().map(|v| (-0.5 * ((v - centre) / width).powi(2)).exp()).collect();
+                curves.push(Curve {
+                    follows: format!("whether {name} is near {}", real(centre)),
+                    columns: vec![centred(column)],
+                });
+            }
+        }
+        for (i, one) in quantities.iter().enumerate() {
+            for other in &quantities[i + 1..] {
+                let product = centred(one.values.iter().zip(&other.values).map(|(a, b)| a * b).collect());
+                let follows = format!("the product of {} and {}", one.name, other.name);
+                curves.push(Curve { follows, columns: vec![product] });
+            }
+        }
+        if self.shaken {
+            return curves;
+        }
+        let span = self.blocks.blocks.last().map_or(0, |last| last.index + 1) as f64;
+        // twice as fine as the resolution, so that none falls between two
+        for step in 6..self.blocks.len() {
+            let per_block = step as f64 / (2.0 * span);
+            if per_block > 0.33 {
+                break;
+            }
+            let angle = |block: usize| TAU * per_block * self.blocks.blocks[block].index as f64;
+            curves.push(Curve {
+                follows: format!("an oscillation with a period of {:.1} s", self.blocks.length_s / per_block),
+                columns: vec![
+                    (0..self.blocks.len()).map(|i| angle(i).sin()).collect(),
+                    (0..self.blocks.len()).map(|i| angle(i).cos()).collect(),
+                ],
+            });
+        }
+        curves
+    }
+
+    /// Every logged quantity that is no cousin of the target and that changes.
+    fn quantities(&self) -> Vec<Quantity> {
+        let triad =
+            self.target.get(..1).filter(|_| fos_fit::fit::axis_of(self.target) != fos_core::Axis::Other);
+        let is_cousin = |name: &str| {
+            fos_fit::fit::axis_of(name) != fos_core::Axis::Other && name.get(..1) == triad
+                || name == self.target
+        };
+        let channels = self.recording.channels().iter();
+        let channels = channels.filter(|channel| !is_cousin(&channel.name) && !channel.is_of_model());
+        channels
+            .filter_map(|channel| {
+                let held = self.recording.held_from_first(channel);
+                let means = self.blocks.means(&held);
+                let mean = fos_fit::signal::mean(&[&means]);
+                let means = centred(means);
+                let deviation = (dot(&means, &means) / means.len() as f64).sqrt();
+                let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+                (deviation > 1e-9 * size).then(|| Quantity {
+                    name: channel.name.clone(),
+                    unit: fos_fit::model::unit_of(&channel.name),
+                    mean,
+                    deviation,
+                    values: means.iter().map(|value| value / deviation).collect(),
+                })
+            })
+            .collect()
+    }
+}
+
+fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted
+}
+
+/// Functions that are 1 at one knot, 0 at the others, straight between: what they span is every broken line. The first is
+/// left out, the constant has its place.
+fn hats(values: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
+    (1..knots.len())
+        .map(|at| {
+            let hat = |value: &f64| {
+                let rising = (value - knots[at - 1]) / (knots[at] - knots[at - 1]).max(f64::MIN_POSITIVE);
+                let falling = match knots.get(at + 1) {
+                    Some(next) => (next - value) / (next - knots[at]).max(f64::MIN_POSITIVE),
+                    None => 1.0,
+                };
+                rising.min(falling).clamp(0.0, 1.0)
+            };
+            centred(values.iter().map(hat).collect())
+        })
+        .collect()
+}

@@ -1,0 +1,160 @@
+//! A log reduced to what a diagnosis looks at: which rows count, the error in them, its block means.
+
+use std::ops::Range;
+
+use super::faults::Fault;
+use fos_data::recording::{Recording, RecordingError, Reference};
+use fos_fit::evaluate::SLOW_BLOCK_S;
+use fos_fit::noise::{Blocks, length_for};
+use fos_fit::signal;
+
+/// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
+/// another mean.
+const STOP_MARGIN: f64 = 4.0;
+
+/// Share of rows at rest from which on a log counts as one at rest, with motion in between that nobody vouches for.
+const AT_REST: f64 = 0.5;
+
+/// A log reduced.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// The error of the axis, one value per row, in its unit.
+    pub error: Vec<f64>,
+    /// Blocks of the rows that count.
+    pub blocks: Blocks,
+    /// Block means of the error.
+    pub means: Vec<f64>,
+    /// Most samples lie near a stop: what is left away from it says nothing of the bias.
+    pub clipped_through: bool,
+}
+
+impl Reduced {
+    /// Reduces `column` of a recording in which nothing is known to be wrong.
+    ///
+    /// # Errors
+    ///
+    /// There is no such column.
+    pub fn of(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
+        Self::new(recording, column, &[])
+    }
+
+    /// The same without the rows that `faults` spoil.
+    pub(crate) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
+        Self::in_blocks_of(recording, column, faults, length_for(recording))
+    }
+
+    /// The same over those rows only that `inputs_known` marks too.
+    pub(super) fn where_known(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        inputs_known: &[bool],
+    ) -> Result<Self, RecordingError> {
+        Self::over(recording, column, faults, length_for(recording), |row| inputs_known[row])
+    }
+
+    /// The same in the blocks of the slow error.
+    ///
+    /// # Errors
+    ///
+    /// There is no such column.
+    pub fn in_slow_blocks(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
+        Self::in_blocks_of(recording, column, &[], SLOW_BLOCK_S)
+    }
+
+    /// The same with blocks of a given length, s.
+    pub(crate) fn in_blocks_of(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        length_s: f64,
+    ) -> Result<Self, RecordingError> {
+        Self::over(recording, column, faults, length_s, |_| true)
+    }
+
+    fn over(
+        recording: &Recording,
+        column: &str,
+        faults: &[Fault],
+        length_s: f64,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<Self, RecordingError> {
+        let series = recording.error_series(column)?;
+        let measured = &recording.channel(column)?.values;
+        let limits = faults.iter().find_map(|fault| match fault {
+            Fault::Saturation { limits, .. } => Some(*limits),
+            _ => None,
+        });
+        let margin = if limits.is_some() { STOP_MARGIN * fast_deviation(&series.values) } else { 0.0 };
+        let inside = |value: f64| match limits {
+            None => true,
+            Some((low, high)) => {
+                low.is_none_or(|low| value > low + margin) && high.is_none_or(|high| value < high - margin)
+            }
+        };
+        let at_rest = |row: usize| recording.still.as_ref().is_none_or(|still| still[row]);
+        let is_candidate = |row: usize, vouched: bool| {
+            series.values[row].is_finite() && counts(row) && (vouched || at_rest(row))
+        };
+        let rest_share =
+            (0..recording.n_rows()).filter(|row| at_rest(*row)).count() as f64 / recording.n_rows() as f64;
+        // a reference vouches for motion too; but where a log is at rest most of the time, the rest is handling
+        let vouched = matches!(series.reference, Reference::Channel(_)) && rest_share < AT_REST;
+        let known: Vec<bool> =
+            (0..recording.n_rows()).map(|row| is_candidate(row, vouched) && inside(measured[row])).collect();
+        let unclipped = known.iter().filter(|known| **known).count();
+        let all: Vec<bool> = (0..recording.n_rows()).map(|row| is_candidate(row, vouched)).collect();
+        let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
+        let blocks = Blocks::new(recording, length_s, if clipped_through { all } else { known });
+        let means = blocks.means(&series.values);
+        Ok(Self { error: series.values, blocks, means, clipped_through })
+    }
+
+    /// The same with the noise of each block that of the shaking in it.
+    pub(super) fn shaken(self) -> Self {
+        Self { blocks: self.blocks.with_noise_of(&self.error), ..self }
+    }
+
+    /// Standard deviation of the noise from one sample to the next.
+    pub fn fast_deviation(&self) -> f64 {
+        let known = self.blocks.known();
+        let pairs = self.error.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
+        let (sum, count) =
+            pairs.fold((0.0, 0_u32), |(sum, count), (v, _)| (sum + (v[1] - v[0]).powi(2), count + 1));
+        (sum / f64::from(count.max(1)) / 2.0).sqrt()
+    }
+
+    /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`.
+    pub fn slow_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(left);
+        let inside =
+            self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
+        signal::variance(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
+    }
+
+    /// Mean of the block means of what is left of the error, of the blocks that begin in `rows`.
+    pub fn slow_mean(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(left);
+        let inside =
+            self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
+        signal::mean(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
+    }
+
+    /// Variance of the samples of what is left of the error, of those in `rows` that count.
+    pub fn wide_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+        let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();
+        signal::variance(&[&rows.clone().filter(counts).map(|row| left[row]).collect::<Vec<f64>>()])
+    }
+}
+
+/// Median of the differences of neighbours as a standard deviation: steps and clipped stretches do not move it.
+fn fast_deviation(error: &[f64]) -> f64 {
+    let mut steps: Vec<f64> =
+        error.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / 0.6745 / 2.0_f64.sqrt()
+}

@@ -1,0 +1,143 @@
+//! Whether what is left looks like noise at all: its distribution in block means, and its level in the samples.
+
+use fos_data::recording::{AXES, Recording};
+use fos_fit::noise::Blocks;
+use fos_fit::noise::dot;
+
+/// Kurtosis of whitened block means beyond that of normal noise, in standard errors (√(24/n)), that counts. A jump now and
+/// then makes a few of them huge. 600 normal values exceed 5.9 once in 10,000 times, 4.2 once in 1000: the second is asked
+/// where further noise was found, which says that it is normal.
+const KURTOSIS_ERRORS: f64 = 5.9;
+const KURTOSIS_ERRORS_OF_NOISE: f64 = 4.2;
+
+/// A block mean so many standard deviations out is part of a jump.
+const FAR_OUT: f64 = 3.0;
+
+/// Least score of a change of the noise level.
+const LEVEL_ACCEPT: f64 = 15.0;
+
+/// A change of the noise level below this share of it does nobody harm; where effects were found, one below the second.
+const LEVEL_SHARE: f64 = 0.01;
+const LEVEL_SHARE_BESIDE: f64 = 0.03;
+
+/// Something about what is left that is not noise of constant size.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Misshape {
+    /// Jumps: block means too far out for their number.
+    Jumps {
+        /// Excess kurtosis of the whitened block means.
+        kurtosis: f64,
+        /// Sum of the squares of the block means that are too far out, in standard deviations.
+        gain: f64,
+    },
+    /// The level of the noise in the samples is not constant.
+    Level {
+        /// The quantity that it follows best, if it follows one.
+        follows: Option<String>,
+        /// Standard deviation of the logarithm of the level that is explained.
+        spread: f64,
+        /// Gain minus price.
+        score: f64,
+    },
+}
+
+/// Jumps in the whitened residual of a fit, if they make up more than `least` of −2 ln L.
+pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Misshape> {
+    let errors = if is_noise { KURTOSIS_ERRORS_OF_NOISE } else { KURTOSIS_ERRORS };
+    let n = whitened.len() as f64;
+    let mean = whitened.iter().sum::<f64>() / n;
+    let moment = |power: i32| whitened.iter().map(|u| (u - mean).powi(power)).sum::<f64>() / n;
+    let kurtosis = moment(4) / (moment(2) * moment(2)) - 3.0;
+    let squares = whitened.iter().map(|u| (u - mean).powi(2) / moment(2));
+    let gain: f64 = squares.filter(|square| *square > FAR_OUT * FAR_OUT).sum();
+    (gain > least && kurtosis > errors * (24.0 / n).sqrt()).then_some(Misshape::Jumps { kurtosis, gain })
+}
+
+/// A noise level of `target` that changes and is not that of the other axes: vibration shows in all of them.
+pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside: bool) -> Option<Misshape> {
+    let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
+    let own = log_level(recording, blocks, target)?;
+    let mut basis = Basis::default();
+    basis.add(&vec![1.0; own.len()]);
+    for axis in AXES.into_iter().filter(|axis| *axis != target) {
+        if let Some(other) = log_level(recording, blocks, axis) {
+            basis.add(&other);
+        }
+    }
+    let left = basis.without(&own);
+    let n = left.len() as f64;
+    let before = dot(&left, &left);
+    let mut best: Option<(f64, f64, Option<String>)> = None;
+    let mut consider = |columns: &[Vec<f64>], follows: Option<&str>, basis: &Basis| {
+        let mut wider = basis.clone();
+        let k = columns.iter().filter(|column| wider.add(column)).count() as f64;
+        let rest = wider.without(&own);
+        let after = dot(&rest, &rest);
+        let score = n * (before / after).ln() - k * n.ln();
+        if best.as_ref().is_none_or(|(other, ..)| score > *other) {
+            best = Some((score, ((before - after) / n).max(0.0).sqrt(), follows.map(str::to_owned)));
+        }
+    };
+    let middle = |i: usize| i as f64 / n;
+    let slow: Vec<Vec<f64>> = (1..=6)
+        .map(|k| (0..left.len()).map(|i| (std::f64::consts::PI * f64::from(k) * middle(i)).cos()).collect())
+        .collect();
+    consider(&slow, None, &basis);
+    for channel in recording.channels() {
+        if AXES.contains(&channel.name.as_str()) || channel.is_of_model() {
+            continue;
+        }
+        let held = recording.held_from_first(channel);
+        let means = blocks.means(&held);
+        let mean = means.iter().sum::<f64>() / n;
+        let square = means.iter().map(|v| (v - mean).powi(2)).collect();
+        consider(&[means, square], Some(&channel.name), &basis);
+    }
+    let (score, spread, follows) = best?;
+    (score >= LEVEL_ACCEPT && spread > least).then_some(Misshape::Level { follows, spread, score })
+}
+
+/// Logarithm of the root mean square of first differences in each block.
+fn log_level(recording: &Recording, blocks: &Blocks, column: &str) -> Option<Vec<f64>> {
+    // of the error: what a reference says of the motion is no noise
+    let values = &recording.error_series(column).ok()?.values;
+    let level = |block: &fos_fit::noise::Block| {
+        let rows = block.rows.clone();
+        let known = &blocks.known()[rows.clone()];
+        let values = &values[rows];
+        let pairs = values.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
+        let squares = pairs.map(|(v, _)| (v[1] - v[0]).powi(2)).filter(|square| square.is_finite());
+        let (sum, count) = squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
+        0.5 * (sum / f64::from(count.max(1))).ln()
+    };
+    let levels: Vec<f64> = blocks.blocks.iter().map(level).collect();
+    levels.iter().all(|level| level.is_finite()).then_some(levels)
+}
+
+/// Orthonormal columns.
+#[derive(Debug, Clone, Default)]
+struct Basis {
+    columns: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    /// Adds what is new in `column`; whether anything is.
+    fn add(&mut self, column: &[f64]) -> bool {
+        let left = self.without(&self.without(column));
+        let norm = dot(&left, &left).sqrt();
+        let is_new = norm > 1e-6 * dot(column, column).sqrt();
+        if is_new {
+            self.columns.push(left.iter().map(|value| value / norm).collect());
+        }
+        is_new
+    }
+
+    fn without(&self, column: &[f64]) -> Vec<f64> {
+        let mut left = column.to_vec();
+        for direction in &self.columns {
+            let along = dot(direction, &left);
+            left.iter_mut().zip(direction).for_each(|(value, part)| *value -= along * part);
+        }
+        left
+    }
+}

@@ -1,0 +1,161 @@
+//! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from it.
+
+use super::{ExtraNoise, Found, INSEPARABLE, SlowResult, SlowSearch, State, Tried};
+use crate::detect::hypothesis::Hypothesis;
+use crate::effects::Search;
+use fos_data::recording::RecordingError;
+use fos_fit::noise::NoiseLevels;
+use fos_fit::noise::{Gls, dot};
+
+/// A value this near to a limit of the search counts as at it.
+const GRID_EDGE: f64 = 1.3;
+
+/// A value so many times from the limits of the search is well inside.
+const INSIDE: f64 = 3.0;
+
+/// A finding of which less than this share lies outside a rival is contained in it.
+const NESTED: f64 = 1e-3;
+
+impl SlowSearch<'_> {
+    /// Gains, errors of parameters and rivals of what was accepted.
+    pub(super) fn describe(&self, state: State, tried: Tried) -> Result<SlowResult, RecordingError> {
+        let mut found = Vec::new();
+        for (place, current) in state.accepted.iter().enumerate() {
+            let (without, _) = self.without(&state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
+            let gain = without.fitted.deviance - state.fitted.deviance;
+            let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
+            let mut rivals = Vec::new();
+            for candidate in self.candidates(&without)? {
+                if candidate.hypothesis.is_same_effect(current) {
+                    continue;
+                }
+                let (mut rival, mut behind) = (candidate.hypothesis, gain - candidate.gain);
+                if behind < INSEPARABLE && self.is_nested(current, &rival) {
+                    match self.inside(&rest, &state, &rival)? {
+                        Some((inner, further)) => (rival, behind) = (inner, behind + further),
+                        None => continue,
+                    }
+                }
+                if behind < INSEPARABLE {
+                    rivals.push((rival, behind));
+                }
+            }
+            found.push(Found {
+                hypothesis: current.clone(),
+                place: {
+                    let before: usize = state.accepted[..place].iter().map(|h| h.columns.len()).sum();
+                    let start = self.given.len() + before;
+                    start..start + current.columns.len()
+                },
+                log_error: self.log_error(&rest, &state, current)?,
+                gain,
+                score: gain - self.price(k, current),
+                rivals,
+            });
+        }
+        let (mut noise_gain, mut noise_score) = (0.0, 0.0);
+        if state.noise != ExtraNoise::None {
+            let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+            let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+            noise_gain = without.deviance - state.fitted.deviance;
+            let price = if matches!(state.noise, ExtraNoise::Walk) { 1.0 } else { 2.0 };
+            noise_score = noise_gain - price * (self.blocks.len() as f64).ln();
+        }
+        let noise = match (state.noise, state.fitted.levels.gauss_markov) {
+            (ExtraNoise::GaussMarkov(_), Some(process)) => ExtraNoise::GaussMarkov(process),
+            (noise, _) => noise,
+        };
+        let prior = self.prior_of(noise);
+        Ok(SlowResult {
+            found,
+            noise,
+            noise_gain,
+            noise_score,
+            fitted: state.fitted,
+            prior,
+            quiet_prior: self.prior,
+            tried: tried.scores,
+            silent: tried.silent,
+        })
+    }
+
+    /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone to
+    /// the least value searched any prompt response.
+    fn is_nested(&self, finding: &Hypothesis, rival: &Hypothesis) -> bool {
+        let levels = NoiseLevels::from_logs(&self.prior.mean);
+        let constant = &self.given[0];
+        let freedom =
+            |hypothesis: &Hypothesis| hypothesis.effect.terms.len() + usize::from(hypothesis.value.is_some());
+        if freedom(rival) <= freedom(finding) {
+            return false;
+        }
+        let at_limit = match (&rival.effect.parameter, rival.value) {
+            (Some(parameter), Some(value)) => {
+                value < parameter.low * GRID_EDGE || value > parameter.high / GRID_EDGE
+            }
+            _ => true,
+        };
+        if !at_limit {
+            return false;
+        }
+        // does the rival span the finding?
+        finding.columns().iter().all(|column| {
+            let mut spanning: Vec<&[f64]> = vec![constant];
+            spanning.extend(rival.columns());
+            let alone = Gls::new(self.blocks, &levels, column, &[constant]);
+            let spanned = Gls::new(self.blocks, &levels, column, &spanning);
+            let (before, after) =
+                (dot(&alone.residual, &alone.residual), dot(&spanned.residual, &spanned.residual));
+            after < NESTED * before
+        })
+    }
+
+    /// A rival that has gone to the limit of its parameter, brought well inside: its best value there, and how much worse in
+    /// −2 ln L. A lag of a minute that explains a log as well as none does cannot be told from none.
+    fn inside(
+        &self,
+        rest: &[&Hypothesis],
+        state: &State,
+        rival: &Hypothesis,
+    ) -> Result<Option<(Hypothesis, f64)>, RecordingError> {
+        let (Some(parameter), Some(_)) = (&rival.effect.parameter, rival.value) else { return Ok(None) };
+        let at = |hypothesis: &Hypothesis| {
+            let all: Vec<&Hypothesis> = rest.iter().copied().chain([hypothesis]).collect();
+            self.at(&all, state.noise, state.fitted.levels).deviance
+        };
+        let limit = at(rival);
+        let mut best: Option<(f64, Hypothesis)> = None;
+        for value in self.hypotheses.grid(&rival.effect) {
+            if value.is_some_and(|value| value > INSIDE * parameter.low && value < parameter.high / INSIDE) {
+                let hypothesis = self.hypotheses.make(&rival.effect, value)?;
+                let deviance = at(&hypothesis);
+                if best.as_ref().is_none_or(|(other, _)| deviance < *other) {
+                    best = Some((deviance, hypothesis));
+                }
+            }
+        }
+        Ok(best.map(|(deviance, hypothesis)| (hypothesis, deviance - limit)))
+    }
+
+    /// Standard error of the logarithm of a parameter, from the curvature of the deviance.
+    fn log_error(
+        &self,
+        rest: &[&Hypothesis],
+        state: &State,
+        current: &Hypothesis,
+    ) -> Result<Option<f64>, RecordingError> {
+        let Some(value) = current.value.filter(|_| current.effect.search == Search::Terms) else {
+            return Ok(None);
+        };
+        let at = |log: f64| -> Result<f64, RecordingError> {
+            let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?;
+            let all: Vec<&Hypothesis> = rest.iter().copied().chain([&hypothesis]).collect();
+            Ok(self.at(&all, state.noise, state.fitted.levels).deviance)
+        };
+        let step = 0.1;
+        let curvature =
+            (at(value.ln() + step)? - 2.0 * at(value.ln())? + at(value.ln() - step)?) / (step * step);
+        Ok((curvature > 0.0).then(|| (2.0 / curvature).sqrt()))
+    }
+}

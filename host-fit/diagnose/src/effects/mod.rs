@@ -1,0 +1,413 @@
+//! The library of physical effects. An effect is data: a TOML file, the built-in ones and the user's own alike.
+
+mod inputs;
+#[cfg(test)]
+mod reference_tests;
+mod size;
+mod terms;
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+pub use inputs::Inputs;
+pub use size::SizeUnit;
+pub use terms::{Product, Regressor};
+
+use fos_data::file::{self, FileError};
+
+/// An effect of a user's own to begin with: every key, explained.
+pub const EXAMPLE: &str = include_str!("example.toml");
+
+/// The built-in effects, in the order of docs and lists.
+const BUILT_IN: [(&str, &str); 26] = {
+    macro_rules! library {
+        ($($id:literal)*) => { [$(($id, include_str!(concat!("library/", $id, ".toml")))),*] };
+    }
+    library!(
+        "temp_linear" "temp_poly" "thermal_lag" "temp_rate" "thermal_hysteresis" "warmup_exp" "bias_ramp" "bias_step"
+        "supply_sensitivity" "load_heating" "mag_sensitivity" "g_sensitivity" "vibration_rectification" "sf_error"
+        "sf_nonlinearity" "sf_asymmetry" "sf_temp" "cross_axis" "lever_arm" "spectral_line" "drifting_line" "saturation"
+        "dropped_samples" "quantisation" "gauss_markov" "rate_random_walk"
+    )
+};
+
+/// A physical effect: what it is, and how it is looked for.
+#[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Effect {
+    /// Identifier, the same everywhere.
+    pub id: String,
+    /// Name, as in a sentence.
+    pub name: String,
+    /// Where it shows.
+    pub band: Band,
+    /// Which axes it can strike.
+    #[serde(default)]
+    pub targets: Targets,
+    /// How it is looked for.
+    #[serde(default)]
+    pub search: Search,
+    /// Any of its terms alone is the effect too: those that explain nothing are left out.
+    #[serde(default)]
+    pub any_terms: bool,
+    /// What happens in the sensor.
+    pub mechanism: String,
+    /// The error it makes.
+    pub equation: String,
+    /// How large it is on phone-class parts.
+    #[serde(default)]
+    pub typical_size: String,
+    /// Where that comes from.
+    #[serde(default)]
+    pub source: String,
+    /// Which experiment shows it.
+    pub experiment: String,
+    /// What in a plot gives it away.
+    #[serde(default)]
+    pub gives_away: String,
+    /// What it costs on the device.
+    #[serde(default)]
+    pub device: String,
+    /// Its regressors.
+    #[serde(default)]
+    pub terms: Vec<EffectTerm>,
+    /// The parameter that is searched for.
+    pub parameter: Option<Parameter>,
+    /// What it is confused with, the most similar first.
+    #[serde(default)]
+    pub confused_with: Vec<Rival>,
+}
+
+/// Where an effect shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Band {
+    /// In block means.
+    Slow,
+    /// In the samples.
+    Wide,
+    /// In the data before any physics.
+    Data,
+    /// As noise.
+    Stochastic,
+}
+
+/// Which axes an effect can strike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Targets {
+    /// All.
+    #[default]
+    Any,
+    /// Gyros.
+    Gyro,
+    /// Accelerometers.
+    Accelerometer,
+}
+
+impl Targets {
+    /// Whether the axis of this column is one of them.
+    fn contain(self, column: &str) -> bool {
+        use fos_core::Axis;
+        match self {
+            Targets::Any => true,
+            Targets::Gyro => matches!(fos_fit::fit::axis_of(column), Axis::Gx | Axis::Gy | Axis::Gz),
+            Targets::Accelerometer => matches!(fos_fit::fit::axis_of(column), Axis::Ax | Axis::Ay | Axis::Az),
+        }
+    }
+}
+
+/// How an effect is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Search {
+    /// By its regressors, in block means.
+    #[default]
+    Terms,
+    /// As a step of the bias, in block means.
+    Step,
+    /// As a line that keeps its phase, in the spectrum.
+    Line,
+    /// As a line that wanders, in the spectrum.
+    WanderingLine,
+    /// In the values and stamps themselves.
+    Fault,
+    /// As noise beyond the baseline's, in block means.
+    Noise,
+}
+
+/// One regressor of an effect.
+#[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectTerm {
+    /// Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`.
+    pub regressor: String,
+    /// Axes that it can strike, among those of the effect.
+    #[serde(default)]
+    pub targets: Targets,
+    /// Unit of its coefficient for a gyro.
+    #[serde(default)]
+    pub gyro: Option<String>,
+    /// Unit of its coefficient for an accelerometer.
+    #[serde(default)]
+    pub accelerometer: Option<String>,
+}
+
+/// The parameter of an effect, searched for on a logarithmic grid and then refined.
+#[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameter {
+    /// Name, with the unit as its last part: `tau_s`.
+    pub name: String,
+    /// Unit.
+    #[serde(default)]
+    pub unit: String,
+    /// Least value looked for.
+    pub low: f64,
+    /// Largest value looked for.
+    pub high: f64,
+}
+
+/// An effect that another is confused with.
+#[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rival {
+    /// Its identifier.
+    pub effect: String,
+    /// The experiment that separates the two.
+    pub separate: String,
+}
+
+/// What is wrong with an effect or a library.
+#[derive(Debug, thiserror::Error)]
+pub enum EffectError {
+    /// The file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It is no effect.
+    #[error(
+        "{path}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
+    )]
+    NotAnEffect {
+        /// The file.
+        path: String,
+        /// What the reader said, with line and column.
+        reason: String,
+    },
+    /// There is no such effect.
+    #[error("there is no effect {id:?}{}\nhelp: `host-fit effects` lists them", .closest.as_ref().map(|c| format!("; did you mean {c:?}?")).unwrap_or_default())]
+    Unknown {
+        /// What was asked for.
+        id: String,
+        /// The most similar identifier.
+        closest: Option<String>,
+    },
+}
+
+/// All effects that are known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Library {
+    effects: Vec<Effect>,
+}
+
+impl Library {
+    /// The built-in effects.
+    pub fn built_in() -> Self {
+        let read = |(id, text): &(&str, &str)| {
+            Effect::parse(&format!("{id}.toml"), text).expect("a test reads every built-in effect")
+        };
+        Self { effects: BUILT_IN.iter().map(read).collect() }
+    }
+
+    /// The built-in effects and the user's, one file each. A user's effect takes the place of a built-in one of its
+    /// identifier.
+    ///
+    /// # Errors
+    ///
+    /// A file cannot be read or is no effect.
+    pub fn with_files<P: AsRef<Path>>(paths: &[P]) -> Result<Self, EffectError> {
+        let mut library = Self::built_in();
+        for path in paths {
+            let path = path.as_ref();
+            let text = String::from_utf8_lossy(&file::read(path)?).into_owned();
+            library.add(Effect::parse(&path.display().to_string(), &text)?);
+        }
+        Ok(library)
+    }
+
+    /// Adds an effect, or puts it in the place of the one of its identifier.
+    pub fn add(&mut self, effect: Effect) {
+        match self.effects.iter_mut().find(|known| known.id == effect.id) {
+            Some(known) => *known = effect,
+            None => self.effects.push(effect),
+        }
+    }
+
+    /// All of them, in order.
+    pub fn effects(&self) -> &[Effect] {
+        &self.effects
+    }
+
+    /// The effect of this identifier.
+    ///
+    /// # Errors
+    ///
+    /// There is none; the error names the most similar one.
+    pub fn get(&self, id: &str) -> Result<&Effect, EffectError> {
+        self.effects.iter().find(|effect| effect.id == id).ok_or_else(|| EffectError::Unknown {
+            id: id.to_owned(),
+            closest: fos_data::recording::closest(id, self.effects.iter().map(|effect| effect.id.as_str()))
+                .map(str::to_owned),
+        })
+    }
+
+    /// The experiment that separates two effects, if either of them says.
+    pub fn separation(&self, one: &str, other: &str) -> Option<&str> {
+        let says = |one: &str, other: &str| {
+            let effect = self.effects.iter().find(|effect| effect.id == one)?;
+            effect
+                .confused_with
+                .iter()
+                .find(|rival| rival.effect == other)
+                .map(|rival| rival.separate.as_str())
+        };
+        says(one, other).or_else(|| says(other, one))
+    }
+}
+
+impl Effect {
+    /// Reads an effect; `path` is for the error.
+    ///
+    /// # Errors
+    ///
+    /// It is no effect, a term cannot be read, or a unit is not known.
+    pub fn parse(path: &str, text: &str) -> Result<Self, EffectError> {
+        let wrong = |reason: String| EffectError::NotAnEffect { path: path.to_owned(), reason };
+        let effect: Self = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
+        effect.check().map_err(wrong)?;
+        Ok(effect)
+    }
+
+    /// # Errors
+    ///
+    /// What is wrong with it beyond the types of its fields, in words.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        if self.id.is_empty()
+            || !self.id.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        {
+            return Err(format!("id {:?}: small letters, digits and _ only", self.id));
+        }
+        if let Some(parameter) = &self.parameter
+            && self.search == Search::Terms
+            && !(parameter.low > 0.0 && parameter.low < parameter.high)
+        {
+            return Err(format!("parameter {:?}: 0 < low < high does not hold", parameter.name));
+        }
+        if self.search == Search::Terms && self.terms.is_empty() {
+            return Err("there is no [[terms]]: an effect that is searched by its terms needs one".to_owned());
+        }
+        for term in &self.terms {
+            for unit in [&term.gyro, &term.accelerometer].into_iter().flatten() {
+                unit.parse::<SizeUnit>()?;
+            }
+        }
+        if self.search == Search::Terms {
+            // any axis will do for a check of the text
+            self.regressors("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
+        }
+        Ok(())
+    }
+
+    /// Whether it can strike the axis of this column.
+    pub fn strikes(&self, column: &str) -> bool {
+        self.targets.contain(column)
+    }
+
+    /// Whether none of its terms needs a logged quantity.
+    pub fn follows_clock_alone(&self) -> bool {
+        self.terms
+            .iter()
+            .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
+    }
+
+    /// Its regressors for a target column and a value of its parameter, each with the number of its term.
+    ///
+    /// # Errors
+    ///
+    /// A term that cannot be read, or that names an axis the target does not have.
+    pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<(usize, Regressor)>, String> {
+        let name = self.parameter.as_ref().map(|parameter| parameter.name.as_str());
+        let striking = self.terms.iter().enumerate().filter(|(_, term)| term.targets.contain(target));
+        striking
+            .map(|(number, term)| {
+                Ok((number, Regressor::parse(&terms::filled(&term.regressor, target, name.zip(value))?)?))
+            })
+            .collect()
+    }
+
+    /// The data-sheet unit of the coefficient of a term for a target column; `None` where the effect states none.
+    pub fn unit(&self, term: usize, target: &str) -> Option<SizeUnit> {
+        let term = self.terms.get(term)?;
+        let unit = match target.ends_with("_rads") {
+            true => term.gyro.as_ref(),
+            false if target.ends_with("_mps2") => term.accelerometer.as_ref(),
+            false => None,
+        };
+        unit.and_then(|unit| unit.parse().ok())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_effect_reads_and_is_named_after_its_file() {
+        for (id, text) in BUILT_IN {
+            let effect = Effect::parse(id, text).unwrap();
+            assert_eq!(effect.id, id);
+            for said in [&effect.typical_size, &effect.source, &effect.gives_away, &effect.device] {
+                assert!(!said.is_empty(), "{id}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_rival_exists_and_knows_of_it() {
+        let library = Library::built_in();
+        for effect in library.effects() {
+            for rival in &effect.confused_with {
+                let other = library.get(&rival.effect).unwrap();
+                let knows = other.confused_with.iter().any(|back| back.effect == effect.id);
+                assert!(knows, "{} lists {}, not the other way round", effect.id, other.id);
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_effect_names_the_closest() {
+        let error = Library::built_in().get("termal_lag").unwrap_err().to_string();
+        assert!(error.contains("did you mean \"thermal_lag\"?"), "{error}");
+    }
+
+    #[test]
+    fn a_users_effect_says_what_is_wrong_with_it() {
+        let start = "id = \"mine\"\nname = \"mine\"\nband = \"slow\"\nmechanism = \"m\"\nequation = \"e\"\nexperiment = \"x\"\n";
+        let with = |terms: &str| Effect::parse("mine.toml", &format!("{start}{terms}"));
+        assert!(with("[[terms]]\nregressor = \"temp_c * supply_v\"\ngyro = \"dps/K\"\n").is_ok());
+        for (terms, says) in [
+            ("", "needs one"),
+            ("[[terms]]\nregressor = \"temp_c:lowpas(3)\"\n", "lowpas"),
+            ("[[terms]]\nregressor = \"temp_c\"\ngyro = \"furlong\"\n", "furlong"),
+            (
+                "[[terms]]\nregressor = \"temp_c\"\n[parameter]\nname = \"tau_s\"\nlow = 5\nhigh = 1\n",
+                "low < high",
+            ),
+            ("colour = \"red\"\n", "unknown field"),
+        ] {
+            let error = with(terms).unwrap_err().to_string();
+            assert!(error.contains(says) && error.starts_with("mine.toml"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! The terms of an effect: products of inputs, filled in for an axis.
+
+use std::fmt;
+use std::rc::Rc;
+
+use fos_fit::fit::InputSpec;
+
+/// A product of inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Product {
+    /// Its inputs.
+    pub inputs: Vec<InputSpec>,
+}
+
+impl Product {
+    /// From text: inputs joined by `*`.
+    ///
+    /// # Errors
+    ///
+    /// An input cannot be read.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        Ok(Self { inputs: text.split('*').map(|input| input.trim().parse()).collect::<Result<_, _>>()? })
+    }
+
+    /// The columns that it needs.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.inputs.iter().filter_map(|input| input.column.as_deref())
+    }
+}
+
+/// A regressor: the sum of products, which share a coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regressor {
+    /// Its products.
+    pub products: Vec<Product>,
+}
+
+impl Regressor {
+    /// From text: products joined by `+`.
+    ///
+    /// # Errors
+    ///
+    /// A product cannot be read.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        Ok(Self { products: text.split('+').map(Product::parse).collect::<Result<_, _>>()? })
+    }
+
+    /// The columns that it needs.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.products.iter().flat_map(Product::columns)
+    }
+
+    /// Its inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = &InputSpec> {
+        self.products.iter().flat_map(|product| &product.inputs)
+    }
+
+    /// The inputs that it takes a power of; a sum of powers, as of a vector's length, is no curve of any of them.
+    pub fn powers(&self) -> impl Iterator<Item = &InputSpec> {
+        let is_power = |product: &Product, input: &InputSpec| {
+            product.inputs.iter().filter(|other| *other == input).count() > 1
+        };
+        let single = self.products.first().filter(|_| self.products.len() == 1);
+        single
+            .into_iter()
+            .flat_map(move |product| product.inputs.iter().filter(move |input| is_power(product, input)))
+    }
+
+    /// Its value where those of its inputs, by their text, are `value`.
+    pub fn at(&self, value: impl Fn(&str) -> f64) -> f64 {
+        let product =
+            |product: &Product| product.inputs.iter().map(|input| value(&input.to_string())).product::<f64>();
+        self.products.iter().map(product).sum()
+    }
+
+    /// Its values where those of its inputs are known.
+    pub(super) fn over<E>(&self, input: impl Fn(&InputSpec) -> Result<Rc<[f64]>, E>) -> Result<Rc<[f64]>, E> {
+        let product = |product: &Product| combined(product.inputs.iter().map(&input), |a, b| a * b);
+        combined(self.products.iter().map(product), |a, b| a + b)
+    }
+}
+
+/// Columns combined value by value; the only one as it is.
+fn combined<E>(
+    columns: impl Iterator<Item = Result<Rc<[f64]>, E>>,
+    combine: impl Fn(f64, f64) -> f64,
+) -> Result<Rc<[f64]>, E> {
+    let mut columns = columns;
+    let Some(first) = columns.next() else { return Ok(Rc::from([])) };
+    columns.try_fold(first?, |all, next| {
+        Ok(all.iter().zip(next?.iter()).map(|(a, b)| combine(*a, *b)).collect())
+    })
+}
+
+impl fmt::Display for Regressor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let products: Vec<String> = self.products.iter().map(ToString::to_string).collect();
+        f.write_str(&products.join(" + "))
+    }
+}
+
+impl fmt::Display for Product {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let inputs: Vec<String> = self.inputs.iter().map(ToString::to_string).collect();
+        f.write_str(&inputs.join(" * "))
+    }
+}
+
+/// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the next
+/// two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes; the name of
+/// the parameter stands for its value.
+pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
+    let mut filled = text.replace("{target}", target);
+    if let Some((name, value)) = parameter {
+        filled = filled.replace(&format!("{{{name}}}"), &value.to_string());
+    }
+    if filled.contains('{') {
+        let letters = ['x', 'y', 'z'];
+        let place = letters.iter().position(|letter| target.get(1..2) == Some(&letter.to_string()));
+        let (Some(place), Some(kind), Some(unit)) = (place, target.get(..1), target.get(2..)) else {
+            return Err(format!("{text:?} asks for the axes of a triad, and {target:?} is none"));
+        };
+        for (suffix, step) in [("", 0), ("_next", 1), ("_after", 2)] {
+            let letter = letters[(place + step) % 3];
+            filled = filled.replace(&format!("{{gyro{suffix}}}"), &format!("g{letter}_rads"));
+            let plain = suffix.trim_start_matches('_');
+            filled = filled.replace(&format!("{{{plain}}}"), &format!("{kind}{letter}{unit}"));
+        }
+    }
+    match filled.find('{') {
+        None => Ok(filled),
+        Some(at) => Err(format!(
+            "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter",
+            &filled[at..]
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn placeholders_name_the_axes_of_the_target() {
+        let fill = |text, target| filled(text, target, Some(("tau_s", 60.5)));
+        assert_eq!(fill("ref_{next} * ref_{after}", "gy_rads").unwrap(), "ref_gz_rads * ref_gx_rads");
+        assert_eq!(fill("ref_{gyro_next}:rate(0.05)", "az_mps2").unwrap(), "ref_gx_rads:rate(0.05)");
+        assert_eq!(fill("temp_c:lowpass({tau_s})", "other").unwrap(), "temp_c:lowpass(60.5)");
+        assert!(fill("ref_{next}", "other").is_err());
+        assert!(fill("ref_{nxt}", "gx_rads").unwrap_err().contains("{nxt}"));
+    }
+
+    #[test]
+    fn a_product_reads_back() {
+        let product = Product::parse("ref_gx_rads * temp_c:lowpass(20)").unwrap();
+        assert_eq!(product.to_string(), "ref_gx_rads * temp_c:lowpass(20)");
+        assert_eq!(product.columns().collect::<Vec<_>>(), ["ref_gx_rads", "temp_c"]);
+    }
+}

@@ -1,0 +1,90 @@
+//! What speaks for an effect, for the eye: the error that it should explain, and what it explains of it.
+
+use super::{Cost, Ground, GrowError, Growth, terms};
+use crate::detect::{Finding, Reduced, correction};
+use crate::effects::Band;
+use fos_fit::signal::centred;
+
+/// Blocks of an evidence, about: as many as a picture can show.
+const BLOCKS: f64 = 400.0;
+
+/// Shortest block, s.
+const SHORTEST_S: f64 = 1.0;
+
+/// The slow error in blocks of the field log, beside what a finding says of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// Length of the blocks, s.
+    pub block_s: f64,
+    /// Their middles, s as stamped.
+    pub time_s: Vec<f64>,
+    /// Block means of the error less the model's physical part and all other findings, less their mean, in the axis' unit.
+    pub error: Vec<f64>,
+    /// Block means of what the finding says, less their mean.
+    pub effect: Vec<f64>,
+    /// The column against which it shows best.
+    pub against: Option<Against>,
+}
+
+/// A column in the same blocks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Against {
+    /// The column.
+    pub column: String,
+    /// Its block means.
+    pub values: Vec<f64>,
+}
+
+impl Ground<'_> {
+    /// What speaks for one of the `findings` of a diagnosis of `growth`; none for an effect that no block shows.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub fn evidence(
+        &self,
+        growth: &Growth,
+        findings: &[Finding],
+        finding: &Finding,
+    ) -> Result<Option<Evidence>, GrowError> {
+        if finding.band != Band::Slow || finding.correction.is_empty() {
+            return Ok(None);
+        }
+        let field = &*self.field;
+        let mut others: Vec<Finding> = growth.added().map(|added| added.finding.clone()).collect();
+        others.extend(findings.iter().filter(|other| *other != finding).cloned());
+        let without = self.without_base(growth, &others)?;
+        let seconds = field.n_rows() as f64 * field.rate.period_s;
+        let length_s = (seconds / BLOCKS).max(SHORTEST_S);
+        let reduced = Reduced::in_blocks_of(&without, &growth.column, &[], length_s)?;
+        let blocks = &reduced.blocks;
+        let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
+        let against = match &finding.shows_against {
+            Some(column) => {
+                let held = field.held_from_first(field.channel(column)?);
+                Some(Against { column: column.clone(), values: blocks.means(&held) })
+            }
+            None => None,
+        };
+        let middle = |block: &fos_fit::noise::Block| field.time_s[(block.rows.start + block.rows.end) / 2];
+        Ok(Some(Evidence {
+            block_s: blocks.length_s,
+            time_s: blocks.blocks.iter().map(middle).collect(),
+            error: centred(reduced.means.clone()),
+            effect: centred(effect),
+            against,
+        }))
+    }
+
+    /// What the model of `growth` would cost more on the device with `finding`.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub fn price(&self, growth: &Growth, finding: &Finding) -> Result<Option<Cost>, GrowError> {
+        let Some(last) = growth.last().filter(|_| !finding.correction.is_empty()) else { return Ok(None) };
+        let mut grown = last.model.clone();
+        terms::add(&mut grown, std::slice::from_ref(finding), &self.field)?;
+        Ok(Some(Cost::of(&grown).beyond(&last.cost)))
+    }
+}

@@ -1,0 +1,88 @@
+//! What a study remembers of growing an axis: the logs, and every step of the staircase.
+
+use serde::{Deserialize, Serialize};
+
+use super::cost::Cost;
+use crate::detect::Finding;
+use crate::effects::Effect;
+use fos_data::recording::{LoadOptions, Source};
+use fos_fit::evaluate::ModelErrors;
+use fos_fit::model::UnitModel;
+
+/// An axis of a study that effects were added to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Growth {
+    /// The axis, by its column.
+    pub column: String,
+    /// The logs behind it.
+    pub logs: GrowthLogs,
+    /// The model before anything was added, then after each effect.
+    pub stairs: Vec<Stair>,
+}
+
+/// The logs that effects were estimated from and judged on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GrowthLogs {
+    /// The log with the hidden effect.
+    pub field: Source,
+    /// A quiet log that the noise was learnt from.
+    pub quiet: Option<Source>,
+    /// The log that the errors are of; none: the rows of the field log from `fitted_rows` on.
+    pub judged: Option<Source>,
+    /// Rows of the field log that effects are estimated from, from the first on.
+    pub fitted_rows: usize,
+    /// How they were read.
+    #[serde(flatten)]
+    pub read: LoadOptions,
+}
+
+/// A state of the model, and its errors on rows that were not fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stair {
+    /// What was added; none in the state before.
+    pub added: Option<Added>,
+    /// The axis alone.
+    pub model: UnitModel,
+    /// All errors, on the judged rows.
+    pub errors: ModelErrors,
+    /// Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows.
+    pub left: Left,
+    /// What the axis costs on the device.
+    pub cost: Cost,
+}
+
+/// An effect that was added.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Added {
+    /// The effect itself: the study can be read without the file it came from.
+    pub effect: Effect,
+    /// What it was found to be, with the fall that was foretold.
+    pub finding: Finding,
+    /// The fall that came true, in the band of the effect.
+    pub realised_fall: f64,
+}
+
+/// What the physical part leaves of the error, in the square of the axis' unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Left {
+    /// Variance of 1-s means.
+    pub slow: f64,
+    /// Variance of the samples.
+    pub wide: f64,
+    /// Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the model's bias is
+    /// off by. Absent where the log does not tell, and in studies from before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias: Option<f64>,
+}
+
+impl Growth {
+    /// The effects that were added, in order.
+    pub fn added(&self) -> impl Iterator<Item = &Added> {
+        self.stairs.iter().filter_map(|stair| stair.added.as_ref())
+    }
+
+    /// The state as it is now.
+    pub fn last(&self) -> Option<&Stair> {
+        self.stairs.last()
+    }
+}

@@ -1,0 +1,100 @@
+//! From the findings of a diagnosis to the physical part of a model: the same coefficients, in the form that fos-core takes.
+
+use std::collections::BTreeMap;
+
+use fos_core::{Factor, Input, Range, Source, Transform, u};
+
+use crate::detect::{CorrectionTerm, Finding, step_time};
+use crate::effects::{Inputs, Product, Regressor};
+use fos_data::recording::{Recording, RecordingError};
+use fos_fit::fit::{InputSpec, quantity_of};
+use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
+
+/// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the range
+/// outside. Inputs that powers are taken of keep the limits of the finding.
+const WIDTHS: f64 = 1.0;
+
+/// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were found in.
+/// Steps are no terms: they stay in the bias of every later log.
+///
+/// # Errors
+///
+/// A column is missing.
+pub(super) fn add(
+    model: &mut UnitModel,
+    findings: &[Finding],
+    field: &Recording,
+) -> Result<(), RecordingError> {
+    let inputs = Inputs::new(field);
+    let scale = model.axes[0].parameters.scale;
+    for finding in findings {
+        for CorrectionTerm { regressor, coefficient, standard_error } in &finding.correction {
+            if step_time(regressor).is_some() {
+                continue;
+            }
+            // what a diagnosis writes can be read
+            let Ok(Regressor { products }) = Regressor::parse(regressor) else { continue };
+            for product in &products {
+                let factors = factors(model, product, &finding.limits, &inputs)?;
+                model.axes[0].physical.push(FittedTerm {
+                    coefficient: coefficient / scale,
+                    standard_error: Some(standard_error / scale),
+                    factors,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn factors(
+    model: &mut UnitModel,
+    product: &Product,
+    limits: &BTreeMap<String, [f64; 2]>,
+    inputs: &Inputs<'_>,
+) -> Result<Vec<Factor>, RecordingError> {
+    product.inputs.iter().map(|spec| Ok(u(place(model, spec, limits, inputs)?, 0))).collect()
+}
+
+/// The place of an input in the model; appended if it is not there. Inputs are as logged, so that a coefficient is per kelvin.
+fn place(
+    model: &mut UnitModel,
+    spec: &InputSpec,
+    limits: &BTreeMap<String, [f64; 2]>,
+    inputs: &Inputs<'_>,
+) -> Result<u8, RecordingError> {
+    let (source, source_range) = match &spec.column {
+        None => (Source::Clock, Range::new(0.0, 0.0)),
+        Some(column) => {
+            let quantity = LoggedQuantity { column: column.clone(), quantity: quantity_of(column) };
+            let index = position(&mut model.quantities, quantity);
+            let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
+            (Source::Quantity(index), widened(range(&inputs.input(&identity)?)))
+        }
+    };
+    let name = spec.to_string();
+    let range = match (spec.transform, limits.get(&name)) {
+        (_, Some([low, high])) => Range::new(*low, *high),
+        (Transform::Decay { .. }, _) => Range::new(0.0, 1.0),
+        (Transform::Sine { .. } | Transform::Cosine { .. }, _) => Range::new(-1.0, 1.0),
+        // a device runs for longer than a log
+        (Transform::Time, _) => Range::new(0.0, LONGEST_S),
+        _ => widened(range(&inputs.input(spec)?)),
+    };
+    let input = Input { source, transform: spec.transform, centre: 0.0, scale: 1.0, source_range, range };
+    let named = NamedInput { name, input };
+    Ok(position(&mut model.inputs, named))
+}
+
+/// A day: a ramp that was seen for an hour is followed no further.
+const LONGEST_S: f64 = 86_400.0;
+
+fn range(values: &[f64]) -> [f64; 2] {
+    let finite = values.iter().filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)])
+}
+
+fn widened([low, high]: [f64; 2]) -> Range<f64> {
+    let margin = WIDTHS * (high - low);
+    Range::new(low - margin, high + margin)
+}

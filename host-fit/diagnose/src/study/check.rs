@@ -1,0 +1,122 @@
+//! What a study must hold beyond the types of its fields: whatever is done with it relies on that.
+
+use std::collections::HashSet;
+
+use fos_core::{Channel, Factor, Source, Term};
+
+use super::Study;
+use crate::detect::{Finding, step_time};
+use crate::effects::Regressor;
+use crate::refine::{Added, Growth};
+use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
+
+impl Study {
+    /// # Errors
+    ///
+    /// What no study holds that this program wrote, in words.
+    pub(super) fn check(&self) -> Result<(), String> {
+        check_model(&self.model).map_err(|wrong| format!("model: {wrong}"))?;
+        let columns: Vec<&str> = self.model.axes.iter().map(|axis| axis.column.as_str()).collect();
+        let reports: Vec<&str> = self.axes.iter().map(|report| report.column.as_str()).collect();
+        if columns != reports {
+            return Err(format!("axes: they are {reports:?}, those of the model {columns:?}"));
+        }
+        if let Some(step) = self.steps.iter().find(|step| step.errors.len() != columns.len()) {
+            let (errors, axes) = (step.errors.len(), columns.len());
+            return Err(format!("steps: {:?} has the errors of {errors} axes, the model {axes}", step.name));
+        }
+        if self.data.trained_rows > self.data.rows {
+            return Err("data: fitted to more rows than there are".to_owned());
+        }
+        let mut grown = HashSet::new();
+        for growth in &self.growth {
+            let column = growth.column.as_str();
+            if !columns.contains(&column) || !grown.insert(column) {
+                return Err(format!("growth: {column:?} is no axis of the model, or stands there twice"));
+            }
+            check_growth(growth).map_err(|wrong| format!("growth of {column}: {wrong}"))?;
+        }
+        Ok(())
+    }
+}
+
+fn check_model(model: &UnitModel) -> Result<(), String> {
+    let UnitModel { quantities, inputs, axes, .. } = model;
+    if axes.is_empty() {
+        return Err("there is no axis".to_owned());
+    }
+    // they are counted in a byte
+    if [quantities.len(), inputs.len(), axes.len()].into_iter().any(|count| count > usize::from(u8::MAX)) {
+        return Err("more quantities, inputs or axes than 255".to_owned());
+    }
+    for NamedInput { name, input } in inputs {
+        let is_there = match input.source {
+            Source::Clock => true,
+            Source::Quantity(index) => usize::from(index) < quantities.len(),
+            Source::Remainder(index) => usize::from(index) < axes.len(),
+        };
+        if !is_there {
+            return Err(format!("{name}: what it is computed from is not there"));
+        }
+    }
+    let mut columns = HashSet::new();
+    for FittedAxis { column, physical, stochastic, .. } in axes {
+        if !columns.insert(column) {
+            return Err(format!("two axes of the column {column:?}"));
+        }
+        for FittedTerm { coefficient, factors, .. } in physical.iter().chain(stochastic) {
+            if Term::try_new(*coefficient, factors).is_none() {
+                return Err(format!("{column}: a term has 1 to 3 factors, and no output at lag 0"));
+            }
+            let is_there = |factor: &Factor| match factor.channel {
+                Channel::Output => true,
+                Channel::Input(index) => usize::from(index) < inputs.len(),
+            };
+            if !factors.iter().all(is_there) {
+                return Err(format!("{column}: a term names an input that is not there"));
+            }
+        }
+    }
+    // each alone: together they may have outgrown a predictor, and can be taken back one by one
+    for (index, axis) in axes.iter().enumerate() {
+        let alone = model.only(index).predictor::<f64>();
+        alone.map_err(|error| format!("{}: {error}", axis.column))?;
+    }
+    Ok(())
+}
+
+fn check_growth(growth: &Growth) -> Result<(), String> {
+    if growth.stairs.is_empty() {
+        return Err("there is no stair".to_owned());
+    }
+    for (number, stair) in growth.stairs.iter().enumerate() {
+        let at = |wrong: String| format!("stair {number}: {wrong}");
+        check_model(&stair.model).map_err(at)?;
+        if !matches!(&stair.model.axes[..], [axis] if axis.column == growth.column) {
+            return Err(at("the model is not of this axis alone".to_owned()));
+        }
+        match &stair.added {
+            Some(added) if number > 0 => check_added(added).map_err(at)?,
+            None if number == 0 => {}
+            _ => return Err(at("an effect is added by each stair but the first".to_owned())),
+        }
+    }
+    Ok(())
+}
+
+fn check_added(Added { effect, finding, .. }: &Added) -> Result<(), String> {
+    effect.check()?;
+    let Finding { effect: found, correction, limits, .. } = finding;
+    if *found != effect.id {
+        return Err(format!("the effect is {:?}, what was found is {found:?}", effect.id));
+    }
+    for term in correction {
+        if step_time(&term.regressor).is_none() {
+            Regressor::parse(&term.regressor)?;
+        }
+    }
+    match limits.iter().find(|(_, [low, high])| low > high) {
+        Some((input, _)) => Err(format!("the limits of {input} are the wrong way round")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,220 @@
+//! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
+
+mod check;
+mod logs;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+pub use logs::{LogAgainError, load_again};
+
+use crate::refine::Growth;
+use fos_data::file::compare_and_swap::{CompareAndSwapError, FileVersion};
+use fos_data::file::{self, FileError};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::schema::{Refused, from_json};
+use fos_data::stillness::KnownBy;
+use fos_data::visible::visible;
+use fos_fit::evaluate::ModelErrors;
+use fos_fit::fit::{AxisReport, FitOptions};
+use fos_fit::model::UnitModel;
+
+/// The schema that this program writes, and the only one it reads.
+pub const SCHEMA: &str = "fos-study/1";
+
+/// A study. Self-contained: with the data it names it can be repeated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The program that wrote it.
+    pub tool: Tool,
+    /// The recording that was fitted.
+    pub data: Data,
+    /// How it was fitted.
+    pub settings: FitOptions,
+    /// The model as it is now.
+    pub model: UnitModel,
+    /// How each axis of it was found.
+    pub axes: Vec<AxisReport>,
+    /// The plain rivals and every state of the model, in order, with its errors on data that were not fitted.
+    pub steps: Vec<StudyStep>,
+    /// The axes that effects were added to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub growth: Vec<Growth>,
+}
+
+/// The program that wrote a study.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+}
+
+/// The recording behind a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Data {
+    /// File, size and digest, of every log.
+    pub sources: Vec<Source>,
+    /// How they were read.
+    #[serde(flatten)]
+    pub read: LoadOptions,
+    /// Rows read.
+    pub rows: usize,
+    /// Rows that the model was fitted to, from the first row on.
+    pub trained_rows: usize,
+    /// True sample rate, Hz.
+    pub true_rate_hz: f64,
+    /// Stretches without gaps.
+    pub segments: usize,
+    /// How it is known where the unit is still.
+    pub still_known_by: KnownBy,
+    /// Share of the rows in which it is.
+    pub still_share: f64,
+}
+
+/// A state of the model, and its errors on the judged rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudyStep {
+    /// What was done: the name of a rival, or of the step.
+    pub name: String,
+    /// Errors of each axis.
+    pub errors: Vec<ModelErrors>,
+}
+
+/// A study that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It cannot be written back.
+    #[error(transparent)]
+    Unchanged(#[from] CompareAndSwapError),
+    /// It is not a study, or is damaged.
+    #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: studies are written by `host-fit fit`")]
+    NotAStudy {
+        /// The file.
+        path: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+        /// What the reader said.
+        reason: String,
+    },
+    /// Its fields contradict one another.
+    #[error(
+        "{path}: {reason}: such a study was not written by this program\nhelp: `host-fit fit` writes a new one from the log"
+    )]
+    Unsound {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Another version.
+    #[error(
+        "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
+    )]
+    Schema {
+        /// The file.
+        path: String,
+        /// Its schema.
+        found: String,
+    },
+}
+
+impl Tool {
+    /// This program.
+    pub fn this() -> Self {
+        Self { name: "host-fit".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
+    }
+}
+
+impl Data {
+    /// Whether `recording` is what was fitted.
+    pub fn is(&self, recording: &Recording) -> bool {
+        self.rows == recording.n_rows() && self.sources == recording.sources
+    }
+}
+
+impl Study {
+    /// Reads a study.
+    ///
+    /// # Errors
+    ///
+    /// No such file, not a study, one of another schema, or one whose fields contradict one another.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        Ok(Self::read_to_change(path)?.0)
+    }
+
+    /// Reads a study that is to be written back.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Study::read`].
+    pub fn read_to_change(path: &Path) -> Result<(Self, FileVersion), StudyError> {
+        let bytes = file::read(path)?;
+        let refused = |refused| match (refused, path.display().to_string()) {
+            (Refused::NotJson { line, column, reason }, path) => {
+                StudyError::NotAStudy { path, line, column, reason }
+            }
+            (Refused::Schema(found), path) => StudyError::Schema { path, found },
+        };
+        let study: Self = from_json(&bytes, SCHEMA).map_err(refused)?;
+        study.check().map_err(|reason| StudyError::Unsound { path: path.display().to_string(), reason })?;
+        Ok((study, FileVersion::of(path, &bytes)))
+    }
+
+    /// Writes the study, whole or not at all, to a file that is as it was seen; it notes where its logs lie as seen from there.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be written, or another process has written it meanwhile; it is then untouched.
+    pub fn write(&mut self, file: &FileVersion) -> Result<(), StudyError> {
+        self.note_places(file.path());
+        Ok(file.replace(&self.to_bytes())?)
+    }
+
+    /// The study as it is written.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut text = serde_json::to_vec_pretty(self).expect("a study has only string keys");
+        text.push(b'\n');
+        text
+    }
+
+    /// Studies of single axes, fitted to one log with one setting, as one; none of none.
+    pub fn joined(studies: impl IntoIterator<Item = Self>) -> Option<Self> {
+        studies.into_iter().reduce(|mut all, other| {
+            all.model.absorb(other.model);
+            all.axes.extend(other.axes);
+            for (step, other) in all.steps.iter_mut().zip(other.steps) {
+                step.errors.extend(other.errors);
+            }
+            all
+        })
+    }
+
+    /// In a few lines: where the model comes from.
+    pub fn provenance(&self) -> String {
+        let data = self
+            .data
+            .sources
+            .iter()
+            .map(|Source { path, sha256, .. }| format!("data {}, sha256 {}", file::name_of(path), sha256))
+            .map(|line| visible(&line).into_owned());
+        let data = data.collect::<Vec<_>>().join("\n");
+        format!(
+            "{} {}\n{data}\nfitted to {} of {} rows at {:.3} Hz",
+            visible(&self.tool.name),
+            visible(&self.tool.version),
+            self.data.trained_rows,
+            self.data.rows,
+            self.data.true_rate_hz
+        )
+    }
+}

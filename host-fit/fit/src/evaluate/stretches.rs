@@ -1,0 +1,160 @@
+//! Where a model fails worst, and what is special about the place.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::trace::Trace;
+use fos_data::recording::{Recording, pieces};
+
+/// Stretches that are named.
+const NAMED: usize = 5;
+
+/// Length of a stretch, s; a twentieth of the judged time where that is shorter.
+const LENGTH_S: f64 = 10.0;
+
+/// A channel whose mean or spread in a stretch lies this many robust standard deviations away from that of the
+/// other stretches is special: one in a thousand does by chance if the channel is normal.
+const SPECIAL: f64 = 3.3;
+
+/// A channel that scatters so many times as much as usual is not worth a word.
+const USUAL: Range<f64> = 0.8..1.25;
+
+/// MAD of a normal distribution in standard deviations.
+const MAD_TO_SD: f64 = 1.4826;
+
+/// A stretch of the recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stretch {
+    /// Begin, s as stamped.
+    pub begin_s: f64,
+    /// End, s as stamped.
+    pub end_s: f64,
+    /// Root mean square of what is left, coasting for at most 60 s, in the axis' unit.
+    pub rms: f64,
+    /// Mean of what is left.
+    pub mean: f64,
+    /// `rms` over that of the median stretch.
+    pub ratio: f64,
+    /// What is special there, most striking first; empty if nothing logged is.
+    pub special: Vec<String>,
+}
+
+/// The five stretches of `axis` in which most is left, worst first.
+pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
+    let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
+    let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
+    let mut places = pieces(&trace.stretches, length);
+    places.retain(|place| place.len() == length);
+    let left = |place: &Range<usize>| {
+        &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start]
+    };
+    let rms = |place: &Range<usize>| (left(place).iter().map(|e| e * e).sum::<f64>() / length as f64).sqrt();
+    let mut ranked: Vec<(f64, usize)> = places
+        .iter()
+        .enumerate()
+        .map(|(index, place)| (rms(place), index))
+        .filter(|(rms, _)| rms.is_finite())
+        .collect();
+    let median_rms = median(ranked.iter().map(|(rms, _)| *rms));
+    ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let backdrop = Backdrop::new(recording, &places);
+    ranked
+        .iter()
+        .take(NAMED)
+        .map(|&(rms, index)| {
+            let place = &places[index];
+            Stretch {
+                begin_s: recording.time_s[place.start],
+                end_s: recording.time_s[place.end - 1],
+                rms,
+                mean: left(place).iter().sum::<f64>() / length as f64,
+                ratio: rms / median_rms,
+                special: backdrop.special(recording, trace, index, place),
+            }
+        })
+        .collect()
+}
+
+/// Mean and spread of every channel in every stretch.
+struct Backdrop {
+    channels: Vec<ChannelBackdrop>,
+}
+
+struct ChannelBackdrop {
+    name: String,
+    means: Vec<f64>,
+    deviations: Vec<f64>,
+}
+
+impl Backdrop {
+    fn new(recording: &Recording, places: &[Range<usize>]) -> Self {
+        let channels = recording.channels().iter().map(|channel| {
+            let moments = |place: &Range<usize>| {
+                let finite: Vec<f64> =
+                    channel.values[place.clone()].iter().copied().filter(|value| value.is_finite()).collect();
+                if finite.is_empty() {
+                    return (f64::NAN, f64::NAN);
+                }
+                (crate::signal::mean(&[&finite]), crate::signal::variance(&[&finite]).sqrt())
+            };
+            let (means, deviations) = places.iter().map(moments).unzip();
+            ChannelBackdrop { name: channel.name.clone(), means, deviations }
+        });
+        Self { channels: channels.collect() }
+    }
+
+    fn special(
+        &self,
+        recording: &Recording,
+        trace: &Trace,
+        index: usize,
+        place: &Range<usize>,
+    ) -> Vec<String> {
+        let mut found: Vec<(f64, String)> = Vec::new();
+        for channel in &self.channels {
+            let unit = crate::model::unit_of(&channel.name);
+            if let Some((score, usual)) = score(&channel.means, index) {
+                let text =
+                    format!("{} is at {:.4} {unit}, usually {usual:.4}", channel.name, channel.means[index]);
+                found.push((score, text));
+            }
+            if let Some((score, usual)) = score(&channel.deviations, index) {
+                let times = channel.deviations[index] / usual;
+                // a difference that is sure and too small to matter
+                if !USUAL.contains(&times) {
+                    found.push((
+                        score,
+                        format!("{} scatters {times:.1} times as much as usual", channel.name),
+                    ));
+                }
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut special: Vec<String> = found.into_iter().take(3).map(|(_, text)| text).collect();
+        let before = trace.stretches.iter().find(|stretch| stretch.contains(&place.start));
+        if let Some(stretch) = before {
+            let since_s = (place.start - stretch.start) as f64 * trace.period_s;
+            if stretch.start > trace.rows.start && since_s < LENGTH_S {
+                let time = recording.time_s[stretch.start];
+                special.push(format!("begins {since_s:.1} s after a gap or motion that ends at {time:.1} s"));
+            }
+        }
+        special
+    }
+}
+
+/// How far value `index` lies from the others in robust standard deviations, and their median, if that is far.
+fn score(values: &[f64], index: usize) -> Option<(f64, f64)> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let centre = median(finite());
+    let spread = MAD_TO_SD * median(finite().map(|value| (value - centre).abs()));
+    let score = (values[index] - centre).abs() / spread;
+    (score.is_finite() && score > SPECIAL).then_some((score, centre))
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}

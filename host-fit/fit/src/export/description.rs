@@ -1,0 +1,108 @@
+//! A model image in words: what people check before they trust it.
+
+use std::fmt::{self, Display, Formatter};
+
+use fos_core::{Axis, AxisParameters, Channel, Image, Term};
+
+use crate::model::unit_of;
+use fos_data::text::number;
+use fos_data::visible::visible;
+
+/// Where the model in `image` comes from, its inputs, and the terms of every axis, with units.
+pub fn description(image: &Image<'_>) -> String {
+    Description(image).to_string()
+}
+
+struct Description<'a>(&'a Image<'a>);
+
+impl Display for Description<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let image = self.0;
+        let info = image.info();
+        writeln!(
+            f,
+            "sensor       {}",
+            if info.sensor.is_empty() { "not named".into() } else { visible(info.sensor) }
+        )?;
+        writeln!(f, "sample rate  {:.4} Hz", 1.0 / image.period_s())?;
+        writeln!(f, "fitted on    {:?} values", image.fitted_on())?;
+        writeln!(f, "provenance   {}", info.provenance.replace('\n', "\n             "))?;
+        if !info.effects.is_empty() {
+            writeln!(f, "effects      {}", info.effects.replace('\n', ", "))?;
+        }
+        if let Some(limits) = image.stillness() {
+            writeln!(
+                f,
+                "still        window {} samples, accelerometers below {} m/s², gyros below {} rad/s",
+                limits.window,
+                number(f64::from(limits.accel_variance).sqrt()),
+                number(f64::from(limits.gyro_variance).sqrt())
+            )?;
+        }
+        for (name, index) in info.quantities.lines().zip(0..) {
+            writeln!(f, "quantity {index}   {name}")?;
+        }
+        for (input, index) in image.inputs().zip(0..) {
+            writeln!(
+                f,
+                "input u{index}     {:?} of {:?}, centre {}, scale {}, fitted {} … {}",
+                input.transform,
+                input.source,
+                number(input.centre.into()),
+                number(input.scale.into()),
+                number(input.range.low.into()),
+                number(input.range.high.into())
+            )?;
+        }
+        for axis in image.axes() {
+            write_parameters(f, &axis.parameters)?;
+            writeln!(f, "  p =")?;
+            for term in axis.physical {
+                writeln!(f, "    {}", term_text(&term))?;
+            }
+            writeln!(f, "  r̂ = {:+.6e}", axis.parameters.constant)?;
+            for term in axis.stochastic {
+                writeln!(f, "    {}", term_text(&term))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn write_parameters(f: &mut Formatter<'_>, p: &AxisParameters<f32>) -> fmt::Result {
+    let unit = match p.axis {
+        Axis::Ax | Axis::Ay | Axis::Az => unit_of("_mps2"),
+        Axis::Gx | Axis::Gy | Axis::Gz => unit_of("_rads"),
+        Axis::Other => "",
+    };
+    writeln!(
+        f,
+        "\n{:?}: reference {} {unit}, offset {} {unit}, scale {} {unit}",
+        p.axis,
+        number(p.reference.into()),
+        number(p.offset.into()),
+        number(p.scale.into())
+    )?;
+    writeln!(
+        f,
+        "  remainder fitted from {} to {}, innovation {} {unit} rms, coasts for {} s, restarts after {} missing",
+        number(p.range.low.into()),
+        number(p.range.high.into()),
+        number(f64::from(p.innovation.variance).sqrt() * f64::from(p.scale)),
+        p.coast_limit_s,
+        p.gap_limit
+    )
+}
+
+fn term_text(term: &Term<f32>) -> String {
+    let factors: Vec<String> = term
+        .factors()
+        .iter()
+        .map(|factor| match (factor.channel, factor.lag) {
+            (Channel::Output, lag) => format!("r(n-{lag})"),
+            (Channel::Input(input), 0) => format!("u{input}(n)"),
+            (Channel::Input(input), lag) => format!("u{input}(n-{lag})"),
+        })
+        .collect();
+    format!("{:+.6e} {}", term.coefficient, factors.join("·"))
+}

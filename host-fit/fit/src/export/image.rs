@@ -1,0 +1,89 @@
+//! The model image: docs/MODEL_FORMAT.md.
+
+use fos_core::image::encode;
+use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
+
+use crate::model::{HostPredictor, UnitModel, unit_of};
+use fos_data::visible::visible;
+
+/// The largest image that is written, bytes; a model of 6 axes with 20 terms each takes about 2000.
+const LARGEST: usize = 1 << 16;
+
+/// The image of a model cannot be written, or cannot be read back.
+#[derive(Debug, thiserror::Error)]
+#[error("the model makes no usable image: {0}")]
+pub struct UnusableImage(pub ImageError);
+
+/// The image of `model`, read back and tried before it is returned.
+///
+/// # Errors
+///
+/// The model has more than 255 of something, or does not fit fos-core after rounding to f32.
+pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8>, UnusableImage> {
+    let quantities = model
+        .quantities
+        .iter()
+        .map(|logged| format!("{} {}", logged.column, unit_of(&logged.column)).trim_end().to_owned());
+    let (quantities, effects) = (in_lines(quantities), in_lines(effects(model)));
+    let info = Info { sensor, quantities: &quantities, effects: &effects, provenance };
+    let mut buffer = vec![0; LARGEST];
+    let bytes = model
+        .with::<f32, _>(|model| encode(model, &info, &mut buffer).map(<[u8]>::to_vec))
+        .map_err(UnusableImage)?;
+    let read_back = Image::parse(&bytes).map_err(UnusableImage)?;
+    let _: HostPredictor<f32> = read_back.predictor().map_err(UnusableImage)?;
+    Ok(bytes)
+}
+
+/// Names one a line, as an image lists them: one with a line's end in it would move those behind it.
+fn in_lines(names: impl IntoIterator<Item = String>) -> String {
+    names.into_iter().map(|name| visible(&name).into_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Identifiers of the effects that the physical parts describe, each once, in the order of the inputs.
+fn effects(model: &UnitModel) -> Vec<String> {
+    let used = |index: usize| {
+        let physical = model.axes.iter().flat_map(|axis| &axis.physical);
+        physical.flat_map(|term| &term.factors).any(|factor| factor.channel == Channel::Input(index as u8))
+    };
+    let mut effects = Vec::new();
+    for (_, named) in model.inputs.iter().enumerate().filter(|(index, _)| used(*index)) {
+        let quantity = match named.input.source {
+            Source::Quantity(index) => Some(model.quantities[usize::from(index)].quantity),
+            _ => None,
+        };
+        let effect =
+            effect(quantity, named.input.transform).map_or_else(|| named.name.clone(), str::to_owned);
+        if !effects.contains(&effect) {
+            effects.push(effect);
+        }
+    }
+    effects
+}
+
+/// The effect that a quantity makes through a transform, if it is one with a name.
+fn effect(quantity: Option<Quantity>, transform: Transform<f64>) -> Option<&'static str> {
+    use fos_core::Axis;
+    use {Quantity as Q, Transform as T};
+    match (quantity, transform) {
+        (Some(Q::Temperature), T::Identity) => Some("temp_linear"),
+        (Some(Q::Temperature), T::LowPass { .. }) => Some("thermal_lag"),
+        (Some(Q::Temperature), T::Rate { .. }) => Some("temp_rate"),
+        (Some(Q::Temperature), T::Backlash { .. }) => Some("thermal_hysteresis"),
+        (Some(Q::Supply), T::Identity) => Some("supply_sensitivity"),
+        (Some(Q::Load), T::LowPass { .. }) => Some("load_heating"),
+        (Some(Q::MagneticX | Q::MagneticY | Q::MagneticZ), T::Identity | T::LowPass { .. }) => {
+            Some("mag_sensitivity")
+        }
+        (Some(Q::Measured(Axis::Ax | Axis::Ay | Axis::Az)), T::Identity | T::LowPass { .. }) => {
+            Some("g_sensitivity")
+        }
+        (Some(Q::Measured(Axis::Ax | Axis::Ay | Axis::Az)), T::Variance { .. }) => {
+            Some("vibration_rectification")
+        }
+        (None, T::Decay { .. }) => Some("warmup_exp"),
+        (None, T::Time) => Some("bias_ramp"),
+        (None, T::Sine { .. } | T::Cosine { .. }) => Some("spectral_line"),
+        _ => None,
+    }
+}

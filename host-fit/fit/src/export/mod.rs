@@ -1,0 +1,7 @@
+//! A model on its way to a device: the image, and what it says in words.
+
+mod description;
+mod image;
+
+pub use description::description;
+pub use image::{UnusableImage, image};

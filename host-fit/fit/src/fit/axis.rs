@@ -1,0 +1,460 @@
+//! Fits one axis: offset and scale, the physical part, then the stochastic part by Fast Orthogonal Search.
+
+use std::ops::Range;
+
+use fos_core::{
+    Axis, AxisParameters, InnovationStatistics, Input, ModelError, Range as Fitted, Source, Transform,
+};
+
+use super::autoregression::AutoregressionError;
+use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
+use super::physical;
+use super::regressors::Regressors;
+use super::stochastic::{self, AxisReport, LeftOut};
+use crate::candidates::{CandidatesError, MAX_CANDIDATES};
+use crate::evaluate;
+use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
+use crate::playback::Feed;
+use crate::signal::{self, autocorrelation::autocorrelation};
+use fos_data::pose::{self, Pose};
+use fos_data::recording::{Recording, RecordingError, Reference};
+use fos_data::stillness::{self, Stillness};
+
+/// Wide enough for any scaled value, while the ranges are not known yet.
+const ANY: Fitted<f64> = Fitted { low: -1e12, high: 1e12 };
+
+/// Logged quantities further than this many standard deviations from their mean are limited before the transform.
+const SOURCE_LIMIT: f64 = 100.0;
+
+/// A missing sample or two is coasted; after this long the lags no longer say much, s.
+const GAP_LIMIT_S: f64 = 0.1;
+
+/// A value repeated this many times as often as it ever was while fitting counts as stuck.
+const STUCK_RATIO: usize = 4;
+const STUCK_AT_LEAST: usize = 20;
+
+/// The validated coast where not even the shortest horizon does better than the mean, s.
+const SHORTEST_COAST_S: f64 = 1.0;
+
+/// Why an axis cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum AxisError {
+    /// A column is not there.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Too little to fit to.
+    #[error(
+        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train{}",
+        what_fits(", or ", fits)
+    )]
+    TooShort {
+        /// The column.
+        column: String,
+        /// Rows at rest in the training part.
+        rows: usize,
+        /// Rows needed.
+        needed: usize,
+        /// Candidates.
+        candidates: usize,
+        /// Options that the rows are enough for; empty if there are none.
+        fits: String,
+    },
+    /// More than a search can hold.
+    #[error(
+        "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller --max-lag, --input-lags or --degree{}",
+        what_fits(", as ", fits)
+    )]
+    TooMany {
+        /// The column.
+        column: String,
+        /// Candidates.
+        candidates: usize,
+        /// Options that give fewer.
+        fits: String,
+    },
+    /// An accelerometer without a reference, in more than one pose.
+    #[error(
+        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: --train {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: --axis gx,gy,gz",
+        first.0, force(&first.1), second.0, force(&second.1)
+    )]
+    TwoPoses {
+        /// The column.
+        column: String,
+        /// Since when the first is held, s as stamped, and what the accelerometers show in it, m/s².
+        first: (f64, Vec<f64>),
+        /// The same of the second.
+        second: (f64, Vec<f64>),
+        /// Whole seconds at rest to the end of the first.
+        train_s: u64,
+    },
+    /// All values are the same.
+    #[error(
+        "{column}: every value in the training part is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
+    Constant {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// An input that does not change where it is fitted.
+    #[error(
+        "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of --physical and --input, or fit on rows in which it changes (--train)"
+    )]
+    Steady {
+        /// The column of the input.
+        column: String,
+        /// Its value.
+        value: f64,
+    },
+    /// An input that has no value where it is fitted.
+    #[error(
+        "{column} has no value in the rows that are fitted\nhelp: leave it out of --physical and --input, or fit on rows in which it is logged (--train)"
+    )]
+    NotKnown {
+        /// The column of the input.
+        column: String,
+    },
+    /// The candidates do not make a pool.
+    #[error("{column}: {source}")]
+    Candidates {
+        /// The column.
+        column: String,
+        /// Why.
+        source: CandidatesError,
+    },
+    /// The search or the final solution.
+    #[error("{column}: {source}")]
+    Search {
+        /// The column.
+        column: String,
+        /// Why.
+        source: super::FitError,
+    },
+    /// An autoregression cannot be estimated.
+    #[error("{column}: {source}")]
+    Autoregression {
+        /// The column.
+        column: String,
+        /// Why.
+        source: AutoregressionError,
+    },
+    /// fos-core refuses the model.
+    #[error(
+        "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
+    )]
+    Model {
+        /// The column.
+        column: String,
+        /// Why.
+        source: ModelError,
+    },
+}
+
+fn what_fits(joined_by: &str, fits: &str) -> String {
+    if fits.is_empty() { String::new() } else { format!("{joined_by}{fits}") }
+}
+
+fn force(levels: &[f64]) -> String {
+    let levels: Vec<String> = levels.iter().map(|level| format!("{level:.2}")).collect();
+    format!("({})", levels.join(", "))
+}
+
+/// A fitted axis: a unit of that axis alone, and how it was found.
+#[derive(Debug, Clone)]
+pub struct AxisFit {
+    /// The model.
+    pub model: UnitModel,
+    /// How it was found.
+    pub report: AxisReport,
+}
+
+/// The first rows of the recording that hold the training part.
+pub fn training_rows(recording: &Recording, rest: &Stillness, train: Train) -> Range<usize> {
+    let still_rows = rest.still.iter().filter(|still| **still).count();
+    let wanted = match train {
+        Train::Share(share) => (share * still_rows as f64).round() as usize,
+        Train::Seconds(seconds) => (seconds / recording.rate.period_s).round() as usize,
+    };
+    let mut seen = 0;
+    let end = rest.still.iter().position(|still| {
+        seen += usize::from(*still);
+        seen > wanted
+    });
+    0..end.unwrap_or(recording.n_rows())
+}
+
+/// Fits `axis` (`gx`, or a column) of `recording`.
+///
+/// # Errors
+///
+/// A column is missing, the training part is too short or constant, or the candidates cannot be told apart.
+pub fn fit_axis(
+    recording: &Recording,
+    rest: &Stillness,
+    axis: &str,
+    options: &FitOptions,
+) -> Result<AxisFit, AxisError> {
+    let column = recording.axis(axis)?.name.clone();
+    let model_error = |source| AxisError::Model { column: column.clone(), source };
+    let training = training_rows(recording, rest, options.train);
+    let (cleaned, spikes) = recording.without_spikes(&column, training.clone(), &rest.still);
+    let recording = cleaned.as_ref();
+    let series = recording.error_series(&column)?;
+    let known: Vec<f64> = training
+        .clone()
+        .filter(|row| rest.still[*row])
+        .map(|row| series.values[row])
+        .filter(|value| value.is_finite())
+        .collect();
+    if known.len() < 2 {
+        return Err(AxisError::TooShort {
+            column,
+            rows: known.len(),
+            needed: 2,
+            candidates: 0,
+            fits: String::new(),
+        });
+    }
+    if series.reference == Reference::Constant {
+        check_pose(recording, rest, &column, training.clone())?;
+    }
+    let mut model = start(recording, rest, (&column, &series.reference), &training, &known, options)?;
+    let feed = Feed::new(recording, &model, &rest.still)?;
+
+    let of_column = |source| AxisError::Search { column: column.clone(), source };
+    let mut regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+    model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
+    let mut left_out = Vec::new();
+    if !options.physical.is_empty() {
+        let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
+        let part = physical::fit(&regressors, &inputs).map_err(of_column)?;
+        model.axes[0].physical = part.terms;
+        left_out = part.left_out.into_iter().map(|term| LeftOut::of(term, &model)).collect();
+        regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+        if options.offset.is_none() {
+            take_off_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
+        }
+    }
+    let part = stochastic::fit(&model, &regressors, options)?;
+    model.axes[0].parameters.constant = part.constant;
+    model.axes[0].stochastic = part.terms;
+    let report = AxisReport {
+        reference_column: match &series.reference {
+            Reference::Constant => None,
+            Reference::Channel(name) => Some(name.clone()),
+        },
+        left_out,
+        spikes,
+        ..part.report
+    };
+    set_ranges(&mut model, &regressors);
+    model.drop_unused();
+    let feed = Feed::new(recording, &model, &rest.still)?;
+    set_statistics(&mut model, &feed, training).map_err(model_error)?;
+    Ok(AxisFit { model, report })
+}
+
+/// Whether an accelerometer that is trained without a reference lies in one pose.
+fn check_pose(
+    recording: &Recording,
+    rest: &Stillness,
+    column: &str,
+    training: Range<usize>,
+) -> Result<(), AxisError> {
+    let mut used = rest.still.clone();
+    used[training.end..].fill(false);
+    let [first, second] = &pose::first_two(recording, &pose::columns_of(recording, column), &used)[..] else {
+        return Ok(());
+    };
+    let begins = |pose: &Pose| (recording.time_s[pose.rows.start], pose.force.clone());
+    let in_first = used[..first.rows.end].iter().filter(|used| **used).count();
+    let train_s = (in_first as f64 * recording.rate.period_s) as u64;
+    Err(AxisError::TwoPoses {
+        column: column.to_owned(),
+        first: begins(first),
+        second: begins(second),
+        train_s,
+    })
+}
+
+/// The model before anything is fitted: offset, scale, inputs.
+fn start(
+    recording: &Recording,
+    rest: &Stillness,
+    (column, reference): (&str, &Reference),
+    training: &Range<usize>,
+    known: &[f64],
+    options: &FitOptions,
+) -> Result<UnitModel, AxisError> {
+    let mean = signal::mean(&[known]);
+    let deviation = signal::variance(&[known]).sqrt();
+    if deviation == 0.0 {
+        return Err(AxisError::Constant { column: column.to_owned(), value: known[0] });
+    }
+    let axis = axis_of(column);
+    let is_accelerometer = matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
+    // at rest an accelerometer shows gravity: what is constant then is the true value as far as anyone knows
+    let (reference_value, offset) = match (reference, options.offset) {
+        (_, Some(offset)) => (0.0, offset),
+        (Reference::Constant, None) if is_accelerometer => (mean, 0.0),
+        _ => (0.0, mean),
+    };
+    let parameters = AxisParameters {
+        axis,
+        reference: reference_value,
+        offset,
+        scale: options.scale.unwrap_or(deviation),
+        constant: 0.0,
+        range: ANY,
+        full_scale: options.full_scale,
+        stuck_after: stuck_after(recording, column, training),
+        gap_limit: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
+        coast_limit_s: SHORTEST_COAST_S,
+        innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
+    };
+    let mut model = UnitModel {
+        period_s: recording.rate.period_s,
+        fitted_on: options.fitted_on,
+        stillness: rest.limits.and_then(|_| stillness::limits(recording, training)),
+        quantities: Vec::new(),
+        inputs: Vec::new(),
+        axes: vec![FittedAxis {
+            column: column.to_owned(),
+            parameters,
+            physical: vec![],
+            stochastic: vec![],
+            plain: None,
+        }],
+    };
+    for spec in options.physical.iter().chain(&options.inputs) {
+        let input = logged_input(&mut model, recording, rest, training, spec)?;
+        model.inputs.push(input);
+    }
+    let longest_s = known.len() as f64 * recording.rate.period_s / 5.0;
+    for &tau_s in options.memory_s.iter().filter(|tau_s| **tau_s <= longest_s) {
+        model.inputs.push(NamedInput {
+            name: format!("r:lowpass({tau_s})"),
+            input: Input {
+                source: Source::Remainder(0),
+                transform: Transform::LowPass { tau_s },
+                centre: 0.0,
+                scale: 1.0,
+                source_range: ANY,
+                range: ANY,
+            },
+        });
+    }
+    Ok(model)
+}
+
+fn logged_input(
+    model: &mut UnitModel,
+    recording: &Recording,
+    rest: &Stillness,
+    training: &Range<usize>,
+    spec: &InputSpec,
+) -> Result<NamedInput, AxisError> {
+    let (source, centre, scale) = match &spec.column {
+        None => (Source::Clock, 0.0, 1.0),
+        Some(column) => {
+            let channel = recording.channel(column)?;
+            // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant that is
+            // nothing but its error
+            let held = recording.held(channel);
+            let rows = training.clone().filter(|row| rest.still[*row] && held[*row].is_finite());
+            let finite: Vec<f64> = rows.map(|row| held[row]).collect();
+            let deviation = signal::variance(&[&finite]).sqrt();
+            let Some(first) = finite.first() else {
+                return Err(AxisError::NotKnown { column: column.clone() });
+            };
+            if deviation == 0.0 {
+                return Err(AxisError::Steady { column: column.clone(), value: *first });
+            }
+            let quantity =
+                LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
+            let index = model.quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
+                model.quantities.push(quantity);
+                model.quantities.len() - 1
+            });
+            // |x| means what it says only about zero
+            let centred = spec.transform != Transform::Absolute;
+            let centre = if centred { signal::mean(&[&finite]) } else { 0.0 };
+            (Source::Quantity(index as u8), centre, deviation)
+        }
+    };
+    let input = Input { source, transform: spec.transform, centre, scale, source_range: ANY, range: ANY };
+    Ok(NamedInput { name: spec.to_string(), input })
+}
+
+/// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back to the
+/// mean of the remainder, which is 0.
+fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regressors, reference: &Reference) {
+    let mean = signal::mean(&regressors.known_remainder());
+    regressors.remainder.iter_mut().for_each(|value| *value -= mean);
+    let is_accelerometer = matches!(parameters.axis, Axis::Ax | Axis::Ay | Axis::Az);
+    match reference {
+        // there the constant is the true value as far as anyone knows
+        Reference::Constant if is_accelerometer => parameters.reference += mean * parameters.scale,
+        _ => parameters.offset += mean * parameters.scale,
+    }
+}
+
+/// The longest run of one value in the fitted rows, times a margin.
+fn stuck_after(recording: &Recording, column: &str, training: &Range<usize>) -> u16 {
+    let values = recording.channel(column).map(|channel| &channel.values[training.clone()]).unwrap_or(&[]);
+    let longest = values.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
+    u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
+}
+
+/// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.
+fn set_statistics(model: &mut UnitModel, feed: &Feed<'_>, training: Range<usize>) -> Result<(), ModelError> {
+    // long enough that nothing fades while it is found out
+    model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
+    let trace = evaluate::trace::<f64>(model, feed, training, |_| {})?;
+    let innovations = trace.stretches_of(&trace.axes[0].one_step);
+    let parameters = &mut model.axes[0].parameters;
+    let scale = parameters.scale;
+    let variance = signal::variance(&innovations) / (scale * scale);
+    parameters.innovation = InnovationStatistics {
+        mean: signal::mean(&innovations) / scale,
+        // an exact model has none left; the monitor divides by it
+        variance: variance.max(f64::from(f32::MIN_POSITIVE)),
+        lag_1_correlation: autocorrelation(&innovations, 1)
+            .map_or(0.0, |result| result.values[1].clamp(-1.0, 1.0)),
+    };
+    let mean_square = signal::variance(&trace.stretches_of(&trace.axes[0].measured));
+    let beats_the_mean = evaluate::HORIZONS_S
+        .iter()
+        .zip(&trace.axes[0].horizons)
+        .filter(|(_, squares)| !squares.is_empty() && signal::mean(&[squares]) <= mean_square);
+    parameters.coast_limit_s = beats_the_mean.map(|(horizon, _)| *horizon).fold(SHORTEST_COAST_S, f64::max);
+    Ok(())
+}
+
+/// Sets the fitted ranges of the inputs and of the remainder.
+fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
+    let range = |column: &[f64]| {
+        let extremes = regressors
+            .known(column)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        Fitted::new(extremes.0, extremes.1)
+    };
+    let remainder = range(&regressors.remainder);
+    model.axes[0].parameters.range = remainder;
+    for (named, column) in model.inputs.iter_mut().zip(&regressors.inputs) {
+        let input = &mut named.input;
+        input.range = match input.transform {
+            // these end where they end, whatever part of it the training data show
+            Transform::Decay { .. } => Fitted::new(0.0, 1.0),
+            Transform::Sine { .. } | Transform::Cosine { .. } => Fitted::new(-1.0, 1.0),
+            _ => range(column),
+        };
+        input.source_range = match input.source {
+            Source::Clock => Fitted::new(0.0, 0.0),
+            Source::Remainder(_) => remainder,
+            // a low-pass stays within what goes into it; a variance or a rate does not tell
+            Source::Quantity(_) => Fitted::new(-SOURCE_LIMIT, SOURCE_LIMIT),
+        };
+    }
+}

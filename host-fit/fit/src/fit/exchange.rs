@@ -1,0 +1,243 @@
+//! Exchange refinement: terms of a greedy search are swapped, one at a time and two at a time, until no swap helps.
+//!
+//! The greedy search keeps what it took first, though two later terms may make it worthless: on a known system with
+//! the products r(n−1)·r(n−2) and r(n−3)² it takes r(n−4)·r(n−10) and r(n−1)², each the best when it was chosen. A
+//! pair is found only by trying pairs. All is done on the Gram matrix, so that a swap costs M·K multiply-adds and no
+//! pass over the data.
+//!
+//! [`refine`] alternates three moves until none changes anything:
+//!
+//! 1. *exchange*: one term for one, then two for two, while the MSE falls;
+//! 2. *prune*: a term that the stop rule would not have taken is taken out;
+//! 3. *extend*: the greedy search goes on from there.
+//!
+//! It ends because a set of terms has one cost (`Worth::cost`: ln MSE, and a price for each term), and no move is made that does not
+//! lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and there are finitely
+//! many. That a move lowers it must be looked at and does not follow from the rules of the moves: they go by Q of (6), and where terms
+//! are nearly collinear, as the lags of a smooth signal are, the Q of one term differs from the difference of two MSE of (7) by more
+//! than the stop rule asks for. What a move gains must for the same reason exceed the rounding error of the MSE: what is within it says
+//! nothing, and following it would wander through sets that are all the same.
+
+use super::fos::{COLLINEAR, Expansion, Open, Selection};
+use super::stop::{EXACT, StopRule, Stopped, Worth};
+use crate::moments::Gram;
+
+#[cfg(test)]
+mod ends_tests;
+#[cfg(test)]
+mod two_rules;
+
+/// Smallest relative fall of the MSE that is worth a swap: above rounding, below anything that matters.
+const WORTH: f64 = 1e-9;
+
+/// Most moves. The argument above bounds them by the number of sets only; on data of every kind (`ends_tests`) there are ten or fewer, and a
+/// thousand would take hours.
+const MOST_MOVES: usize = 1000;
+
+/// How many models that the data cannot tell apart are listed at most.
+const MOST_TIES: usize = 10;
+
+/// n·ln(MSE ratio) below which two models of the same size are called tied: the 95 % point of a chi-square variable with
+/// one degree of freedom, which is what one more parameter would be allowed by chance.
+pub const TIED: f64 = 3.841;
+
+/// A model of the same size that the data cannot tell from the chosen one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tie {
+    /// Candidates of the chosen model that it does not have, in order of the pool.
+    pub leaves: Vec<usize>,
+    /// Candidates that it has in their place.
+    pub enters: Vec<usize>,
+    /// n·ln(MSE of it / MSE of the chosen model).
+    pub deviance: f64,
+}
+
+/// Refines what `rule` lets a greedy search choose.
+pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
+    refine_within(MOST_MOVES, gram, rule, greedy).0
+}
+
+/// The same with at most so many moves; also how many were made.
+pub(super) fn refine_within(
+    most: usize,
+    gram: &Gram,
+    rule: &StopRule,
+    greedy: Selection,
+) -> (Selection, usize) {
+    let mut model = Model::of(gram, rule.worth(gram), greedy.candidates().collect());
+    let mut selection = greedy;
+    let mut moves = 0;
+    loop {
+        let before = moves;
+        while let Some(better) = model.improved() {
+            if moves == most {
+                return (model.expansion().stopped(Stopped::MostMoves), moves);
+            }
+            model = better;
+            moves += 1;
+        }
+        if moves == before {
+            return (selection, moves);
+        }
+        let extended = model.expansion().run(rule);
+        if extended.steps.len() == model.terms.len() {
+            return (extended, moves);
+        }
+        let wider = Model::of(gram, model.worth, extended.candidates().collect());
+        if !model.is_beaten_by(&wider) {
+            return (model.expansion().stopped(Stopped::Rounding), moves);
+        }
+        (model, selection) = (wider, extended);
+        moves += 1;
+    }
+}
+
+/// The models of the same size, one or two swaps away, that the data cannot tell from `terms`; best first.
+pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
+    let expansion = Expansion::of_terms(gram, terms);
+    let (mse, rounding) = (expansion.mse(), expansion.rounding());
+    let rows = gram.rows() as f64;
+    if mse <= EXACT * gram.target_mean_square() || rows * (rounding / mse).ln_1p() > TIED {
+        return Vec::new(); // rounding error is no evidence either way
+    }
+    let mut found: Vec<Tie> = Vec::new();
+    let mut list = |leaves: &[usize], enters: &[usize], swapped_mse: f64| {
+        let deviance = rows * (swapped_mse / mse).ln();
+        if deviance < TIED {
+            let (mut leaves, mut enters) = (leaves.to_vec(), enters.to_vec());
+            leaves.sort_unstable();
+            enters.sort_unstable();
+            found.push(Tie { leaves, enters, deviance });
+        }
+    };
+    for_each_single(gram, terms, &mut list);
+    for_each_pair(gram, terms, &mut list);
+    found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    found.truncate(MOST_TIES);
+    found
+}
+
+/// Takes a swap: what leaves, what enters, the MSE then.
+type Visit<'v> = &'v mut dyn FnMut(&[usize], &[usize], f64);
+
+/// Visits every swap of a kind.
+type ForEachSwap = fn(&Gram, &[usize], Visit<'_>);
+
+/// A set of terms and what it costs.
+struct Model<'g> {
+    gram: &'g Gram,
+    worth: Worth,
+    /// Without those that are collinear with others of the set.
+    terms: Vec<usize>,
+    mse: f64,
+    /// Rounding error of the MSE.
+    rounding: f64,
+}
+
+impl<'g> Model<'g> {
+    fn of(gram: &'g Gram, worth: Worth, terms: Vec<usize>) -> Self {
+        let expansion = Expansion::of_terms(gram, &terms);
+        let (mse, rounding) = (expansion.mse(), expansion.rounding());
+        Self { gram, worth, terms: expansion.candidates().collect(), mse, rounding }
+    }
+
+    fn with_terms(&self, terms: Vec<usize>) -> Self {
+        Self::of(self.gram, self.worth, terms)
+    }
+
+    fn expansion(&self) -> Expansion<'g> {
+        Expansion::of_terms(self.gram, &self.terms)
+    }
+
+    fn cost(&self) -> f64 {
+        self.worth.cost(self.mse, self.terms.len())
+    }
+
+    /// Whether `other` costs less, however the MSE of both are rounded.
+    fn is_beaten_by(&self, other: &Self) -> bool {
+        let at_most = other.worth.cost(other.mse + other.rounding, other.terms.len());
+        at_most < self.worth.cost(self.mse - self.rounding, self.terms.len())
+    }
+
+    /// The model after the first kind of move that lowers the cost.
+    fn improved(&self) -> Option<Self> {
+        fos_data::interrupt::check();
+        // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
+        self.exchanged(for_each_single).or_else(|| self.pruned()).or_else(|| self.exchanged(for_each_pair))
+    }
+
+    /// With the best swap of a kind, if one is worth it.
+    fn exchanged(&self, for_each_swap: ForEachSwap) -> Option<Self> {
+        if self.worth.is_exact(self.mse) {
+            return None;
+        }
+        let mut best = self.mse * (1.0 - WORTH);
+        let mut swap = None;
+        for_each_swap(self.gram, &self.terms, &mut |leaves, enters, swapped_mse| {
+            if swapped_mse < best {
+                best = swapped_mse;
+                swap = Some((leaves.to_vec(), enters.to_vec()));
+            }
+        });
+        let (leaves, enters) = swap?;
+        let mut terms = without(&self.terms, &leaves);
+        terms.extend(enters);
+        Some(self.with_terms(terms)).filter(|swapped| self.is_beaten_by(swapped))
+    }
+
+    /// Without the least term, if the rule would not have taken it. Of two sets that rounding cannot tell apart this is the smaller, so that
+    /// no more is asked than a lower cost.
+    fn pruned(&self) -> Option<Self> {
+        let without_each = self.terms.iter().map(|&term| without(&self.terms, &[term]));
+        let least = without_each
+            .map(|terms| (Expansion::of_terms(self.gram, &terms).mse(), terms))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let (mse, terms) = least?;
+        let is_taken = self.worth.takes(mse - self.mse, mse);
+        Some(self.with_terms(terms)).filter(|pruned| !is_taken && pruned.cost() < self.cost())
+    }
+}
+
+/// Every swap of one term for one candidate.
+fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
+    for &leaves in terms {
+        let base = Expansion::of_terms(gram, &without(terms, &[leaves]));
+        for open in base.open().iter().filter(|open| open.candidate != leaves) {
+            visit(&[leaves], &[open.candidate], base.mse() - open.mse_reduction());
+        }
+    }
+}
+
+/// Every swap of two terms for two candidates.
+fn for_each_pair(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
+    for (i, &first) in terms.iter().enumerate() {
+        for &second in &terms[i + 1..] {
+            let leaves = [first, second];
+            let base = Expansion::of_terms(gram, &without(terms, &leaves));
+            let open: Vec<&Open> =
+                base.open().iter().filter(|open| !leaves.contains(&open.candidate)).collect();
+            for (place, a) in open.iter().enumerate() {
+                for b in &open[..place] {
+                    if let Some(reduction) = joint_reduction(gram, &base, a, b) {
+                        visit(&leaves, &[b.candidate, a.candidate], base.mse() - reduction);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn without(terms: &[usize], leaves: &[usize]) -> Vec<usize> {
+    terms.iter().copied().filter(|term| !leaves.contains(term)).collect()
+}
+
+/// What two candidates take off the MSE together; `None` if they are collinear.
+fn joint_reduction(gram: &Gram, base: &Expansion<'_>, a: &Open, b: &Open) -> Option<f64> {
+    let d_ab = base.residual_product(a, b);
+    let dmm = b.dmm - d_ab * d_ab / a.dmm;
+    if dmm <= COLLINEAR * gram.product(b.candidate, b.candidate) {
+        return None;
+    }
+    let c = b.c - d_ab / a.dmm * a.c;
+    Some(a.mse_reduction() + c * c / dmm)
+}

@@ -1,0 +1,87 @@
+//! The refinement of a greedy search ends, whatever the data.
+
+use fos_testkit::series::every_kind;
+
+use super::refine_within;
+use super::two_rules;
+use crate::candidates::Candidates;
+use crate::fit::{NoiseRule, StopRule, fos};
+use crate::moments::{Gram, Moments, Rows};
+use crate::signal;
+
+/// Moves that a refinement needs nowhere near.
+const MOST_MOVES: usize = 100;
+
+fn gram(series: &[f64], lags: u16, degree: usize) -> Gram {
+    let pool = Candidates::builder().output(1..=lags, degree).build().unwrap();
+    let rows = Rows::usable(&[series], &[0..series.len()], pool.factors()).unwrap();
+    Moments::accumulate(&[series], &rows, &pool).unwrap().gram(&pool).unwrap()
+}
+
+/// Centred and scaled as for a fit; as it is where that cannot be done.
+fn scaled(series: &[f64]) -> Vec<f64> {
+    let (mean, deviation) = (signal::mean(&[series]), signal::variance(&[series]).sqrt());
+    match deviation.is_normal() {
+        true => series.iter().map(|x| (x - mean) / deviation).collect(),
+        false => series.to_vec(),
+    }
+}
+
+fn rules() -> Vec<StopRule> {
+    let rule = |noise, mse_ratio, max_terms| StopRule { max_terms, mse_ratio, noise };
+    let noise_rules = [NoiseRule::Off, NoiseRule::Korenberg, NoiseRule::ExtendedBic];
+    let mut rules: Vec<StopRule> = noise_rules.into_iter().map(|noise| rule(noise, None, 12)).collect();
+    rules.extend([rule(NoiseRule::Korenberg, Some(1e-4), 12), rule(NoiseRule::Off, None, 4)]);
+    rules
+}
+
+/// A fit of the lags of a spline of noise never ended: `prune` took out what `extend` had added, thousands of times.
+#[test]
+fn a_refinement_ends_on_every_kind_of_data() {
+    let kinds = every_kind(1000);
+    let refinements: Vec<Refinement> = kinds.iter().flat_map(refinements).collect();
+    for Refinement { what, moves, .. } in &refinements {
+        assert!(*moves < MOST_MOVES, "{what}: no end after {moves} moves");
+    }
+    let two_rules = |name: &str| {
+        let without_end = refinements.iter().filter(|r| r.two_rules == MOST_MOVES && r.what.contains(name));
+        without_end.count()
+    };
+    println!(
+        "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): \
+         {} refinements of FOS by 5 stop rules from 3 pools make at most {} moves | negative control: with one rule to take terms out \
+         and another to add them, {} of the refinements still go on after {MOST_MOVES} moves",
+        kinds.len(),
+        refinements.len(),
+        refinements.iter().map(|refinement| refinement.moves).max().unwrap(),
+        two_rules(""),
+    );
+    // those on which it was found
+    assert!(two_rules("spline") > 0 && two_rules("Butterworth") > 0, "the negative control was not noticed");
+}
+
+/// A refinement of FOS.
+struct Refinement {
+    what: String,
+    moves: usize,
+    /// Moves with two rules that contradict one another.
+    two_rules: usize,
+}
+
+fn refinements((name, values): &(String, Vec<f64>)) -> Vec<Refinement> {
+    let mut found = Vec::new();
+    let scaled = scaled(values);
+    for (series, (lags, degree)) in
+        [(&scaled, (10, 1)), (&scaled, (6, 2)), (&scaled, (3, 3)), (values, (4, 2))]
+    {
+        let gram = gram(series, lags, degree);
+        for rule in rules() {
+            let greedy = fos::search(&gram, &rule);
+            let two_rules = two_rules::moves(MOST_MOVES, &gram, &rule, &greedy);
+            let (_, moves) = refine_within(MOST_MOVES, &gram, &rule, greedy);
+            let what = format!("{name}, L = {lags}, CP {degree}, {rule:?}");
+            found.push(Refinement { what, moves, two_rules });
+        }
+    }
+    found
+}

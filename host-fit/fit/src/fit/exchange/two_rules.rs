@@ -1,0 +1,65 @@
+//! The refinement with two rules that contradict one another, as it was: a negative control, nothing else.
+//!
+//! It takes a term out whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above what noise would do: where what
+//! is left is smaller than either, both hold of the same term, for ever.
+
+use super::{ForEachSwap, WORTH, for_each_pair, for_each_single, without};
+use crate::fit::fos::{Expansion, Selection};
+use crate::fit::stop::{EXACT, StopRule};
+use crate::moments::Gram;
+
+/// How many moves it makes, of at most `most`.
+pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selection) -> usize {
+    let threshold = rule.noise.threshold(gram.rows(), gram.size());
+    let exact = EXACT * gram.target_mean_square();
+    let mut terms: Vec<usize> = greedy.candidates().collect();
+    let mut moves = 0;
+    loop {
+        let before = moves;
+        while moves < most
+            && (exchange(gram, &mut terms, exact, for_each_single)
+                || prune(gram, &mut terms, threshold, exact)
+                || exchange(gram, &mut terms, exact, for_each_pair))
+        {
+            moves += 1;
+        }
+        if moves == before || moves == most {
+            return moves;
+        }
+        terms = Expansion::of_terms(gram, &terms).run(rule).candidates().collect();
+    }
+}
+
+fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForEachSwap) -> bool {
+    let mse = Expansion::of_terms(gram, terms).mse();
+    if mse <= exact {
+        return false;
+    }
+    let mut best = mse * (1.0 - WORTH);
+    let mut swap = None;
+    for_each_swap(gram, terms, &mut |leaves, enters, swapped_mse| {
+        if swapped_mse < best {
+            best = swapped_mse;
+            swap = Some((leaves.to_vec(), enters.to_vec()));
+        }
+    });
+    let Some((leaves, enters)) = swap else { return false };
+    terms.retain(|term| !leaves.contains(term));
+    terms.extend(enters);
+    true
+}
+
+fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> bool {
+    let mse = Expansion::of_terms(gram, terms).mse();
+    let mse_without = |i: usize| Expansion::of_terms(gram, &without(terms, &[terms[i]])).mse();
+    let least = (0..terms.len()).map(|i| (i, mse_without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
+    match least {
+        Some((i, mse_without))
+            if mse_without - mse < (threshold * mse_without).max(exact) && threshold > 0.0 =>
+        {
+            terms.remove(i);
+            true
+        }
+        _ => false,
+    }
+}

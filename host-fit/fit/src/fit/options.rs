@@ -1,0 +1,310 @@
+//! How to fit: documented defaults, nothing hidden.
+
+use std::fmt;
+use std::str::FromStr;
+
+use fos_core::{Axis, FittedOn, Quantity, Transform};
+use serde::{Deserialize, Serialize};
+
+use super::stop::NoiseRule;
+use super::{Search, autoregression};
+use crate::signal::wavelet::Denoising;
+use fos_data::stored_as_text;
+
+/// How to fit an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitOptions {
+    /// How the stochastic part is found. Default: Fast Orthogonal Search.
+    pub method: Method,
+    /// What is done to the training data before an autoregression is estimated, as in the paper; FOS needs none.
+    pub denoising: Option<Denoising>,
+    /// How FOS searches. Default: with exchanges.
+    pub search: Search,
+    /// L: output lags 1 … L are candidates; the order of an autoregression. Default 10, as in the paper.
+    pub max_lag: u16,
+    /// Cross-product degree (CP), 1 … 3. Default 2.
+    pub degree: usize,
+    /// Time constants of the low-passes of the remainder offered beside its lags, s. Those longer than a fifth of the
+    /// training data are left out. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and it is the long memory
+    /// that carries a bias through a motion.
+    pub memory_s: Vec<f64>,
+    /// Inputs offered to the stochastic part, beside the output and in products with it.
+    pub inputs: Vec<InputSpec>,
+    /// K: lags 0 … K of these inputs are candidates. Default 0.
+    pub input_lags: u16,
+    /// Inputs of the physical part: always in the model, estimated first, with coloured errors.
+    pub physical: Vec<InputSpec>,
+    /// Most terms that the search may take. Default 20.
+    pub max_terms: usize,
+    /// When to stop before that.
+    pub stop: Stop,
+    /// What the model is trained on, from the start of the log. Default: half of the rows at rest.
+    pub train: Train,
+    /// Taken off the measured error before scaling, in the axis' unit; by default its mean.
+    pub offset: Option<f64>,
+    /// The axis' unit per scaled unit; by default the standard deviation of the measured error.
+    pub scale: Option<f64>,
+    /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
+    pub full_scale: f64,
+    /// What the measured values are.
+    pub fitted_on: FittedOn,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::Fos,
+            denoising: None,
+            search: Search::Exchange,
+            max_lag: 10,
+            degree: 2,
+            memory_s: vec![0.1, 1.0, 10.0, 100.0],
+            inputs: Vec::new(),
+            input_lags: 0,
+            physical: Vec::new(),
+            max_terms: 20,
+            stop: Stop::Multiplicity,
+            train: Train::Share(0.5),
+            offset: None,
+            scale: None,
+            full_scale: 0.0,
+            fitted_on: FittedOn::Raw,
+        }
+    }
+}
+
+/// How the stochastic part is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Fast Orthogonal Search among lags, their products, inputs and low-passes.
+    Fos,
+    /// All lags up to an order, by a classical method.
+    Linear(autoregression::Method),
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Linear(autoregression::Method::YuleWalker),
+        Self::Linear(autoregression::Method::Covariance),
+        Self::Linear(autoregression::Method::ModifiedCovariance),
+        Self::Linear(autoregression::Method::Burg),
+        Self::Fos,
+    ];
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fos => f.write_str("fos"),
+            Self::Linear(method) => method.fmt(f),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|method| method.to_string() == text);
+        found.ok_or_else(|| {
+            format!("{text:?} is not one of {}", Self::ALL.map(|method| method.to_string()).join(", "))
+        })
+    }
+}
+
+stored_as_text!(Method);
+
+/// When the search stops before it has reached the most terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// When the best term left is no better than the best of so many candidates is on white noise (the default).
+    Multiplicity,
+    /// Korenberg's test, made for a single candidate: it admits a spurious term in nearly every record.
+    Korenberg,
+    /// Never.
+    Never,
+}
+
+impl Stop {
+    /// The rule of the search that it stands for.
+    pub(super) fn rule(self) -> NoiseRule {
+        match self {
+            Self::Multiplicity => NoiseRule::ExtendedBic,
+            Self::Korenberg => NoiseRule::Korenberg,
+            Self::Never => NoiseRule::Off,
+        }
+    }
+}
+
+impl FromStr for Stop {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "multiplicity" => Ok(Self::Multiplicity),
+            "korenberg" => Ok(Self::Korenberg),
+            "never" => Ok(Self::Never),
+            other => Err(format!("{other:?} is not one of multiplicity, korenberg, never")),
+        }
+    }
+}
+
+/// The part of the log, from its start, that a model is trained on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Train {
+    /// This share of the rows at rest.
+    Share(f64),
+    /// This long a time at rest, s.
+    Seconds(f64),
+}
+
+impl FromStr for Train {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, seconds) = match text.strip_suffix('s') {
+            Some(number) => (number, true),
+            None => (text.strip_suffix('%').unwrap_or(text), false),
+        };
+        let value: f64 =
+            number.trim().parse().map_err(|_| format!("{text:?} is neither like 50% nor like 180s"))?;
+        let share = if text.ends_with('%') { value / 100.0 } else { value };
+        match seconds {
+            true if value > 0.0 => Ok(Self::Seconds(value)),
+            false if share > 0.0 && share <= 1.0 => Ok(Self::Share(share)),
+            _ => Err(format!("{text:?}: a share lies between 0% and 100%, a time is positive")),
+        }
+    }
+}
+
+/// An input as written on the command line: `temp_c`, `temp_c:lowpass(60)`, `clock:decay(200)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputSpec {
+    /// The column, or `None` for the clock.
+    pub column: Option<String>,
+    /// What becomes of it.
+    pub transform: Transform<f64>,
+}
+
+impl FromStr for InputSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (column, transform) = text.split_once(':').unwrap_or((text, "identity"));
+        let (name, parameter) = match transform.strip_suffix(')').and_then(|inner| inner.split_once('(')) {
+            Some((name, number)) => {
+                let number: f64 =
+                    number.parse().map_err(|_| format!("{text:?}: {number:?} is not a number"))?;
+                (name, Some(number))
+            }
+            None => (transform, None),
+        };
+        let transform = match (name, parameter) {
+            ("identity", None) => Transform::Identity,
+            ("lowpass", Some(tau_s)) => Transform::LowPass { tau_s },
+            ("rate", Some(tau_s)) => Transform::Rate { tau_s },
+            ("variance", Some(tau_s)) => Transform::Variance { tau_s },
+            ("backlash", Some(half_width)) => Transform::Backlash { half_width },
+            ("abs", None) => Transform::Absolute,
+            ("decay", Some(tau_s)) => Transform::Decay { tau_s },
+            ("time", None) => Transform::Time,
+            ("sine", Some(frequency_hz)) => Transform::Sine { frequency_hz },
+            ("cosine", Some(frequency_hz)) => Transform::Cosine { frequency_hz },
+            _ => {
+                return Err(format!(
+                    "{text:?}: {transform:?} is not one of identity, lowpass(SECONDS), rate(SECONDS), \
+                     variance(SECONDS), backlash(HALF_WIDTH), abs; for clock: decay(SECONDS), time, sine(HZ), cosine(HZ)"
+                ));
+            }
+        };
+        if !transform.is_valid() {
+            return Err(format!("{text:?}: the parameter must be positive"));
+        }
+        let is_clock = column == "clock";
+        if is_clock != transform.is_clock() {
+            return Err(format!(
+                "{text:?}: decay, time, sine and cosine go with clock, the others with a column"
+            ));
+        }
+        Ok(Self { column: (!is_clock).then(|| column.to_owned()), transform })
+    }
+}
+
+impl fmt::Display for InputSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let column = self.column.as_deref().unwrap_or("clock");
+        match self.transform {
+            Transform::Identity => f.write_str(column),
+            Transform::LowPass { tau_s } => write!(f, "{column}:lowpass({tau_s})"),
+            Transform::Rate { tau_s } => write!(f, "{column}:rate({tau_s})"),
+            Transform::Variance { tau_s } => write!(f, "{column}:variance({tau_s})"),
+            Transform::Backlash { half_width } => write!(f, "{column}:backlash({half_width})"),
+            Transform::Absolute => write!(f, "{column}:abs"),
+            Transform::Decay { tau_s } => write!(f, "{column}:decay({tau_s})"),
+            Transform::Time => write!(f, "{column}:time"),
+            Transform::Sine { frequency_hz } => write!(f, "{column}:sine({frequency_hz})"),
+            Transform::Cosine { frequency_hz } => write!(f, "{column}:cosine({frequency_hz})"),
+        }
+    }
+}
+
+stored_as_text!(InputSpec);
+
+/// The axis of a column, by its name.
+pub fn axis_of(column: &str) -> Axis {
+    match column {
+        "ax_mps2" => Axis::Ax,
+        "ay_mps2" => Axis::Ay,
+        "az_mps2" => Axis::Az,
+        "gx_rads" => Axis::Gx,
+        "gy_rads" => Axis::Gy,
+        "gz_rads" => Axis::Gz,
+        _ => Axis::Other,
+    }
+}
+
+/// The quantity of a column, by its name.
+pub fn quantity_of(column: &str) -> Quantity {
+    match column {
+        "temp_c" => Quantity::Temperature,
+        "supply_v" => Quantity::Supply,
+        "load_pct" => Quantity::Load,
+        "mag_x_ut" => Quantity::MagneticX,
+        "mag_y_ut" => Quantity::MagneticY,
+        "mag_z_ut" => Quantity::MagneticZ,
+        other => match (axis_of(other), other.strip_prefix("ref_").map(axis_of)) {
+            (Axis::Other, None | Some(Axis::Other)) => Quantity::Other,
+            (Axis::Other, Some(axis)) => Quantity::Reference(axis),
+            (axis, _) => Quantity::Measured(axis),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_reads_back_as_it_is_written() {
+        for text in
+            ["temp_c", "temp_c:lowpass(61.5)", "ax_mps2:variance(2)", "clock:time", "clock:sine(16.37)"]
+        {
+            assert_eq!(text.parse::<InputSpec>().unwrap().to_string(), text);
+        }
+        for text in
+            ["temp_c:decay(3)", "clock:lowpass(3)", "temp_c:lowpass(-1)", "temp_c:lowpas(1)", "temp_c:abs(1)"]
+        {
+            assert!(text.parse::<InputSpec>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_training_part_is_a_share_or_a_time() {
+        assert_eq!("50%".parse(), Ok(Train::Share(0.5)));
+        assert_eq!("0.25".parse(), Ok(Train::Share(0.25)));
+        assert_eq!("180s".parse(), Ok(Train::Seconds(180.0)));
+        for text in ["0%", "120%", "-3s", "soon"] {
+            assert!(text.parse::<Train>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The remainder and the inputs of an axis as the device computes them: by running fos-core, not by a second copy of
+//! its transforms.
+
+use std::ops::Range;
+
+use fos_core::ModelError;
+
+use crate::model::{HostPredictor, UnitModel};
+use crate::playback::Feed;
+use fos_data::recording::runs;
+
+/// Remainder and inputs over some rows, scaled; NaN where the remainder is not known.
+#[derive(Debug, Clone)]
+pub struct Regressors {
+    /// r(n) = y(n) − p(n), one value per row.
+    pub remainder: Vec<f64>,
+    /// u_i(n), one column per input.
+    pub inputs: Vec<Vec<f64>>,
+    /// Stretches of rows whose remainder is known, without gaps.
+    pub stretches: Vec<Range<usize>>,
+}
+
+impl Regressors {
+    /// Runs `model`, of one axis and without a stochastic part, over the first `n_rows` rows.
+    ///
+    /// # Errors
+    ///
+    /// What fos-core finds wrong with the model.
+    pub fn of(model: &UnitModel, feed: &Feed<'_>, n_rows: usize) -> Result<Self, ModelError> {
+        let mut predictor: HostPredictor<f64> = model.predictor()?;
+        let scale = model.axes[0].parameters.scale;
+        let mut remainder = Vec::with_capacity(n_rows);
+        let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
+        for row in 0..n_rows {
+            // without a stochastic part the innovation is the remainder; it is not known before the inputs are
+            let innovation = feed.step(&mut predictor, row)[0].innovation.filter(|_| feed.knows_inputs(row));
+            remainder.push(innovation.map_or(f64::NAN, |innovation| innovation / scale));
+            for (index, column) in inputs.iter_mut().enumerate() {
+                column.push(predictor.input(index).unwrap_or(f64::NAN));
+            }
+        }
+        let known = |stretch| runs(stretch, |row| remainder[row].is_finite());
+        let stretches = feed.still_stretches(0..n_rows).into_iter().flat_map(known).collect();
+        Ok(Self { remainder, inputs, stretches })
+    }
+
+    /// All columns, the remainder first.
+    pub fn columns(&self) -> Vec<&[f64]> {
+        std::iter::once(&self.remainder).chain(&self.inputs).map(Vec::as_slice).collect()
+    }
+
+    /// The known values of a column.
+    pub fn known<'s>(&'s self, column: &'s [f64]) -> impl Iterator<Item = f64> + 's {
+        self.stretches.iter().flat_map(|stretch| column[stretch.clone()].iter().copied())
+    }
+
+    /// The known remainder, stretch by stretch.
+    pub fn known_remainder(&self) -> Vec<&[f64]> {
+        self.stretches.iter().map(|stretch| &self.remainder[stretch.clone()]).collect()
+    }
+}

@@ -1,0 +1,13 @@
+//! Fits models of inertial sensor error with Fast Orthogonal Search, and judges them by the evaluator that runs on the device.
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+pub mod candidates;
+pub mod evaluate;
+pub mod export;
+pub mod fit;
+pub mod model;
+pub mod moments;
+pub mod noise;
+pub mod playback;
+pub mod signal;

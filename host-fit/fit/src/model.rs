@@ -1,0 +1,264 @@
+//! A fitted model as the host keeps it: f64, with names, units and standard errors. What runs is always fos-core.
+
+use fos_core::{
+    AxisModel, AxisParameters, Channel, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity,
+    Range, Real, Source, StillnessLimits, Term,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::candidates::Monomial;
+use crate::fit::Refit;
+use crate::signal::{self, autocorrelation::autocorrelation};
+
+/// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
+pub type HostPredictor<R> = Predictor<R, 6, 32, 512, 4096>;
+
+/// The model of one sensor unit: axes over shared inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitModel {
+    /// Sample period T, s.
+    pub period_s: f64,
+    /// What the measured values were while fitting.
+    pub fitted_on: FittedOn,
+    /// When the unit counts as still.
+    pub stillness: Option<StillnessLimits<f64>>,
+    /// The logged quantities that inputs are computed from.
+    pub quantities: Vec<LoggedQuantity>,
+    /// The inputs u_0, u_1, …
+    pub inputs: Vec<NamedInput>,
+    /// The axes.
+    pub axes: Vec<FittedAxis>,
+}
+
+/// A logged quantity: a column of a log.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LoggedQuantity {
+    /// The column.
+    pub column: String,
+    /// What it is.
+    pub quantity: Quantity,
+}
+
+/// An input with a name for people.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NamedInput {
+    /// As in tables: `temp_c`, `lowpass(r, 10 s)`.
+    pub name: String,
+    /// The input itself.
+    #[serde(flatten)]
+    pub input: Input<f64>,
+}
+
+/// One axis of a [`UnitModel`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedAxis {
+    /// The column that was fitted.
+    pub column: String,
+    /// Its numbers.
+    pub parameters: AxisParameters<f64>,
+    /// p: terms over inputs only.
+    pub physical: Vec<FittedTerm>,
+    /// r̂ without its constant.
+    pub stochastic: Vec<FittedTerm>,
+    /// What the rows that it was learnt from show without any model; none of a model that came from an image, or in studies
+    /// from before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plain: Option<Plain>,
+}
+
+/// The measured error of an axis before anything is taken off it: what plain rivals are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Plain {
+    /// Mean of measured − true value; of measured where the true value is a constant that nobody knows. In the axis' unit.
+    pub mean: f64,
+    /// Least and largest of it.
+    pub range: Range<f64>,
+    /// Autocorrelation one sample apart.
+    pub lag_1: f64,
+}
+
+impl Plain {
+    /// Of the values of the rows, and of the same in stretches without gaps, on any scale.
+    pub fn of(values: &[f64], stretches: &[&[f64]]) -> Self {
+        let extreme = |choose: fn(f64, f64) -> f64| values.iter().copied().reduce(choose).unwrap_or(0.0);
+        Self {
+            mean: signal::mean(&[values]),
+            range: Range::new(extreme(f64::min), extreme(f64::max)),
+            lag_1: autocorrelation(stretches, 1).map_or(0.0, |result| result.values[1]),
+        }
+    }
+}
+
+/// A term with its standard error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedTerm {
+    /// Coefficient, scaled units.
+    pub coefficient: f64,
+    /// Its standard error, scaled units; absent where it was not estimated.
+    pub standard_error: Option<f64>,
+    /// The factors.
+    pub factors: Vec<Factor>,
+}
+
+impl FittedTerm {
+    /// The terms of a fit, with their standard errors.
+    pub fn of(monomials: &[Monomial], refit: &Refit) -> Vec<Self> {
+        let solved = refit.coefficients.iter().zip(&refit.coefficient_errors);
+        let term = |(factors, (coefficient, error)): (&Monomial, (&f64, &f64))| Self {
+            coefficient: *coefficient,
+            standard_error: Some(*error),
+            factors: factors.clone(),
+        };
+        monomials.iter().zip(solved).map(term).collect()
+    }
+}
+
+impl UnitModel {
+    /// A predictor for the model, in f64, or in f32 as it will run on the device.
+    ///
+    /// # Errors
+    ///
+    /// What fos-core finds wrong with the model.
+    pub fn predictor<R: Real>(&self) -> Result<HostPredictor<R>, ModelError> {
+        self.with(HostPredictor::new)
+    }
+
+    /// Calls `work` with the model as fos-core takes it, in scalar `R`.
+    pub fn with<R: Real, T>(&self, work: impl FnOnce(&Model<'_, R>) -> T) -> T {
+        let terms = |terms: &[FittedTerm]| -> Vec<Term<R>> {
+            // factors come from a search or from a study file; a bad one was refused there
+            let term =
+                |term: &FittedTerm| Term::try_new(term.coefficient, &term.factors).map(|term| term.convert());
+            terms.iter().filter_map(term).collect()
+        };
+        let quantities: Vec<Quantity> = self.quantities.iter().map(|logged| logged.quantity).collect();
+        let inputs: Vec<Input<R>> = self.inputs.iter().map(|named| named.input.convert()).collect();
+        let parts: Vec<_> =
+            self.axes.iter().map(|axis| (terms(&axis.physical), terms(&axis.stochastic))).collect();
+        let axes: Vec<AxisModel<'_, R>> = self
+            .axes
+            .iter()
+            .zip(&parts)
+            .map(|(axis, (physical, stochastic))| AxisModel {
+                parameters: axis.parameters.convert(),
+                physical,
+                stochastic,
+            })
+            .collect();
+        work(&Model {
+            period_s: self.period_s,
+            fitted_on: self.fitted_on,
+            stillness: self.stillness.map(|limits| limits.convert()),
+            quantities: &quantities,
+            inputs: &inputs,
+            axes: &axes,
+        })
+    }
+
+    /// Adds the axes of `other`, a model of the same unit, with the inputs they need; inputs that both have are
+    /// shared.
+    pub fn absorb(&mut self, other: UnitModel) {
+        let first_axis = self.axes.len() as u8;
+        let quantities: Vec<u8> =
+            other.quantities.into_iter().map(|quantity| position(&mut self.quantities, quantity)).collect();
+        let inputs: Vec<u8> = other
+            .inputs
+            .into_iter()
+            .map(|mut named| {
+                named.input.source = match named.input.source {
+                    Source::Clock => Source::Clock,
+                    Source::Quantity(index) => Source::Quantity(quantities[usize::from(index)]),
+                    Source::Remainder(axis) => Source::Remainder(first_axis + axis),
+                };
+                position(&mut self.inputs, named)
+            })
+            .collect();
+        for mut axis in other.axes {
+            for term in axis.physical.iter_mut().chain(&mut axis.stochastic) {
+                for factor in &mut term.factors {
+                    if let Channel::Input(input) = &mut factor.channel {
+                        *input = inputs[usize::from(*input)];
+                    }
+                }
+            }
+            self.axes.push(axis);
+        }
+    }
+
+    /// The axis of this index as a unit of its own, with the inputs it needs.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such axis.
+    pub fn only(&self, index: usize) -> Self {
+        let mut alone = Self { axes: vec![self.axes[index].clone()], ..self.clone() };
+        alone.drop_unused();
+        for named in &mut alone.inputs {
+            if let Source::Remainder(axis) = &mut named.input.source {
+                // a term uses memory of its own axis only
+                *axis = 0;
+            }
+        }
+        alone
+    }
+
+    /// Removes the inputs and quantities that no term uses.
+    pub fn drop_unused(&mut self) {
+        let factors = |axis: &FittedAxis| -> Vec<Factor> {
+            axis.physical.iter().chain(&axis.stochastic).flat_map(|term| term.factors.clone()).collect()
+        };
+        let used: Vec<Channel> = self.axes.iter().flat_map(factors).map(|factor| factor.channel).collect();
+        let axes = std::mem::take(&mut self.axes);
+        let mut old = Self { axes, ..self.clone() };
+        (self.inputs, self.quantities) = (Vec::new(), Vec::new());
+        let kept = old.inputs.iter().enumerate().map(|(index, named)| {
+            used.contains(&Channel::Input(index as u8)).then(|| {
+                let mut named = named.clone();
+                if let Source::Quantity(quantity) = &mut named.input.source {
+                    let logged = old.quantities[usize::from(*quantity)].clone();
+                    *quantity = position(&mut self.quantities, logged);
+                }
+                position(&mut self.inputs, named)
+            })
+        });
+        let places: Vec<Option<u8>> = kept.collect();
+        for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic))
+        {
+            for factor in &mut term.factors {
+                if let Channel::Input(input) = &mut factor.channel {
+                    // a used input was kept
+                    *input = places[usize::from(*input)].unwrap_or(*input);
+                }
+            }
+        }
+        self.axes = old.axes;
+    }
+
+    /// How many terms all axes have together.
+    pub fn n_terms(&self) -> usize {
+        self.axes.iter().map(|axis| axis.physical.len() + axis.stochastic.len()).sum()
+    }
+}
+
+/// Where `thing` stands in `things`; appended if it does not.
+pub fn position<T: PartialEq>(things: &mut Vec<T>, thing: T) -> u8 {
+    let found = things.iter().position(|other| *other == thing).unwrap_or_else(|| {
+        things.push(thing);
+        things.len() - 1
+    });
+    found as u8
+}
+
+/// Unit of a column, by its name: m/s² and rad/s for the axes, the column's own suffix otherwise.
+pub fn unit_of(column: &str) -> &'static str {
+    match column.rsplit('_').next() {
+        Some("mps2") => "m/s²",
+        Some("rads") => "rad/s",
+        Some("c") => "°C",
+        Some("v") => "V",
+        Some("pct") => "%",
+        Some("ut") => "µT",
+        Some("pa") => "Pa",
+        _ => "",
+    }
+}

@@ -1,0 +1,203 @@
+//! Time averages of products of candidates: the Gram matrix, from one pass over the data.
+//!
+//! [`Moments`] are sums over rows, so they add: over segments, recordings and blocks, and a block left out is a
+//! subtraction. Everything a search needs is then in the [`Gram`] matrix, whose size is that of the pool and
+//! not of the record.
+//!
+//! Two products of delayed samples that differ only by a common delay a, p(n) and p(n − a), have sums that
+//! differ only in a few rows at either end (Korenberg, Annals of Biomedical Engineering 16 (1988) 123). For
+//! target rows b..e and largest lag N₀,
+//!
+//! ```text
+//!   Σ_{n=b}^{e-1} p(n−a)  =  Σ_{n=b−a}^{b-1} p(n)  +  Σ_{n=b}^{e−N₀−1} p(n)  +  Σ_{n=e−N₀}^{e−a−1} p(n)
+//!                                 head                  the same for all a            tail
+//! ```
+//!
+//! so that ten output lags to degree 2 take 297 long sums instead of 2,279. Each part is added and none taken
+//! away: a transient near an end cannot cancel digits.
+
+mod gram;
+mod kernel;
+mod layout;
+mod product;
+mod rows;
+
+use std::ops::{AddAssign, Range, SubAssign};
+use std::sync::Arc;
+
+pub use gram::{Gram, GramError};
+pub(crate) use product::Product;
+pub(crate) use rows::column;
+pub use rows::{Rows, SignalsError};
+
+use crate::candidates::Candidates;
+use kernel::Workspace;
+use layout::Layout;
+
+/// Sums over rows of every product of two candidates, of candidates and the target, and of each alone.
+///
+/// Summed in cache blocks, then over blocks: the rounding error is some 10⁻¹⁵ of the sum of magnitudes,
+/// whatever the length or the unit of the signals. Moments of the same pool add and subtract.
+///
+/// ```
+/// use fos_fit::candidates::Candidates;
+/// use fos_fit::moments::{Moments, Rows};
+///
+/// let y = [1.0, 2.0, 4.0, 8.0, 16.0];
+/// let pool = Candidates::builder().output(1..=1, 1).build()?;
+/// let rows = Rows::usable(&[&y], &[0..5], pool.factors())?;
+/// let gram = Moments::accumulate(&[&y], &rows, &pool)?.gram(&pool)?;
+/// assert_eq!(gram.rows(), 4);
+/// assert_eq!(gram.target_product(0), 2.0 * gram.product(0, 0)); // ⟨y(n)·y(n-1)⟩ = 2⟨y(n-1)²⟩
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Moments {
+    layout: Arc<Layout>,
+    rows: usize,
+    /// One per product of the layout.
+    sums: Vec<f64>,
+}
+
+impl Moments {
+    /// Sums over all `rows` of the signals (column 0 the output, column i + 1 input i).
+    ///
+    /// # Errors
+    /// Signals of unequal length, inputs missing, or `rows` made for shorter lags than the pool has.
+    pub fn accumulate(signals: &[&[f64]], rows: &Rows, pool: &Candidates) -> Result<Self, SignalsError> {
+        rows.check(signals, pool.factors())?;
+        let layout = Arc::new(Layout::new(pool, kernel::tile_shape()));
+        Ok(Self::over(layout, signals, rows))
+    }
+
+    /// The same, separately for the rows whose target lies in each of `blocks`, for validation with blocks left
+    /// out: `all -= &blocks[i]`.
+    ///
+    /// # Errors
+    /// As [`accumulate`](Self::accumulate).
+    pub fn accumulate_blocks(
+        signals: &[&[f64]],
+        rows: &Rows,
+        blocks: &[Range<usize>],
+        pool: &Candidates,
+    ) -> Result<Vec<Self>, SignalsError> {
+        rows.check(signals, pool.factors())?;
+        let layout = Arc::new(Layout::new(pool, kernel::tile_shape()));
+        Ok(blocks.iter().map(|block| Self::over(layout.clone(), signals, &rows.within(block))).collect())
+    }
+
+    fn over(layout: Arc<Layout>, signals: &[&[f64]], rows: &Rows) -> Self {
+        let mut sums = vec![0.0; layout.products.len()];
+        let mut workspace = Workspace::new(&layout);
+        for range in rows.ranges() {
+            fos_data::interrupt::check();
+            if range.len() < layout.max_lag {
+                add_directly(&layout, signals, range, &mut sums);
+            } else {
+                workspace.add(&layout, signals, range.start..range.end - layout.max_lag);
+                add_ends(&layout, signals, range, &mut sums);
+            }
+        }
+        let shared = workspace.sums();
+        for shape in &layout.shapes {
+            for sum in &mut sums[shape.first..shape.end] {
+                *sum += shared[shape.sum];
+            }
+        }
+        Self { layout, rows: rows.count(), sums }
+    }
+
+    /// Number of rows summed over.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of sums that take a pass over the data; all others follow from these.
+    pub fn distinct(&self) -> usize {
+        self.layout.shapes.len()
+    }
+
+    /// Bytes held besides the data while the sums were formed: sums, buffers of the pass, and their layout.
+    pub fn bytes(&self) -> usize {
+        let layout = &self.layout;
+        size_of_val(&*layout.products)
+            + size_of_val(&*layout.shapes)
+            + size_of_val(&*self.sums)
+            + Workspace::new(layout).bytes()
+    }
+
+    /// The Gram matrix of a pool: the one the moments were made for, or any part of it.
+    ///
+    /// # Errors
+    /// No rows, or a candidate the moments were not made for.
+    pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
+        Gram::new(self, pool)
+    }
+
+    /// # Panics
+    /// If the moments were made for different pools.
+    fn assert_same_pool(&self, other: &Self) {
+        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.pool == other.layout.pool;
+        assert!(same, "only moments of the same pool add");
+    }
+}
+
+impl AddAssign<&Moments> for Moments {
+    /// # Panics
+    /// If the moments were made for different pools.
+    fn add_assign(&mut self, other: &Moments) {
+        self.assert_same_pool(other);
+        self.rows += other.rows;
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+    }
+}
+
+impl SubAssign<&Moments> for Moments {
+    /// Leaves out rows that are part of these moments.
+    ///
+    /// # Panics
+    /// If the moments were made for different pools, or `other` has more rows.
+    fn sub_assign(&mut self, other: &Moments) {
+        self.assert_same_pool(other);
+        self.rows = self.rows.checked_sub(other.rows).expect("the rows left out are part of these moments");
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a -= b);
+    }
+}
+
+/// Sums a range shorter than N₀ product by product: there is nothing to share.
+fn add_directly(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums: &mut [f64]) {
+    for ((shape, shift), sum) in layout.products.iter().zip(sums) {
+        *sum += range.clone().map(|n| shape.at(signals, n - shift)).sum::<f64>();
+    }
+}
+
+/// Adds head and tail of every product over a range of at least N₀ rows.
+fn add_ends(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums: &mut [f64]) {
+    let lag = layout.max_lag;
+    let (mut head, mut tail) = (vec![0.0; lag], vec![0.0; lag]);
+    // totals[a] = Σ over the a rows before the range and the last N₀ rows but the last a
+    let mut totals = vec![0.0; lag + 1];
+    for shape in &layout.shapes {
+        let copies = shape.first..shape.end;
+        let farthest = layout.products[shape.end - 1].1;
+        shape.product.fill(signals, range.start - farthest..range.start, &mut head[lag - farthest..]);
+        shape.product.fill(signals, range.end - lag..range.end, &mut tail);
+        let mut sum = 0.0;
+        for a in (0..lag).rev() {
+            sum += tail[lag - 1 - a];
+            totals[a] = sum;
+        }
+        totals[lag] = 0.0;
+        let mut sum = 0.0;
+        for a in 1..=farthest {
+            sum += head[lag - a];
+            totals[a] += sum;
+        }
+        for ((_, shift), sum) in layout.products[copies.clone()].iter().zip(&mut sums[copies]) {
+            *sum += totals[*shift];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

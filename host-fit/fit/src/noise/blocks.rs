@@ -1,0 +1,134 @@
+//! A recording reduced to means over blocks of equal length: what slow effects are looked for in.
+
+use std::ops::Range;
+
+use fos_data::recording::Recording;
+
+/// Blocks that a recording is cut into, about.
+const WANTED: f64 = 600.0;
+
+/// Shortest block, s.
+const SHORTEST_S: f64 = 0.5;
+
+/// A block of which less than this share of the samples is known is left out.
+const KNOWN_SHARE: f64 = 0.25;
+
+/// Least noise of a block over the mean of all.
+const LEAST_NOISE: f64 = 1e-3;
+
+/// The blocks of a recording in which enough is known. Blocks lie on the grid of ticks, so that gaps keep their length.
+#[derive(Debug, Clone)]
+pub struct Blocks {
+    /// Length of a block, s.
+    pub length_s: f64,
+    /// Sample period, s.
+    pub period_s: f64,
+    /// Shortest time constant of flicker noise, s; what is faster counts as white. The same for all blocks up to 9 s long, so
+    /// that noise levels learnt with some hold with others.
+    pub flicker_from_s: f64,
+    /// The blocks, in order of time.
+    pub blocks: Vec<Block>,
+    /// Whether a row counts; one flag per row of the recording.
+    known: Vec<bool>,
+}
+
+/// One block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// Place on the grid: its middle is (index + ½)·length after the first sample.
+    pub index: u64,
+    /// Rows in it.
+    pub rows: Range<usize>,
+    /// Rows in it that count.
+    pub count: usize,
+    /// Variance of its fast noise over that of the log: 1 unless the log was shaken.
+    pub noise: f64,
+}
+
+/// Block length that suits a recording, s: about 600 blocks.
+pub fn length_for(recording: &Recording) -> f64 {
+    let ticks = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
+    (ticks as f64 * recording.rate.period_s / WANTED).max(SHORTEST_S)
+}
+
+/// The power of three below a third of a block, at least 1.
+fn flicker_from_s(length_s: f64) -> f64 {
+    3.0_f64.powf((length_s / 3.0).max(1.0).log(3.0).floor())
+}
+
+impl Blocks {
+    /// Blocks of `length_s` over the rows that `known` marks, one flag per row.
+    pub fn new(recording: &Recording, length_s: f64, known: Vec<bool>) -> Self {
+        let period_s = recording.rate.period_s;
+        let ticks = (length_s / period_s).round().max(1.0) as u64;
+        let mut blocks: Vec<Block> = Vec::new();
+        for segment in &recording.segments {
+            for row in segment.rows.clone() {
+                let index = (segment.tick + (row - segment.rows.start) as u64) / ticks;
+                let counts = usize::from(known[row]);
+                match blocks.last_mut() {
+                    Some(last) if last.index == index => {
+                        last.rows.end = row + 1;
+                        last.count += counts;
+                    }
+                    _ => blocks.push(Block { index, rows: row..row + 1, count: counts, noise: 1.0 }),
+                }
+            }
+        }
+        blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * ticks as f64);
+        let length_s = ticks as f64 * period_s;
+        Self { length_s, period_s, flicker_from_s: flicker_from_s(length_s), blocks, known }
+    }
+
+    /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes and
+    /// goes, and takes the noise of the means with it.
+    pub fn with_noise_of(mut self, error: &[f64]) -> Self {
+        let variance = |block: &Block| {
+            let known = block.rows.clone().filter(|row| self.known[*row]);
+            let rows: Vec<usize> = known.collect();
+            let changes = rows.windows(2).map(|pair| (error[pair[1]] - error[pair[0]]).powi(2));
+            changes.sum::<f64>() / rows.len().max(1) as f64
+        };
+        let variances: Vec<f64> = self.blocks.iter().map(variance).collect();
+        let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+        for (block, variance) in self.blocks.iter_mut().zip(variances) {
+            block.noise = (variance / mean).max(LEAST_NOISE);
+        }
+        self
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    /// Whether a row counts.
+    pub fn known(&self) -> &[bool] {
+        &self.known
+    }
+
+    /// Means of `column`, one value per row of the recording, over the rows that count.
+    pub fn means(&self, column: &[f64]) -> Vec<f64> {
+        let mean = |block: &Block| {
+            let rows = block.rows.clone();
+            let values = column[rows.clone()].iter().zip(&self.known[rows]);
+            values.filter(|(_, known)| **known).map(|(value, _)| *value).sum::<f64>() / block.count as f64
+        };
+        self.blocks.iter().map(mean).collect()
+    }
+
+    /// Middle of a block, s after the first sample.
+    pub fn middle_s(&self, block: usize) -> f64 {
+        (self.blocks[block].index as f64 + 0.5) * self.length_s
+    }
+
+    /// Samples of all blocks that count.
+    pub fn samples(&self) -> usize {
+        self.blocks.iter().map(|block| block.count).sum()
+    }
+}

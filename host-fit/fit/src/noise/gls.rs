@@ -1,0 +1,142 @@
+//! Generalised least squares: a regression whose errors are sensor noise, on whitened columns.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::blocks::Blocks;
+use super::model::NoiseLevels;
+
+/// A column of which less than this share of its squares is left after the columns before it are projected out is a
+/// combination of them.
+const COLLINEAR: f64 = 1e-7;
+
+/// Whitened regressors made orthonormal (modified Gram-Schmidt, twice), and a whitened output beside them.
+#[derive(Debug, Clone)]
+pub struct Gls {
+    /// Orthonormal columns.
+    basis: Vec<Vec<f64>>,
+    /// Column j of the whitened regressors is Σ_i basis_i·triangle\[j\]\[i\].
+    triangle: Vec<Vec<f64>>,
+    /// Which of the given regressors were kept; the others are combinations of those before them.
+    pub kept: Vec<usize>,
+    n_regressors: usize,
+    /// What the regressors leave of the whitened output.
+    pub residual: Vec<f64>,
+    projections: Vec<f64>,
+    /// ln det of the noise covariance.
+    pub log_determinant: f64,
+    levels: NoiseLevels,
+}
+
+impl Gls {
+    /// Regresses `y` on `regressors`, all in block means, under noise of `levels`.
+    pub fn new(blocks: &Blocks, levels: &NoiseLevels, y: &[f64], regressors: &[&[f64]]) -> Self {
+        let mut columns = vec![y];
+        columns.extend(regressors);
+        let mut whitened = levels.whiten(blocks, &columns);
+        let residual = whitened.columns.remove(0);
+        let mut gls = Self {
+            basis: Vec::new(),
+            triangle: Vec::new(),
+            kept: Vec::new(),
+            n_regressors: regressors.len(),
+            residual,
+            projections: Vec::new(),
+            log_determinant: whitened.log_determinant,
+            levels: *levels,
+        };
+        for (index, column) in whitened.columns.into_iter().enumerate() {
+            if let Some((direction, coordinates)) = gls.orthonormal(column) {
+                gls.kept.push(index);
+                gls.triangle.push(coordinates);
+                let projection = dot(&direction, &gls.residual);
+                for (left, part) in gls.residual.iter_mut().zip(&direction) {
+                    *left -= projection * part;
+                }
+                gls.projections.push(projection);
+                gls.basis.push(direction);
+            }
+        }
+        gls
+    }
+
+    /// A whitened column made orthonormal to the basis, with its coordinates; `None` if nothing of it is left.
+    fn orthonormal(&self, mut column: Vec<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
+        let before = dot(&column, &column);
+        let mut coordinates = vec![0.0; self.basis.len()];
+        for _ in 0..2 {
+            for (coordinate, direction) in coordinates.iter_mut().zip(&self.basis) {
+                let along = dot(direction, &column);
+                column.iter_mut().zip(direction).for_each(|(value, part)| *value -= along * part);
+                *coordinate += along;
+            }
+        }
+        let left = dot(&column, &column);
+        if !(left > COLLINEAR * before && left.is_finite()) {
+            return None;
+        }
+        let norm = left.sqrt();
+        column.iter_mut().for_each(|value| *value /= norm);
+        coordinates.push(norm);
+        Some((column, coordinates))
+    }
+
+    /// −2 ln L up to a constant: ln det C + χ².
+    pub fn deviance(&self) -> f64 {
+        self.log_determinant + dot(&self.residual, &self.residual)
+    }
+
+    /// By how much further regressors, together, would lower χ², and how many of them are no combination of others.
+    pub fn gain(&self, blocks: &Blocks, regressors: &[&[f64]]) -> (f64, usize) {
+        let whitened = self.levels.whiten(blocks, regressors);
+        let mut wider = Self { residual: self.residual.clone(), ..self.without_output() };
+        let before = dot(&self.residual, &self.residual);
+        let mut added = 0;
+        for column in whitened.columns {
+            if let Some((direction, coordinates)) = wider.orthonormal(column) {
+                let projection = dot(&direction, &wider.residual);
+                wider.residual.iter_mut().zip(&direction).for_each(|(left, part)| *left -= projection * part);
+                wider.triangle.push(coordinates);
+                wider.basis.push(direction);
+                added += 1;
+            }
+        }
+        (before - dot(&wider.residual, &wider.residual), added)
+    }
+
+    fn without_output(&self) -> Self {
+        Self { residual: Vec::new(), ..self.clone() }
+    }
+
+    /// Coefficients of all given regressors; 0 for those that were not kept.
+    pub fn coefficients(&self) -> Vec<f64> {
+        let mut kept = vec![0.0; self.basis.len()];
+        for i in (0..kept.len()).rev() {
+            let later: f64 = (i + 1..kept.len()).map(|j| self.triangle[j][i] * kept[j]).sum();
+            kept[i] = (self.projections[i] - later) / self.triangle[i][i];
+        }
+        let mut all = vec![0.0; self.n_regressors];
+        self.kept.iter().zip(kept).for_each(|(index, value)| all[*index] = value);
+        all
+    }
+
+    /// Covariance of the coefficients of the kept regressors, in their order: (RᵀR)⁻¹.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let k = self.basis.len();
+        let upper = DMatrix::from_fn(k, k, |i, j| if i <= j { self.triangle[j][i] } else { 0.0 });
+        let columns: Vec<DVector<f64>> = (0..k)
+            .map(|unit| {
+                let mut column = DVector::zeros(k);
+                column[unit] = 1.0;
+                // the diagonal is positive by construction
+                upper.solve_upper_triangular(&column).unwrap_or_else(|| DVector::zeros(k))
+            })
+            .collect();
+        let inverse = DMatrix::from_columns(&columns);
+        &inverse * inverse.transpose()
+    }
+}
+
+/// Σ a·b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

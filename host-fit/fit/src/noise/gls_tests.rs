@@ -1,0 +1,122 @@
+//! The regression against the explicit formula with the dense covariance.
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::blocks::Blocks;
+use super::gls::{Gls, dot};
+use super::model::{GaussMarkov, NoiseLevels};
+use super::noise_tests::{
+    LENGTH_S, UNIT_WHITE, awkward, blocks_of, cholesky, dense, log_determinant, white_columns,
+};
+
+const SEEDS: u64 = 20;
+
+fn levels() -> NoiseLevels {
+    let process = GaussMarkov { deviation: 0.4, tau_s: 5.0 * LENGTH_S };
+    NoiseLevels { flicker: 0.8, walk: 0.2, gauss_markov: Some(process), ..UNIT_WHITE }
+}
+
+/// A constant, a ramp that is nearly one over a short log, and what `seed` draws; then an output.
+fn problem(blocks: &Blocks, seed: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let mut columns = vec![vec![1.0; blocks.len()]];
+    columns.push((0..blocks.len()).map(|block| 300.0 + blocks.middle_s(block)).collect());
+    columns.extend(white_columns(&mut ChaCha8Rng::seed_from_u64(seed), 3, blocks.len()));
+    let y = columns.pop().expect("five columns");
+    (columns, y)
+}
+
+fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
+fn chi_squared(gls: &Gls) -> f64 {
+    dot(&gls.residual, &gls.residual)
+}
+
+#[test]
+fn coefficients_covariance_and_deviance_are_those_of_the_explicit_formula() {
+    for seed in 0..SEEDS {
+        let blocks = if seed % 2 == 0 { awkward() } else { blocks_of(&[8; 9]) };
+        let (columns, y) = problem(&blocks, seed);
+        let gls = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        assert_eq!(gls.kept, [0, 1, 2, 3]);
+
+        let noise = cholesky(dense(&levels(), &blocks));
+        let vectors: Vec<DVector<f64>> = columns.iter().map(|c| DVector::from_column_slice(c)).collect();
+        let (x, y) = (DMatrix::from_columns(&vectors), DVector::from_vec(y));
+        let covariance = (x.transpose() * noise.solve(&x)).try_inverse().expect("regular");
+        let coefficients = &covariance * (x.transpose() * noise.solve(&y));
+        let left = &y - &x * &coefficients;
+        let deviance = log_determinant(&noise) + left.dot(&noise.solve(&left));
+
+        // the inverse of the normal equations squares the condition, 1e4 between constant and ramp
+        for (i, (found, wanted)) in gls.coefficients().iter().zip(coefficients.iter()).enumerate() {
+            let error = covariance[(i, i)].sqrt();
+            assert!((found - wanted).abs() < 1e-6 * error, "seed {seed}, {i}: {found} for {wanted}");
+            for j in 0..4 {
+                let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+                let off = (gls.covariance()[(i, j)] - covariance[(i, j)]).abs();
+                assert!(off < 1e-6 * scale, "seed {seed}, {i} {j}: {off:e}");
+            }
+        }
+        assert!((gls.deviance() - deviance).abs() < 1e-8, "seed {seed}: {} for {deviance}", gls.deviance());
+    }
+}
+
+#[test]
+fn the_residual_is_orthogonal_to_every_regressor() {
+    let blocks = awkward();
+    for seed in 0..SEEDS {
+        let (mut columns, y) = problem(&blocks, seed);
+        // nearly the constant: 1e-3 of it is its own, a million times the squares that count as collinear
+        columns.push(columns[2].iter().map(|value| 1.0 + 1e-3 * value * value).collect());
+        let gls = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        assert_eq!(gls.kept.len(), columns.len());
+        let whitened = levels().whiten(&blocks, &slices(&columns));
+        for column in &whitened.columns {
+            let cosine = dot(column, &gls.residual) / (dot(column, column) * chi_squared(&gls)).sqrt();
+            assert!(cosine.abs() < 1e-12, "seed {seed}: {cosine:e}");
+        }
+    }
+}
+
+#[test]
+fn combinations_of_earlier_regressors_are_left_out() {
+    let blocks = awkward();
+    for seed in 0..SEEDS {
+        let (mut columns, y) = problem(&blocks, seed);
+        let wanted = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        let combination = (0..blocks.len()).map(|row| 2.0 - 0.5 * columns[1][row]).collect();
+        columns.insert(2, combination);
+        columns.insert(3, vec![0.0; blocks.len()]);
+        columns.push(columns[4].iter().map(|value| -7.0 * value).collect());
+        let gls = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        assert_eq!(gls.kept, [0, 1, 4, 5], "seed {seed}");
+        let (found, alone) = (gls.coefficients(), wanted.coefficients());
+        assert_eq!([found[2], found[3], found[6]], [0.0; 3]);
+        assert_eq!([found[0], found[1], found[4], found[5]], alone[..]);
+        assert_eq!(gls.covariance().nrows(), 4);
+    }
+}
+
+#[test]
+fn the_gain_is_the_fall_of_chi_squared_when_refitted() {
+    let blocks = awkward();
+    for seed in 0..SEEDS {
+        let (mut columns, y) = problem(&blocks, seed);
+        let narrow = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        let mut more = white_columns(&mut ChaCha8Rng::seed_from_u64(1000 + seed), 2, blocks.len());
+        // one that is a combination of what is there, one of what is added
+        more.insert(1, columns[1].iter().map(|value| 3.0 * value - 1.0).collect());
+        more.push(more[0].iter().zip(&more[2]).map(|(a, b)| a - b).collect());
+        let (gain, added) = narrow.gain(&blocks, &slices(&more));
+        columns.extend(more);
+        let wide = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        let fall = chi_squared(&narrow) - chi_squared(&wide);
+        assert!((gain - fall).abs() < 1e-9 * chi_squared(&narrow), "seed {seed}: {gain} for {fall}");
+        assert_eq!((added, wide.kept.len()), (2, narrow.kept.len() + 2), "seed {seed}");
+        assert!(fall > 0.0);
+    }
+}

@@ -1,0 +1,361 @@
+//! Noise levels from data: the most probable ones, given what was known before.
+
+use std::cmp::Ordering;
+
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::blocks::Blocks;
+use super::gls::Gls;
+use super::model::{GaussMarkov, NoiseLevels};
+
+/// Natural logarithms of white, flicker and walk.
+pub type LogLevels = [f64; 3];
+
+/// What is known of noise levels before the data: a normal distribution of their logarithms, but for the random walk.
+///
+/// A quiet log says hardly anything of a random walk too small to be seen in it, and almost everything of one too large: the
+/// logarithm of its likelihood is flat below and a wall above, and no normal distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LevelPrior {
+    /// Means of the logarithms.
+    pub mean: LogLevels,
+    /// Inverse of their covariance.
+    pub precision: [[f64; 3]; 3],
+    /// −2 ln of the quiet log's likelihood, best over the other levels, where the walk is e^(k/2) times its mean,
+    /// k = 1, 2, …; none where no quiet log was seen.
+    pub wall: Option<[f64; WALL]>,
+}
+
+/// Values that a wall is known at, and their distance in the logarithm of the walk.
+const WALL: usize = 8;
+const WALL_STEP: f64 = 0.5;
+
+/// Noise levels fitted to data together with a regression.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// The levels.
+    pub levels: NoiseLevels,
+    /// The regression under them.
+    pub gls: Gls,
+    /// −2 ln of likelihood times prior density, up to a constant that depends on neither regressors nor levels.
+    pub deviance: f64,
+}
+
+/// How far an optimum is looked for, in logarithms: a factor of 150.
+const REACH: f64 = 5.0;
+
+/// Step of the numerical derivatives, in logarithms: the deviance is smooth, and a change of 1 % in a level moves it by
+/// less than 1 and far more than rounding.
+const STEP: f64 = 0.02;
+
+/// Draws are proposed from a distribution so many times as wide as the one about the optimum.
+const WIDER: f64 = 1.3;
+
+/// The search begins anew where it ended as long as that helps by more than this.
+const MAX_RESTARTS: usize = 4;
+const RESTARTED: f64 = 0.1;
+
+const MAX_ROUNDS: usize = 20;
+const DONE: f64 = 0.005;
+
+impl LevelPrior {
+    /// Independent logarithms with these standard deviations.
+    pub fn independent(mean: LogLevels, deviations: [f64; 3]) -> Self {
+        Self { mean, precision: diagonal(deviations.map(|deviation| deviation.powi(-2))), wall: None }
+    }
+
+    /// −2 ln of the density, up to a constant.
+    pub fn deviance(&self, levels: &LogLevels) -> f64 {
+        let mut off: Vec<f64> = levels.iter().zip(&self.mean).map(|(level, mean)| level - mean).collect();
+        let mut walled = 0.0;
+        if let Some(wall) = &self.wall
+            && off[2] > 0.0
+        {
+            walled = at_wall(wall, off[2]);
+            off[2] = 0.0;
+        }
+        let quadratic: f64 = (0..3)
+            .flat_map(|i| (0..3).map(move |j| (i, j)))
+            .map(|(i, j)| off[i] * self.precision[i][j] * off[j])
+            .sum();
+        quadratic + walled
+    }
+
+    /// The same with the covariance widened by these variances: levels are not quite the same in another log.
+    pub fn widened(&self, variances: [f64; 3]) -> Self {
+        let precision = nalgebra::Matrix3::from_fn(|i, j| self.precision[i][j]);
+        let covariance = precision.try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
+        let wider = covariance + nalgebra::Matrix3::from_diagonal(&variances.into());
+        let precision = wider.try_inverse().unwrap_or(precision);
+        Self {
+            mean: self.mean,
+            precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
+            wall: self.wall,
+        }
+    }
+
+    /// The prior without what it says of the random walk, but for a very wide scale about `walk`.
+    pub fn with_free_walk(&self, deviation: f64) -> Self {
+        let precision = nalgebra::Matrix3::from_fn(|i, j| self.precision[i][j]);
+        let covariance = precision.try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
+        let mut freed = covariance;
+        for i in 0..2 {
+            freed[(i, 2)] = 0.0;
+            freed[(2, i)] = 0.0;
+        }
+        freed[(2, 2)] = deviation * deviation;
+        let precision = freed.try_inverse().unwrap_or(precision);
+        Self {
+            mean: self.mean,
+            precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
+            wall: None,
+        }
+    }
+}
+
+impl NoiseLevels {
+    /// From logarithms, without a further process.
+    pub fn from_logs(logs: &LogLevels) -> Self {
+        Self { white: logs[0].exp(), flicker: logs[1].exp(), walk: logs[2].exp(), gauss_markov: None }
+    }
+
+    /// Logarithms.
+    pub fn logs(&self) -> LogLevels {
+        [self.white.ln(), self.flicker.ln(), self.walk.ln()]
+    }
+}
+
+/// A regression of block means with everything that does not change from one set of noise levels to the next.
+#[derive(Debug, Clone, Copy)]
+pub struct Regression<'a> {
+    /// The blocks.
+    pub blocks: &'a Blocks,
+    /// The output.
+    pub y: &'a [f64],
+    /// The regressors.
+    pub regressors: &'a [&'a [f64]],
+    /// What is known of the levels.
+    pub prior: &'a LevelPrior,
+}
+
+impl Regression<'_> {
+    /// Under given levels.
+    pub fn at(&self, levels: NoiseLevels) -> Fitted {
+        let gls = Gls::new(self.blocks, &levels, self.y, self.regressors);
+        let deviance = gls.deviance() + self.prior.deviance(&levels.logs());
+        Fitted { levels, gls, deviance }
+    }
+
+    /// Under the most probable levels, looked for from `start`; a further Gauss-Markov process stays as it is.
+    pub fn fit(&self, start: NoiseLevels) -> Fitted {
+        let extra = start.gauss_markov;
+        let at = |logs: &LogLevels| {
+            self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(logs) }).deviance
+        };
+        let (mut logs, mut deviance) = minimise(start.logs(), at);
+        // an effect that nothing explains yet may have to pass as noise far from the start
+        for _ in 0..MAX_RESTARTS {
+            let (next, there) = minimise(logs, at);
+            let gained = deviance - there;
+            (logs, deviance) = (next, there);
+            if gained < RESTARTED {
+                break;
+            }
+        }
+        self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(&logs) })
+    }
+
+    /// The same with a further Gauss-Markov process of unknown size and correlation time, from `start` of it.
+    pub fn fit_gauss_markov(&self, levels: NoiseLevels, start: GaussMarkov) -> Fitted {
+        let with = |logs: &[f64; 5]| NoiseLevels {
+            gauss_markov: Some(GaussMarkov { deviation: logs[3].exp(), tau_s: logs[4].exp() }),
+            ..NoiseLevels::from_logs(&[logs[0], logs[1], logs[2]])
+        };
+        let [white, flicker, walk] = levels.logs();
+        let start = [white, flicker, walk, start.deviation.ln(), start.tau_s.ln()];
+        let (logs, _) = minimise(start, |logs| self.at(with(logs)).deviance);
+        self.at(with(&logs))
+    }
+
+    /// What the data and the prior together say of the levels: normal about the optimum, with the curvature there
+    /// (Laplace).
+    pub fn posterior(&self, fitted: &Fitted) -> LevelPrior {
+        let centre = fitted.levels.logs();
+        let hessian = hessian(centre, |logs| {
+            let levels =
+                NoiseLevels { gauss_markov: fitted.levels.gauss_markov, ..NoiseLevels::from_logs(logs) };
+            self.at(levels).deviance
+        });
+        // −2 ln density = offᵀ·precision·off
+        let precision = hessian.map(|row| row.map(|entry| entry / 2.0));
+        Self::made_positive(LevelPrior { mean: centre, precision, wall: None }, self.prior)
+    }
+
+    /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn again
+    /// with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal logarithm.
+    pub fn draws(&self, fitted: &Fitted, count: usize, random: &mut impl Rng) -> Vec<NoiseLevels> {
+        let posterior = self.posterior(fitted);
+        let precision = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
+        let factor = precision
+            .try_inverse()
+            .and_then(|covariance| covariance.cholesky())
+            .map_or_else(nalgebra::Matrix3::zeros, |c| WIDER * c.l());
+        let proposals: Vec<(NoiseLevels, f64)> = (0..count)
+            .map(|_| {
+                let unit = nalgebra::Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(random) });
+                let off = factor * unit;
+                let logs = std::array::from_fn(|i| posterior.mean[i] + off[i]);
+                let levels =
+                    NoiseLevels { gauss_markov: fitted.levels.gauss_markov, ..NoiseLevels::from_logs(&logs) };
+                let deviance = self.at(levels).deviance - fitted.deviance;
+                (levels, (-0.5 * (deviance - unit.norm_squared())).exp())
+            })
+            .collect();
+        let total: f64 = proposals.iter().map(|(_, weight)| weight).sum();
+        if !total.is_finite() || total <= 0.0 {
+            return vec![fitted.levels; count];
+        }
+        // systematic: every proposal as often as its weight says, but for less than one
+        let mut next = random.random_range(0.0..1.0) * total / count as f64;
+        let (mut sum, mut drawn) = (0.0, Vec::with_capacity(count));
+        for (levels, weight) in proposals {
+            sum += weight;
+            while drawn.len() < count && next < sum {
+                drawn.push(levels);
+                next += total / count as f64;
+            }
+        }
+        drawn.resize(count, fitted.levels);
+        drawn
+    }
+
+    /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other levels.
+    pub fn wall(&self, fitted: &Fitted) -> [f64; WALL] {
+        let [white, flicker, walk] = fitted.levels.logs();
+        let mut start = [white, flicker];
+        std::array::from_fn(|k| {
+            let above = walk + WALL_STEP * (k + 1) as f64;
+            let (place, deviance) = minimise(start, |[white, flicker]| {
+                self.at(NoiseLevels::from_logs(&[*white, *flicker, above])).deviance
+            });
+            start = place;
+            (deviance - fitted.deviance).max(0.0)
+        })
+    }
+
+    /// A level that the data say nothing of has no curvature; the prior's is then the least.
+    fn made_positive(mut posterior: LevelPrior, prior: &LevelPrior) -> LevelPrior {
+        let matrix = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
+        if matrix.cholesky().is_none() {
+            let least = |i: usize| posterior.precision[i][i].max(prior.precision[i][i]);
+            posterior.precision = diagonal(std::array::from_fn(least));
+        }
+        posterior
+    }
+}
+
+fn diagonal(entries: [f64; 3]) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { entries[i] } else { 0.0 }))
+}
+
+/// A wall between its values, and beyond them as steep as at its end.
+fn at_wall(wall: &[f64; WALL], above: f64) -> f64 {
+    let place = above / WALL_STEP;
+    let next = (place as usize).min(WALL - 1);
+    let before = if next == 0 { 0.0 } else { wall[next - 1] };
+    before + (place - next as f64) * (wall[next] - before)
+}
+
+fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
+    let step = 5.0 * STEP;
+    let at = |moves: &[(usize, f64)]| {
+        let mut place = centre;
+        moves.iter().for_each(|(i, by)| place[*i] += by * step);
+        f(&place)
+    };
+    let middle = at(&[]);
+    let own = |i: usize| (at(&[(i, 1.0)]) - 2.0 * middle + at(&[(i, -1.0)])) / (step * step);
+    let mixed = |i: usize, j: usize| {
+        let corner = |a: f64, b: f64| at(&[(i, a), (j, b)]);
+        (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0)) / (4.0 * step * step)
+    };
+    let lower: [[f64; D]; D] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| match i.cmp(&j) {
+            Ordering::Equal => own(i),
+            Ordering::Greater => mixed(i, j),
+            Ordering::Less => 0.0,
+        })
+    });
+    std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
+}
+
+/// The least value of a smooth function of a few logarithms, near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with
+/// numerical derivatives and steps of at most 1.
+fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
+    let gradient = |place: &[f64; D]| -> [f64; D] {
+        std::array::from_fn(|i| {
+            let (mut up, mut down) = (*place, *place);
+            up[i] += STEP;
+            down[i] -= STEP;
+            (f(&up) - f(&down)) / (2.0 * STEP)
+        })
+    };
+    let mut place = start;
+    let mut value = f(&place);
+    let mut slope = gradient(&place);
+    // a level known to 20 % has curvature 2/0.2²
+    let mut inverse: [[f64; D]; D] =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
+    // ends after MAX_ROUNDS; in each the value falls (Armijo), or nothing does
+    for _ in 0..MAX_ROUNDS {
+        fos_data::interrupt::check();
+        let mut step: [f64; D] =
+            std::array::from_fn(|i| -(0..D).map(|j| inverse[i][j] * slope[j]).sum::<f64>());
+        let longest = step.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        if longest > 1.0 {
+            step.iter_mut().for_each(|s| *s /= longest);
+        }
+        let expected: f64 = step.iter().zip(&slope).map(|(s, g)| s * g).sum();
+        if expected.abs() < DONE {
+            break;
+        }
+        let mut share = 1.0;
+        // ends: four shares are tried
+        let moved = loop {
+            let next: [f64; D] = std::array::from_fn(|i| {
+                (place[i] + share * step[i]).clamp(start[i] - REACH, start[i] + REACH)
+            });
+            let there = f(&next);
+            if there < value + 1e-4 * share * expected {
+                break Some((next, there));
+            }
+            share *= 0.3;
+            if share < 0.02 {
+                break None;
+            }
+        };
+        let Some((next, there)) = moved else { break };
+        let new_slope = gradient(&next);
+        let s: [f64; D] = std::array::from_fn(|i| next[i] - place[i]);
+        let y: [f64; D] = std::array::from_fn(|i| new_slope[i] - slope[i]);
+        let sy: f64 = s.iter().zip(&y).map(|(s, y)| s * y).sum();
+        if sy > 1e-9 {
+            inverse = bfgs_update(&inverse, &s, &y, sy);
+        }
+        (place, value, slope) = (next, there, new_slope);
+    }
+    (place, value)
+}
+
+/// (I − s yᵀ/yᵀs)·H·(I − y sᵀ/yᵀs) + s sᵀ/yᵀs.
+fn bfgs_update<const D: usize>(h: &[[f64; D]; D], s: &[f64; D], y: &[f64; D], sy: f64) -> [[f64; D]; D] {
+    let hy: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| h[i][j] * y[j]).sum());
+    let yhy: f64 = y.iter().zip(&hy).map(|(y, hy)| y * hy).sum();
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            h[i][j] + (1.0 + yhy / sy) * s[i] * s[j] / sy - (s[i] * hy[j] + hy[i] * s[j]) / sy
+        })
+    })
+}

@@ -1,0 +1,177 @@
+//! Fitted noise levels: that the optimum is one, that its width is right, that true levels lie within it.
+
+use nalgebra::Matrix3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::levels::{LevelPrior, LogLevels, Regression};
+use super::model::NoiseLevels;
+use super::noise_tests::{awkward, blocks_of};
+
+/// Deviance by which an optimum may be missed: the search ends where a Newton step promises less than 0.005, and a
+/// likelihood ratio of 2·ln below 0.05 is no evidence of anything.
+const NEAR: f64 = 0.05;
+
+/// Scatter of a unit about its data sheet.
+const DEVIATIONS: [f64; 3] = [0.3, 0.45, 0.8];
+
+/// A part like those in phones, in blocks of 0.8 s.
+fn part() -> LogLevels {
+    [1.0_f64.ln(), 0.4_f64.ln(), 0.02_f64.ln()]
+}
+
+fn prior() -> LevelPrior {
+    LevelPrior::independent(part(), DEVIATIONS)
+}
+
+fn draw(prior: &LogLevels, random: &mut ChaCha8Rng) -> LogLevels {
+    std::array::from_fn(|i| {
+        let unit: f64 = StandardNormal.sample(random);
+        prior[i] + DEVIATIONS[i] * unit
+    })
+}
+
+fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+#[test]
+fn the_deviance_of_a_prior_is_its_quadratic_form() {
+    let prior = LevelPrior {
+        mean: [0.0, 1.0, 2.0],
+        precision: [[2.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 1.0]],
+        wall: None,
+    };
+    // off (1, 2, −1): 2·1 + 3·4 + 1·1 + 2·(1·1·2) + 2·(−1·2·−1)
+    assert!((prior.deviance(&[1.0, 3.0, 1.0]) - 23.0).abs() < 1e-12);
+    let independent = LevelPrior::independent([0.0; 3], [0.5, 1.0, 2.0]);
+    // (1/0.5)² + (2/1)² + (−4/2)²
+    assert!((independent.deviance(&[1.0, 2.0, -4.0]) - 12.0).abs() < 1e-12);
+}
+
+#[test]
+fn without_data_the_optimum_is_the_prior() {
+    let blocks = blocks_of(&[0; 4]);
+    assert!(blocks.is_empty());
+    // correlation 0.9 of the first two: a valley that runs across the axes
+    let covariance = Matrix3::new(0.09, 0.1215, 0.0, 0.1215, 0.2025, 0.1, 0.0, 0.1, 0.64);
+    let inverse = covariance.try_inverse().expect("regular");
+    let precision = std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]));
+    let prior = LevelPrior { mean: [0.3, -1.0, -4.0], precision, wall: None };
+    let regression = Regression { blocks: &blocks, y: &[], regressors: &[], prior: &prior };
+    for start in [[0.3, -1.0, -4.0], [0.0, -1.3, -4.5], [0.8, -0.7, -3.3], [-1.5, 0.0, -6.0]] {
+        let fitted = regression.fit(NoiseLevels::from_logs(&start));
+        assert!(fitted.deviance < NEAR, "from {start:?}: {:?} {}", fitted.levels.logs(), fitted.deviance);
+        let posterior = regression.posterior(&fitted);
+        // second differences of a quadratic are exact
+        let off = (matrix(&posterior.precision) - inverse).amax();
+        assert!(off < 1e-9 * inverse.amax(), "{off:e}");
+    }
+}
+
+/// By how much the deviance anywhere on a grid around the optimum is below that of the optimum, at most, over some seeds;
+/// the search starts so far from the prior's mean in every level.
+fn missed(off: f64) -> f64 {
+    const GRID: [f64; 11] = [-0.8, -0.4, -0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2, 0.4, 0.8];
+    let blocks = awkward();
+    let ones = vec![1.0; blocks.len()];
+    let prior = prior();
+    let mut most = 0.0_f64;
+    for seed in 0..8 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let truth = draw(&part(), &mut random);
+        let y = NoiseLevels::from_logs(&truth).simulate(&blocks, &mut random);
+        let regression = Regression { blocks: &blocks, y: &y, regressors: &[&ones], prior: &prior };
+        let fitted = regression.fit(NoiseLevels::from_logs(&part().map(|level| level + off)));
+        let centre = fitted.levels.logs();
+        for place in 0..GRID.len().pow(3) {
+            let moves = [GRID[place % 11], GRID[place / 11 % 11], GRID[place / 121]];
+            let logs = std::array::from_fn(|i| centre[i] + moves[i]);
+            most = most.max(fitted.deviance - regression.at(NoiseLevels::from_logs(&logs)).deviance);
+        }
+    }
+    most
+}
+
+#[test]
+fn no_levels_around_the_optimum_are_more_probable() {
+    let missed = missed(0.0);
+    assert!(missed < NEAR, "{missed}");
+}
+
+#[test]
+fn the_optimum_is_found_from_afar() {
+    // a factor of 5: without a data sheet or a quiet log the start is a guess
+    let missed = [missed(-1.6), missed(1.6)];
+    assert!(missed.iter().all(|missed| *missed < NEAR), "{missed:?}");
+}
+
+/// Half of the second derivatives of the deviance by differences of fourth order.
+fn curvature(regression: &Regression<'_>, centre: LogLevels) -> Matrix3<f64> {
+    const STEP: f64 = 0.05;
+    const WEIGHTS: [(f64, f64); 4] = [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)];
+    let at = |moves: [f64; 3]| {
+        let logs = std::array::from_fn(|i| centre[i] + STEP * moves[i]);
+        regression.at(NoiseLevels::from_logs(&logs)).deviance
+    };
+    let along = |i: usize, by: f64, j: usize, other: f64| {
+        let mut moves = [0.0; 3];
+        moves[i] += by;
+        moves[j] += other;
+        at(moves)
+    };
+    // the first difference of first differences; for i = j too
+    Matrix3::from_fn(|i, j| {
+        let pairs = WEIGHTS.iter().flat_map(|a| WEIGHTS.iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| a.1 * b.1 * along(i, a.0, j, b.0)).sum::<f64>() / (2.0 * (12.0 * STEP).powi(2))
+    })
+}
+
+#[test]
+fn the_posterior_has_the_curvature_of_the_deviance() {
+    let blocks = awkward();
+    let ones = vec![1.0; blocks.len()];
+    let prior = prior();
+    for seed in 0..5 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let y = NoiseLevels::from_logs(&draw(&part(), &mut random)).simulate(&blocks, &mut random);
+        let regression = Regression { blocks: &blocks, y: &y, regressors: &[&ones], prior: &prior };
+        let fitted = regression.fit(NoiseLevels::from_logs(&part()));
+        let posterior = regression.posterior(&fitted);
+        let wanted = curvature(&regression, fitted.levels.logs());
+        assert_eq!(posterior.mean, fitted.levels.logs());
+        for i in 0..3 {
+            for j in 0..3 {
+                // second differences at ±0.1: x⁴ terms leave 0.1²/12 of a fourth derivative some times the second
+                let scale = (wanted[(i, i)] * wanted[(j, j)]).sqrt();
+                let off = (posterior.precision[i][j] - wanted[(i, j)]).abs() / scale;
+                assert!(off < 0.02, "seed {seed}, {i} {j}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn true_levels_lie_in_the_interval_as_often_as_it_says() {
+    let blocks = blocks_of(&[8; 200]);
+    let ones = vec![1.0; blocks.len()];
+    let prior = prior();
+    let mut inside = [0; 3];
+    for seed in 0..100 {
+        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
+        let truth = draw(&part(), &mut random);
+        let y = NoiseLevels::from_logs(&truth).simulate(&blocks, &mut random);
+        let regression = Regression { blocks: &blocks, y: &y, regressors: &[&ones], prior: &prior };
+        let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean));
+        let posterior = regression.posterior(&fitted);
+        let covariance = matrix(&posterior.precision).try_inverse().expect("positive");
+        for level in 0..3 {
+            // 90 % of a normal distribution
+            let reach = 1.645 * covariance[(level, level)].sqrt();
+            inside[level] += usize::from((truth[level] - posterior.mean[level]).abs() < reach);
+        }
+    }
+    // 90 ± 3 are binomial; the posterior is normal only about its optimum
+    assert!(inside.iter().all(|count| (80..=98).contains(count)), "{inside:?} of 100");
+}

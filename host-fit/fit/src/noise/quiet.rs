@@ -1,0 +1,63 @@
+//! What is known of an axis' noise before its log is looked at: the data sheet, and a quiet log of the same unit.
+
+use fos_data::case::DataSheet;
+
+use super::blocks::Blocks;
+use super::levels::{LevelPrior, Regression};
+use super::model::NoiseLevels;
+
+/// Standard deviations of the logarithms of white, flicker and walk about what a data sheet says: units of a part scatter
+/// by a third, flicker by half, and of the random walk data sheets say nothing.
+const ABOUT_DATA_SHEET: [f64; 3] = [0.3, 0.45, 0.8];
+
+/// The same where there is only the log itself to guess from.
+const ABOUT_GUESS: [f64; 3] = [0.5, 1.0, 1.3];
+
+/// Random walk whose Allan deviation meets that of the flicker noise after 20 minutes: K·√(t/3) = 0.664·B.
+const WALK_PER_FLICKER: f64 = 0.664 / 20.0;
+
+/// Flicker per white noise where no data sheet says: the Allan deviation of phone-class parts reaches its floor after
+/// about 20 s (the data sheets of `simulate::part` give 8 to 60 s).
+const FLICKER_PER_WHITE: f64 = 0.35;
+
+/// Variances of the logarithms by which levels differ from one log of a unit to the next.
+const NEXT_LOG: [f64; 3] = [0.01, 0.02, 0.06];
+
+impl LevelPrior {
+    /// From a data sheet.
+    pub fn of_data_sheet(sheet: &DataSheet) -> Self {
+        // one-sided density D: the mean over t seconds has variance D²/2t
+        let white = sheet.noise_density / 2.0_f64.sqrt();
+        let flicker = sheet.bias_instability;
+        let walk = WALK_PER_FLICKER * flicker;
+        Self::independent([white.ln(), flicker.ln(), walk.ln()], ABOUT_DATA_SHEET)
+    }
+
+    /// From the scatter of neighbouring blocks of a log, wide.
+    pub fn of_log(blocks: &Blocks, y: &[f64]) -> Self {
+        let pairs = blocks.blocks.windows(2).zip(y.windows(2));
+        let mut squares: Vec<f64> = pairs
+            .filter(|(pair, _)| pair[1].index == pair[0].index + 1)
+            .map(|(pair, values)| {
+                let seconds = 0.5 * (pair[0].count + pair[1].count) as f64 * blocks.period_s;
+                (values[1] - values[0]).powi(2) * seconds / 2.0
+            })
+            .collect();
+        squares.sort_unstable_by(f64::total_cmp);
+        // the median of a square of a normal variable is 0.4549 of its mean; unlike the mean it forgives steps
+        let white =
+            (squares.get(squares.len() / 2).copied().unwrap_or(1.0) / 0.4549).sqrt().max(f64::MIN_POSITIVE);
+        let flicker = FLICKER_PER_WHITE * white;
+        Self::independent([white.ln(), flicker.ln(), (WALK_PER_FLICKER * flicker).ln()], ABOUT_GUESS)
+    }
+
+    /// What a quiet log adds to it: the levels that it shows, for use with the next log of the unit. `given` are regressors
+    /// that the model already has there.
+    pub fn learnt(&self, blocks: &Blocks, y: &[f64], given: &[Vec<f64>]) -> Self {
+        let regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
+        let regression = Regression { blocks, y, regressors: &regressors, prior: self };
+        let fitted = regression.fit(NoiseLevels::from_logs(&self.mean));
+        let wall = Some(regression.wall(&fitted));
+        Self { wall, ..regression.posterior(&fitted).widened(NEXT_LOG) }
+    }
+}

@@ -1,0 +1,244 @@
+//! Feeds the rows of a recording to a predictor, as the device would see them.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use fos_core::OTHER_POSE;
+use fos_core::{Axis, Correction, Real, Sample};
+
+use crate::model::{HostPredictor, UnitModel};
+use fos_data::recording::{Boundary, Recording, RecordingError};
+
+/// A recording seen through the columns that a model needs. Rows are those of the recording.
+pub struct Feed<'a> {
+    measured: Vec<&'a [f64]>,
+    reference: Vec<Reference<'a>>,
+    has_reference: bool,
+    quantities: Vec<Vec<f64>>,
+    still: &'a [bool],
+    /// Rows that do not follow the row before them.
+    breaks: HashMap<usize, Break>,
+}
+
+enum Reference<'a> {
+    Constant(f64),
+    Column(&'a [f64]),
+    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known.
+    Pose(Vec<f64>),
+}
+
+impl Reference<'_> {
+    fn at(&self, row: usize) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Column(values) => values[row],
+            Self::Pose(values) => values[row],
+        }
+    }
+}
+
+/// What lies before a row that does not follow the row before it.
+#[derive(Debug, Clone, Copy)]
+enum Break {
+    /// So many ticks.
+    Missing(u32),
+    /// Everything: the unit was switched on anew.
+    Recording,
+}
+
+/// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
+const UNKNOWN_TICKS: u64 = 256;
+
+impl<'a> Feed<'a> {
+    /// `still` tells for every row whether the true value is known.
+    ///
+    /// # Errors
+    ///
+    /// A column that the model needs is not in the recording.
+    pub fn new(
+        recording: &'a Recording,
+        model: &UnitModel,
+        still: &'a [bool],
+    ) -> Result<Self, RecordingError> {
+        let mut measured = Vec::new();
+        let mut reference = Vec::new();
+        for axis in &model.axes {
+            measured.push(recording.channel(&axis.column)?.values.as_slice());
+            reference.push(match recording.channel(&format!("ref_{}", axis.column)) {
+                Ok(channel) => Reference::Column(&channel.values),
+                Err(_) => Reference::Constant(axis.parameters.reference),
+            });
+        }
+        let held = |column: &str| -> Result<Vec<f64>, RecordingError> {
+            Ok(recording.held(recording.channel(column)?))
+        };
+        let quantities =
+            model.quantities.iter().map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
+        let breaks = recording
+            .segments
+            .iter()
+            .filter_map(|segment| {
+                let missing = |ticks| Break::Missing(u32::try_from(ticks).unwrap_or(u32::MAX));
+                let before = match segment.boundary {
+                    Boundary::Start => return None,
+                    Boundary::Recording => Break::Recording,
+                    Boundary::Gap => missing(segment.missing_before),
+                    Boundary::SegmentColumn | Boundary::ClockBack => {
+                        missing(segment.missing_before.max(UNKNOWN_TICKS))
+                    }
+                };
+                Some((segment.rows.start, before))
+            })
+            .collect();
+        let mut feed = Self { measured, reference, has_reference: false, quantities, still, breaks };
+        for (index, axis) in model.axes.iter().enumerate() {
+            if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
+                feed.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
+            }
+        }
+        feed.has_reference =
+            feed.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
+        Ok(feed)
+    }
+
+    /// Forgets the constant reference of an accelerometer wherever the unit lies still in another pose.
+    fn leave_out_other_poses(&mut self, axis: usize, offset: f64, scale: f64) {
+        let Reference::Constant(reference) = self.reference[axis] else { return };
+        let n_rows = self.still.len();
+        let is_other = |stretch: &Range<usize>| {
+            let finite = || self.measured[axis][stretch.clone()].iter().filter(|value| value.is_finite());
+            let mean = finite().sum::<f64>() / finite().count() as f64;
+            (mean - reference - offset).abs() > OTHER_POSE * scale
+        };
+        let other: Vec<Range<usize>> = self.still_stretches(0..n_rows).into_iter().filter(is_other).collect();
+        if !other.is_empty() {
+            let mut values = vec![reference; n_rows];
+            other.into_iter().for_each(|stretch| values[stretch].fill(f64::NAN));
+            self.reference[axis] = Reference::Pose(values);
+        }
+    }
+
+    /// Whether the true value of an axis is anything but the model's own reference, row after row.
+    pub fn has_reference(&self) -> bool {
+        self.has_reference
+    }
+
+    /// Rows of the recording.
+    pub fn n_rows(&self) -> usize {
+        self.still.len()
+    }
+
+    /// Whether the true value is known in this row.
+    pub fn is_still(&self, row: usize) -> bool {
+        self.still[row]
+    }
+
+    /// Whether every quantity has had a value since the unit was switched on.
+    pub fn knows_inputs(&self, row: usize) -> bool {
+        self.quantities.iter().all(|values| !values[row].is_nan())
+    }
+
+    /// Ticks missing just before `row`; 0 if it follows the row before it. A new recording counts as so many that
+    /// histories restart.
+    pub fn missing_before(&self, row: usize) -> u32 {
+        match self.breaks.get(&row) {
+            None => 0,
+            Some(Break::Missing(ticks)) => *ticks,
+            Some(Break::Recording) => UNKNOWN_TICKS as u32,
+        }
+    }
+
+    /// Takes `predictor` over what lies before `row`.
+    pub fn catch_up<R: Real>(&self, predictor: &mut HostPredictor<R>, row: usize) {
+        match self.breaks.get(&row) {
+            None => {}
+            Some(Break::Missing(ticks)) => {
+                let _ = predictor.skip(*ticks);
+            }
+            Some(Break::Recording) => predictor.reset(),
+        }
+    }
+
+    /// The row as a device gets it: measured values, reference values, quantities.
+    pub fn sample<R: Real>(&self, row: usize) -> RowSample<R> {
+        let scalar = |value: f64| R::from_f64(value);
+        let mut sample = RowSample {
+            n_axes: self.measured.len(),
+            n_quantities: self.quantities.len(),
+            ..RowSample::EMPTY
+        };
+        for (value, column) in sample.measured.iter_mut().zip(&self.measured) {
+            *value = scalar(column[row]);
+        }
+        for (value, reference) in sample.reference.iter_mut().zip(&self.reference) {
+            *value = scalar(reference.at(row));
+        }
+        for (value, column) in sample.quantities.iter_mut().zip(&self.quantities) {
+            *value = scalar(column[row]);
+        }
+        sample
+    }
+
+    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted.
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+        self.catch_up(predictor, row);
+        let row_sample = self.sample(row);
+        let sample = row_sample.sample();
+        if !self.still[row] {
+            predictor.coast(&sample)
+        } else if self.has_reference {
+            predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
+        } else {
+            predictor.track(&sample)
+        }
+    }
+
+    /// One row from the model's own history, though it may be still: how a coast is judged.
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn coast<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+        predictor.coast(&self.sample(row).sample())
+    }
+
+    /// Measured error of an axis, offset included, in its unit: measured − reference; NaN where that is not known.
+    pub fn error(&self, axis: usize, row: usize) -> f64 {
+        self.measured[axis][row] - self.reference[axis].at(row)
+    }
+
+    /// The stretches of `rows` that are still throughout and have no break inside.
+    pub fn still_stretches(&self, rows: Range<usize>) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for row in rows.filter(|row| self.still[*row]) {
+            match stretches.last_mut() {
+                Some(last) if last.end == row && !self.breaks.contains_key(&row) => last.end += 1,
+                _ => stretches.push(row..row + 1),
+            }
+        }
+        stretches
+    }
+}
+
+/// The values of one row, at most as many as a predictor of the host takes.
+#[derive(Debug, Clone, Copy)]
+pub struct RowSample<R> {
+    n_axes: usize,
+    measured: [R; 6],
+    reference: [R; 6],
+    n_quantities: usize,
+    quantities: [R; 16],
+}
+
+impl<R: Real> RowSample<R> {
+    const EMPTY: Self = Self {
+        n_axes: 0,
+        measured: [R::ZERO; 6],
+        reference: [R::ZERO; 6],
+        n_quantities: 0,
+        quantities: [R::ZERO; 16],
+    };
+
+    /// As fos-core takes it.
+    pub fn sample(&self) -> Sample<'_, R> {
+        Sample { measured: &self.measured[..self.n_axes], quantities: &self.quantities[..self.n_quantities] }
+    }
+}

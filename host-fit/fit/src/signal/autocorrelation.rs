@@ -1,0 +1,166 @@
+//! Normalised autocorrelation: does what is left still remember?
+
+use realfft::RealFftPlanner;
+
+/// Standard normal deviate that leaves 2.5 % on either side.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Autocorrelation of a series about its mean.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Autocorrelation {
+    /// Value at lag 0, 1, 2 … samples; the first is 1.
+    pub values: Vec<f64>,
+    /// Number of samples the values come from.
+    pub samples: usize,
+}
+
+impl Autocorrelation {
+    /// Half-width of the band that holds 95 % of the values at lags ≥ 1 if the series is white: 1.96/√N.
+    ///
+    /// (Bartlett 1946.) The values are already divided by the variance, so the variance does not appear.
+    pub fn white_noise_bound(&self) -> f64 {
+        NORMAL_95 / (self.samples as f64).sqrt()
+    }
+
+    /// Fraction of the lags ≥ 1 outside `white_noise_bound`; 0.05 is expected of white noise.
+    pub fn fraction_outside(&self) -> f64 {
+        let lags = &self.values[1..];
+        let outside = lags.iter().filter(|value| value.abs() > self.white_noise_bound()).count();
+        outside as f64 / lags.len().max(1) as f64
+    }
+}
+
+/// Autocorrelation at lags 0 ..= `max_lag`, by FFT:
+///
+/// ρ(k) = Σ (x(n) − x̄)(x(n−k) − x̄) / Σ (x(n) − x̄)²
+///
+/// with both samples in the same stretch, x̄ the mean of all samples. This is the biased estimator (Box &
+/// Jenkins, eq. 2.1.11): both sums run over what there is, so that |ρ| ≤ 1 and the sequence stays positive
+/// semidefinite. With stretches not much longer than the lags the values shrink, and the bound errs on the
+/// wide side. Lags stop below the longest stretch, where the last product is found.
+///
+/// `None` where the series is empty or constant.
+pub fn autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Autocorrelation> {
+    if super::is_constant(stretches) {
+        return None;
+    }
+    let mean = super::mean(stretches);
+    let longest = stretches.iter().map(|stretch| stretch.len()).max()?;
+    let max_lag = max_lag.min(longest.saturating_sub(1));
+    let mut products = vec![0.0; max_lag + 1];
+    let mut planner = RealFftPlanner::new();
+    for stretch in stretches.iter().filter(|stretch| !stretch.is_empty()) {
+        // zeros behind the stretch keep the circular products of the transform from wrapping around
+        let padded = (stretch.len() + max_lag).next_power_of_two();
+        let forward = planner.plan_fft_forward(padded);
+        let inverse = planner.plan_fft_inverse(padded);
+        let mut samples = forward.make_input_vec();
+        let mut bins = forward.make_output_vec();
+        for (target, x) in samples.iter_mut().zip(*stretch) {
+            *target = x - mean;
+        }
+        forward.process(&mut samples, &mut bins).expect("buffers made by this transform fit it");
+        for bin in &mut bins {
+            *bin = (bin.norm_sqr() / padded as f64).into();
+        }
+        inverse.process(&mut bins, &mut samples).expect("a squared modulus is real at 0 and Nyquist");
+        for (sum, product) in products.iter_mut().zip(&samples) {
+            *sum += product;
+        }
+    }
+    let mut values: Vec<f64> = products.iter().map(|product| product / products[0]).collect();
+    values[0] = 1.0;
+    Some(Autocorrelation { values, samples: super::sample_count(stretches) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_testkit::noise::{autoregression, white_noise};
+    use fos_testkit::reference;
+
+    /// The definition, product by product.
+    fn direct(stretches: &[&[f64]], lag: usize) -> f64 {
+        let mean = super::super::mean(stretches);
+        let product = |lag: usize| -> f64 {
+            stretches
+                .iter()
+                .flat_map(|s| s.iter().skip(lag).zip(s.iter()))
+                .map(|(x, past)| (x - mean) * (past - mean))
+                .sum()
+        };
+        product(lag) / product(0)
+    }
+
+    #[test]
+    fn equals_the_direct_sums_over_awkward_stretches() {
+        let series: Vec<f64> = white_noise(2, 400).iter().map(|x| 9.81 + 0.01 * x).collect();
+        for cuts in [[0, 0], [1, 3], [37, 38], [200, 399]] {
+            let stretches = [&series[..cuts[0]], &series[cuts[0]..cuts[1]], &series[cuts[1]..]];
+            let found = autocorrelation(&stretches, 60).unwrap();
+            for (lag, value) in found.values.iter().enumerate() {
+                // rounding of 9.81 in a signal of 0.01: 1e-13 relative, times the root of the sample count
+                assert!((value - direct(&stretches, lag)).abs() < 1e-11, "lag {lag}, cuts {cuts:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn agrees_with_statsmodels() {
+        let Some(answers) = reference::json("residual_tests_shared") else { return };
+        let series = reference::samples("residual_tests_shared");
+        let squares: Vec<f64> = series.iter().map(|x| x * x).collect();
+        for (key, series) in [("acf_0_20", series), ("acf_of_squares_0_10", squares)] {
+            let expected: Vec<f64> = serde_json::from_value(answers[key].clone()).unwrap();
+            let found = autocorrelation(&[&series], expected.len() - 1).unwrap();
+            for (value, expected) in found.values.iter().zip(&expected) {
+                assert!((value - expected).abs() < 1e-8, "tolerance of the reference file");
+            }
+        }
+    }
+
+    #[test]
+    fn five_percent_of_the_lags_of_white_noise_lie_outside_the_bound() {
+        // 200 series × 50 lags, nearly independent: standard deviation √(0.05·0.95/10⁴) = 0.22 %; four of them
+        let series: Vec<Vec<f64>> = (0..200).map(|seed| white_noise(seed, 4000)).collect();
+        let outside: f64 = series
+            .iter()
+            .map(|x| autocorrelation(&[&x[..1500], &x[1500..]], 50).unwrap().fraction_outside())
+            .sum::<f64>()
+            / 200.0;
+        assert!((outside - 0.05).abs() < 0.009, "{outside}");
+    }
+
+    #[test]
+    fn the_bound_does_not_depend_on_the_unit_of_the_series() {
+        let noise = white_noise(9, 2000);
+        let scaled: Vec<f64> = noise.iter().map(|x| 1e-4 * x).collect();
+        let (left, right) =
+            (autocorrelation(&[&noise], 40).unwrap(), autocorrelation(&[&scaled], 40).unwrap());
+        assert_eq!(left.white_noise_bound(), right.white_noise_bound());
+        assert_eq!(left.fraction_outside(), right.fraction_outside());
+    }
+
+    #[test]
+    fn memory_shows() {
+        let series = autoregression(3, 100_000, &[0.8], 1.0);
+        let found = autocorrelation(&[&series], 5).unwrap();
+        for (lag, value) in found.values.iter().enumerate() {
+            // Bartlett: standard error at most √((1+φ²)/(1−φ²)/N) = 0.7 %; four of them
+            assert!((value - 0.8f64.powi(lag as i32)).abs() < 0.028);
+        }
+        assert!(found.fraction_outside() > 0.9);
+    }
+
+    #[test]
+    fn constant_and_empty_series_have_none() {
+        assert_eq!(autocorrelation(&[&[9.81; 1000]], 10), None);
+        assert_eq!(autocorrelation(&[&[]], 10), None);
+        assert_eq!(autocorrelation(&[], 10), None);
+    }
+
+    #[test]
+    fn lags_end_with_the_longest_stretch() {
+        assert_eq!(autocorrelation(&[&[1.0, 2.0, 4.0], &[1.0]], 10).unwrap().values.len(), 3);
+    }
+}

@@ -1,0 +1,34 @@
+//! Statistics of a sampled series: how its power spreads over frequency, lag and averaging time, and how
+//! much of it nobody could have predicted.
+//!
+//! Every function takes `stretches: &[&[f64]]`, the gap-free pieces of one recording in the order they were
+//! measured, all at the same rate. Nothing is ever computed across the end of a stretch: no lag product, no
+//! difference of averages, no Fourier transform, no block. One unbroken recording is one stretch:
+//! `welch(&[&series], …)`.
+//!
+//! Values must be finite. A NaN is not looked for and would spread into every result; splitting a recording
+//! at its gaps is the caller's duty.
+//!
+//! | file | answers |
+//! |---|---|
+//! | `blocks` | slow error: variance of block means; envelopes for display |
+//! | `spectrum` | power spectral density (Welch) |
+//! | `autocorrelation` | does the series remember? with the bound for white noise |
+//! | `allan` | Allan deviation with its confidence interval |
+//! | `allan_variants` | the same without overlap and modified, as others print it |
+//! | `noise_floor` | what no causal linear predictor can beat |
+//! | `wavelet` | what is left when the noise of single samples is taken out |
+//! | `residual_tests` | textbook tests of a residual: white, normal, of constant size? |
+//! //! | `quantisation` | step of the converter, seen from the data |
+
+pub mod allan;
+pub mod allan_variants;
+pub mod autocorrelation;
+pub mod blocks;
+pub mod noise_floor;
+pub mod quantisation;
+pub mod residual_tests;
+pub mod spectrum;
+pub mod wavelet;
+
+pub use fos_data::statistics::{centred, is_constant, mean, sample_count, variance};

@@ -1,0 +1,51 @@
+//! The six axes of a unit.
+
+use serde::{Deserialize, Serialize};
+
+/// An axis of the accelerometer or gyro.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Axis {
+    /// Accelerometer, x.
+    #[serde(rename = "ax_mps2")]
+    Ax,
+    /// Accelerometer, y.
+    #[serde(rename = "ay_mps2")]
+    Ay,
+    /// Accelerometer, z.
+    #[serde(rename = "az_mps2")]
+    Az,
+    /// Gyro, x.
+    #[serde(rename = "gx_rads")]
+    Gx,
+    /// Gyro, y.
+    #[serde(rename = "gy_rads")]
+    Gy,
+    /// Gyro, z.
+    #[serde(rename = "gz_rads")]
+    Gz,
+}
+
+impl Axis {
+    /// All six, in the order of a log.
+    pub const ALL: [Self; 6] = [Self::Ax, Self::Ay, Self::Az, Self::Gx, Self::Gy, Self::Gz];
+
+    /// Its column in a log.
+    pub fn column(self) -> &'static str {
+        fos_data::recording::AXES[self as usize]
+    }
+
+    /// The axis of this column, or of its first two letters.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|axis| axis.column() == name || &axis.column()[..2] == name)
+    }
+
+    /// Gyro, else accelerometer.
+    pub fn is_gyro(self) -> bool {
+        self as usize >= 3
+    }
+
+    /// 0, 1, 2 for x, y, z.
+    pub fn direction(self) -> usize {
+        self as usize % 3
+    }
+}

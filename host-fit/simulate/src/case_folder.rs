@@ -1,0 +1,71 @@
+//! Writes a simulated case as a folder.
+
+use std::path::{Path, PathBuf};
+
+use super::case::{LogTruth, SimulatedCase};
+use super::regressors::Column;
+use fos_data::file::{FileError, make_folder, write_atomically};
+use fos_data::recording::{RecordingError, write_columns};
+
+/// A case folder that could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseFolderError {
+    /// A log.
+    #[error(transparent)]
+    Log(#[from] RecordingError),
+    /// A JSON file, or the folder.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A value that JSON cannot hold.
+    #[error("{}: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
+
+impl SimulatedCase {
+    /// Writes `meta.json`, `baseline.parquet`, `field.parquet`, `eval.parquet`; and what a user does not get: `truth.json`,
+    /// and by rows `truth_field.parquet`, `truth_eval.parquet` (columns `error` and the regressors). The case is called as
+    /// the folder.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), CaseFolderError> {
+        let folder = folder.as_ref();
+        make_folder(folder)?;
+        let mut meta = self.meta.clone();
+        if let Some(name) = folder.file_name() {
+            meta.case = name.to_string_lossy().into_owned();
+        }
+        for (name, columns) in [("baseline", &self.baseline), ("field", &self.field), ("eval", &self.eval)] {
+            write(folder, name, columns.iter())?;
+        }
+        for (name, truth) in [("truth_field", &self.truth.field), ("truth_eval", &self.truth.eval)] {
+            let LogTruth { error, regressors } = truth;
+            let error: Column = ("error".to_owned(), error.clone());
+            write(folder, name, std::iter::once(&error).chain(regressors))?;
+        }
+        json(folder.join("truth.json"), &self.truth)?;
+        // last: a folder with a meta.json is whole
+        json(folder.join("meta.json"), &meta)
+    }
+}
+
+fn write<'a>(
+    folder: &Path,
+    name: &str,
+    columns: impl Iterator<Item = &'a Column>,
+) -> Result<(), CaseFolderError> {
+    let columns: Vec<(&str, &[f64])> =
+        columns.map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+    Ok(write_columns(folder.join(format!("{name}.parquet")), &columns)?)
+}
+
+fn json(path: PathBuf, value: &impl serde::Serialize) -> Result<(), CaseFolderError> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|source| CaseFolderError::Json { path: path.clone(), source })?;
+    Ok(write_atomically(&path, text.as_bytes())?)
+}

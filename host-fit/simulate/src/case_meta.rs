@@ -1,0 +1,36 @@
+//! `meta.json` of a case: what the user is told.
+
+use super::axis::Axis;
+use super::part::Part;
+use super::plan::{CasePlan, NOMINAL_RATE_HZ};
+use fos_data::case::{CaseFiles, CaseMeta, DataSheetFigures, SCHEMA};
+
+/// Tells nothing of what is planted.
+pub(super) fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
+    CaseMeta {
+        schema: SCHEMA.to_owned(),
+        case: "case".to_owned(),
+        target: plan.target.column().to_owned(),
+        device: format!("{}-like", part.name),
+        setup: plan.setup.words().to_owned(),
+        nominal_rate_hz: NOMINAL_RATE_HZ,
+        accel_full_scale_mps2: Some(part.full_scale(Axis::Ax)),
+        gyro_full_scale_rads: Some(part.full_scale(Axis::Gx)),
+        accel_lsb_mps2: Some(part.lsb(Axis::Ax)),
+        gyro_lsb_rads: Some(part.lsb(Axis::Gx)),
+        datasheet: DataSheetFigures {
+            gyro_noise_density_dps_rthz: Some(part.gyro_noise_density_dps_rthz),
+            accel_noise_density_ug_rthz: Some(part.accel_noise_density_ug_rthz),
+            gyro_bias_instability_dph: Some(part.gyro_bias_instability_dph),
+            accel_bias_instability_ug: Some(part.accel_bias_instability_ug),
+            gyro_tco_dps_per_k: Some(part.gyro_tco_dps_per_k),
+            accel_tco_mg_per_k: Some(part.accel_tco_mg_per_k),
+        },
+        files: CaseFiles {
+            baseline: Some("baseline".to_owned()),
+            field: Some("field".to_owned()),
+            eval: Some("eval".to_owned()),
+        },
+        note: "baseline: quiet log of the same unit, nothing missing. field: explain its target channel. eval: apply the final model, nothing to fit.".to_owned(),
+    }
+}

@@ -1,0 +1,52 @@
+//! The built-in story: three logs of one unit, with effects hidden in two of them.
+
+use std::path::Path;
+
+use super::axis::Axis;
+use super::case::simulate_case;
+use super::effect::Effect;
+use super::plan::{CasePlan, PlanError};
+use super::plant::Plant;
+use super::setup::Setup;
+use fos_data::recording::{LoadOptions, Recording, RecordingError, load, write_columns};
+
+/// The axis with the hidden effects.
+pub const HIDDEN_IN: &str = "gx_rads";
+
+/// The hidden effects, with their sizes as matched filters in the noise: plain, and easily overlooked.
+const HIDDEN: [(Effect, f64); 2] = [(Effect::ThermalLag, 120.0), (Effect::SupplySensitivity, 40.0)];
+
+/// Why there is no story.
+#[derive(Debug, thiserror::Error)]
+pub enum StoryError {
+    /// It cannot be simulated.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Its logs cannot be written or read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+}
+
+/// Simulates three logs of a phone-class unit on a desk, writes them to `folder` and reads them: `quiet.parquet`,
+/// `field.parquet` with effects hidden in [`HIDDEN_IN`], and `later.parquet` with the same.
+///
+/// # Errors
+///
+/// The folder cannot be written.
+pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], StoryError> {
+    let mut plan = CasePlan::new(seed, "bmi270", Setup::Desk, Axis::Gx);
+    plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
+    let case = simulate_case(&plan)?;
+    let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, StoryError> {
+        let path = folder.join(name);
+        let columns: Vec<(&str, &[f64])> =
+            columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+        write_columns(&path, &columns)?;
+        Ok(load(&path, &LoadOptions::default())?)
+    };
+    Ok([
+        read("quiet.parquet", &case.baseline)?,
+        read("field.parquet", &case.field)?,
+        read("later.parquet", &case.eval)?,
+    ])
+}
