@@ -1,12 +1,14 @@
 //! From a recording to the raw samples that a hub reads: `fos_embedded::hub_log`.
 
 use fos_core::Image;
+use fos_data::column::ACCELEROMETERS;
+use fos_data::column::GYROS;
 use fos_embedded::hub::{Motion, is_given};
 use fos_embedded::hub_log::{Header, Record};
 use fos_embedded::raw::{RawSample, Scales};
 
 use fos_data::recording::{Recording, RecordingError};
-use fos_data::stillness::{ACCEL, GYRO, Stillness};
+use fos_data::stillness::Stillness;
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Feed;
 use fos_fit::signal::quantisation::quantisation;
@@ -36,7 +38,7 @@ pub fn hub_log(
 ) -> Result<(Header, Vec<u8>), RecordingError> {
     let feed = Feed::new(recording, model, &rest.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
-    let (accel, gyro) = (ACCEL.map(column), GYRO.map(column));
+    let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
     let held =
         |name: &str| -> Result<Vec<f64>, RecordingError> { Ok(recording.held(recording.channel(name)?)) };

@@ -2,6 +2,7 @@
 //!
 //! [`figures`]: crate::figures
 
+use fos_data::column::Column;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -105,7 +106,7 @@ pub fn staircase_of(growth: &Growth) -> Figure {
             coast: stair.errors.coast.iter().map(|coast| (coast.horizon_s, coast.mse.sqrt())).collect(),
         });
     }
-    staircase(in_words(&growth.column), fos_fit::model::unit_of(&growth.column), &steps)
+    staircase(Column::named(&growth.column).label(), Column::named(&growth.column).unit().label(), &steps)
 }
 
 /// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.
@@ -185,7 +186,7 @@ pub struct View<'a> {
 
 impl View<'_> {
     fn subject(&self) -> Subject<'_> {
-        Subject { channel: in_words(&self.axis.column), unit: &self.axis.unit }
+        Subject { channel: Column::named(&self.axis.column).label(), unit: &self.axis.unit }
     }
 
     fn series(&self) -> &AxisTrace {
@@ -340,17 +341,4 @@ pub(crate) fn outline(stretch: &[f64], total: usize, start_s: f64, period_s: f64
 fn mean_of(series: &[f64]) -> f64 {
     let finite: Vec<f64> = series.iter().copied().filter(|value| value.is_finite()).collect();
     fos_fit::signal::mean(&[&finite])
-}
-
-/// A column in words.
-pub(crate) fn in_words(column: &str) -> &str {
-    match column {
-        "ax_mps2" => "accelerometer x",
-        "ay_mps2" => "accelerometer y",
-        "az_mps2" => "accelerometer z",
-        "gx_rads" => "gyro x",
-        "gy_rads" => "gyro y",
-        "gz_rads" => "gyro z",
-        other => other,
-    }
 }

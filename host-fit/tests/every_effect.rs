@@ -2,6 +2,7 @@
 //! exported, and what the device then makes of a third log is nearer to the truth.
 
 use fos_core::Image;
+use fos_data::column::Column;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::effects::{Band, Effect, Library, Search};
@@ -90,7 +91,7 @@ impl Logs {
         let feed = Feed::new(&self.later, &model, &still).expect("a feed");
         let trace = trace::<f32>(&model, &feed, 0..self.later.n_rows(), |_| {}).expect("a trace");
         // where it moved nobody knows the true value, unless it was logged
-        let known = match self.later.channel(&format!("ref_{}", self.target)) {
+        let known = match self.later.channel(&Column::named(&self.target).reference()) {
             Ok(_) => still.clone(),
             Err(_) => self.later.still.clone().unwrap_or(still.clone()),
         };

@@ -1,6 +1,7 @@
 //! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the model's.
 
-use fos_data::recording::{AXES, LoadOptions, Recording, Source};
+use fos_data::column::AXES;
+use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{Comparison, MODEL, study_of};
 use fos_fit::evaluate::Rival;

@@ -1,6 +1,7 @@
 //! What a person would see at a glance in a log is said, or the log is refused; of sound logs nothing is said.
 
-use fos_data::recording::{AXES, LoadOptions, Oddity, Recording, Source, load};
+use fos_data::column::AXES;
+use fos_data::recording::{LoadOptions, Oddity, Recording, Source, load};
 use fos_data::stillness;
 use fos_diagnose::detect::{Question, diagnose};
 use fos_diagnose::effects::Library;

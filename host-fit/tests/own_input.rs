@@ -388,9 +388,9 @@ const OTHER_DOORS: [&str; 8] = [
     "data/src/file/replace.rs",          // what it is about to replace, and what killed writers left
     "data/src/file/compare_and_swap.rs", // whether a study still is what was read
     "diagnose/src/batch.rs",             // its own answers of before
-    "src/calibration/kept.rs", // its own outcomes of before
-    "src/record/kept.rs",      // whether another recording runs
-    "src/record/end.rs",       // what the system says of this process
+    "src/calibration/kept.rs",           // its own outcomes of before
+    "src/record/kept.rs",                // whether another recording runs
+    "src/record/end.rs",                 // what the system says of this process
 ];
 
 fn opens_a_file(source: &str) -> bool {

@@ -1,12 +1,14 @@
 //! Gravity is one true value in one pose only. Two rest poses in one fit gave a model that turned |a| = 9.8 m/s² into 3, every sample
 //! of it marked valid: `fit` refuses them, and a model that was made of them all the same is flagged wherever it runs.
 
+use fos_data::column::AXES;
+use fos_data::column::Column;
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 use fos_core::{Image, Validity};
 use fos_data::pose::{columns_of, first_two};
-use fos_data::recording::{AXES, LoadOptions, Recording, Source};
+use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_embedded::hub::{Hub, Motion, Output};
 use fos_embedded::raw::{RawSample, Scales};
@@ -74,7 +76,7 @@ fn of_two_poses(columns: &Columns) -> UnitModel {
         let (name, values) = &columns[axis + 1];
         let trained = &values[..values.len() / 2];
         *mean = trained.iter().sum::<f64>() / trained.len() as f64;
-        with_mean.push((format!("ref_{name}"), vec![*mean; values.len()]));
+        with_mean.push((Column::named(name).reference(), vec![*mean; values.len()]));
     }
     let mut model = fitted(&recording(with_mean), &options());
     for (axis, mean) in model.axes.iter_mut().zip(means) {

@@ -1,5 +1,6 @@
 //! A case: a folder with up to three logs of one unit and what is known of it.
 
+use crate::column::Column;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -178,7 +179,7 @@ impl CaseMeta {
 
     /// The target is a gyro.
     fn is_gyro(&self) -> bool {
-        self.target.ends_with("_rads")
+        Column::named(&self.target).is_angular_rate()
     }
 
     /// Full scale of the target, in its unit.

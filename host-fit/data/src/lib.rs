@@ -5,6 +5,8 @@
 
 pub mod case;
 pub mod catch_panic;
+pub mod closest;
+pub mod column;
 pub mod file;
 pub mod interrupt;
 pub mod pose;
@@ -14,4 +16,5 @@ pub mod spikes;
 pub mod statistics;
 pub mod stillness;
 pub mod text;
+pub mod unit;
 pub mod visible;

@@ -3,12 +3,12 @@
 //! Without a reference an accelerometer at rest is held against a constant: gravity in one pose. In two, the mean of both is the true value
 //! of neither, and what a model would call the error is the difference.
 
+use crate::column::ACCELEROMETERS;
 use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
 use crate::recording::Recording;
-use crate::stillness::ACCEL;
 
 /// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias moves so
 /// far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told from a bias.
@@ -33,9 +33,9 @@ pub struct Pose {
 /// The columns that tell the pose of an accelerometer: all three, or where the log does not have them the axis alone. None for
 /// a gyro.
 pub fn columns_of(recording: &Recording, column: &str) -> Vec<&'static str> {
-    let own = ACCEL.into_iter().filter(|name| *name == column);
-    let has_all = ACCEL.iter().all(|name| recording.channel(name).is_ok());
-    if has_all && ACCEL.contains(&column) { ACCEL.to_vec() } else { own.collect() }
+    let own = ACCELEROMETERS.into_iter().filter(|name| *name == column);
+    let has_all = ACCELEROMETERS.iter().all(|name| recording.channel(name).is_ok());
+    if has_all && ACCELEROMETERS.contains(&column) { ACCELEROMETERS.to_vec() } else { own.collect() }
 }
 
 /// The first pose that is held in the rows that `used` marks, and the first that is another; by levels of `columns`.
@@ -103,7 +103,7 @@ mod tests {
     fn log(force: impl Fn(f64) -> [f64; 3]) -> Recording {
         let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
         let axis = |i: usize| time_s.iter().map(|t| force(*t)[i] + 0.05 * (311.0 * t).sin()).collect();
-        let axes = ACCEL.into_iter().enumerate().map(|(i, name)| (name.to_owned(), axis(i)));
+        let axes = ACCELEROMETERS.into_iter().enumerate().map(|(i, name)| (name.to_owned(), axis(i)));
         let columns = std::iter::once(("t_s".to_owned(), time_s.clone())).chain(axes).collect();
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
     }
@@ -122,22 +122,22 @@ mod tests {
         let free = |_: f64| [0.0; 3];
         let all: [&dyn Fn(f64) -> [f64; 3]; 5] = [&warms_up, &steps, &knocked, &wild, &free];
         for (i, force) in all.into_iter().enumerate() {
-            assert_eq!(found(force, &ACCEL).len(), 1, "{i}");
+            assert_eq!(found(force, &ACCELEROMETERS).len(), 1, "{i}");
         }
     }
 
     #[test]
     fn two_poses_are_told_by_all_axes_and_by_one_that_changes() {
         let turned = |t: f64| if t < 25.0 { [0.0, 0.0, G] } else { [G * 0.5, 0.0, G * 0.75_f64.sqrt()] };
-        let poses = found(turned, &ACCEL);
+        let poses = found(turned, &ACCELEROMETERS);
         assert_eq!((poses[0].rows.clone(), poses[1].rows.start), (0..1250, 1250));
-        assert_eq!(found(turned, &ACCEL[..1]).len(), 2);
-        assert_eq!(found(turned, &ACCEL[1..2]).len(), 1, "it shows nothing along y");
+        assert_eq!(found(turned, &ACCELEROMETERS[..1]).len(), 2);
+        assert_eq!(found(turned, &ACCELEROMETERS[1..2]).len(), 1, "it shows nothing along y");
         // what is not at rest is not looked at
         let mut used = [true; 3000];
         used[1250..].fill(false);
-        assert_eq!(first_two(&log(turned), &ACCEL, &used).len(), 1);
-        assert_eq!(columns_of(&log(turned), "ay_mps2"), ACCEL);
+        assert_eq!(first_two(&log(turned), &ACCELEROMETERS, &used).len(), 1);
+        assert_eq!(columns_of(&log(turned), "ay_mps2"), ACCELEROMETERS);
         assert!(columns_of(&log(turned), "gx_rads").is_empty());
     }
 }

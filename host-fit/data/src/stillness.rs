@@ -1,5 +1,7 @@
 //! Where in a recording the unit is at rest, for logs that do not say.
 
+use crate::column::ACCELEROMETERS;
+use crate::column::GYROS;
 use std::ops::Range;
 
 use fos_core::{StillnessDetector, StillnessLimits};
@@ -12,11 +14,6 @@ const WINDOW_S: f64 = 0.5;
 /// The limit of a window's variance over that of the quietest tenth of all windows: three times the noise. A window
 /// of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
 const VARIANCE_RATIO: f64 = 9.0;
-
-/// The columns of the accelerometers.
-pub const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
-/// The columns of the gyros.
-pub const GYRO: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 
 /// Where a recording is still, and how that is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +68,7 @@ fn triad<'a>(recording: &'a Recording, names: [&str; 3]) -> Option<[&'a [f64]; 3
 }
 
 fn detect(recording: &Recording, limits: StillnessLimits<f64>) -> Option<Vec<bool>> {
-    let (accel, gyro) = (triad(recording, ACCEL)?, triad(recording, GYRO)?);
+    let (accel, gyro) = (triad(recording, ACCELEROMETERS)?, triad(recording, GYROS)?);
     let mut detector = StillnessDetector::new(limits).ok()?;
     let mut still = vec![false; recording.n_rows()];
     for segment in &recording.segments {
@@ -95,7 +92,7 @@ fn back_date(still: &mut [bool], window: usize) {
 
 /// Limits from the quietest windows among `rows`.
 pub fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLimits<f64>> {
-    let (accel, gyro) = (triad(recording, ACCEL)?, triad(recording, GYRO)?);
+    let (accel, gyro) = (triad(recording, ACCELEROMETERS)?, triad(recording, GYROS)?);
     let window = ((WINDOW_S / recording.rate.period_s).round() as usize).clamp(10, usize::from(u16::MAX));
     let windows: Vec<Window> = recording
         .segments

@@ -1,5 +1,6 @@
 //! A model against the measurements and against its rivals.
 
+use fos_data::column::Column;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,7 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
-use fos_fit::model::{UnitModel, unit_of};
+use fos_fit::model::UnitModel;
 use fos_fit::playback::Feed;
 use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 
@@ -121,7 +122,7 @@ pub fn compare(
         .zip(dependences)
         .map(|(((axis, fitted), errors), dependence)| AxisComparison {
             column: fitted.column.clone(),
-            unit: unit_of(&fitted.column).to_owned(),
+            unit: Column::named(&fitted.column).unit().label().to_owned(),
             rows: own.axes[axis].measured.iter().filter(|value| value.is_finite()).count(),
             noise_floor: floors[axis].as_ref().map(|floor| (floor.variance, floor.interval)),
             floor_cautions: floors[axis]

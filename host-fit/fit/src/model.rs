@@ -248,17 +248,3 @@ pub fn position<T: PartialEq>(things: &mut Vec<T>, thing: T) -> u8 {
     });
     found as u8
 }
-
-/// Unit of a column, by its name: m/s² and rad/s for the axes, the column's own suffix otherwise.
-pub fn unit_of(column: &str) -> &'static str {
-    match column.rsplit('_').next() {
-        Some("mps2") => "m/s²",
-        Some("rads") => "rad/s",
-        Some("c") => "°C",
-        Some("v") => "V",
-        Some("pct") => "%",
-        Some("ut") => "µT",
-        Some("pa") => "Pa",
-        _ => "",
-    }
-}

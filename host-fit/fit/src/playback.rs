@@ -1,5 +1,6 @@
 //! Feeds the rows of a recording to a predictor, as the device would see them.
 
+use fos_data::column::Column;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -64,7 +65,7 @@ impl<'a> Feed<'a> {
         let mut reference = Vec::new();
         for axis in &model.axes {
             measured.push(recording.channel(&axis.column)?.values.as_slice());
-            reference.push(match recording.channel(&format!("ref_{}", axis.column)) {
+            reference.push(match recording.channel(&Column::named(&axis.column).reference()) {
                 Ok(channel) => Reference::Column(&channel.values),
                 Err(_) => Reference::Constant(axis.parameters.reference),
             });

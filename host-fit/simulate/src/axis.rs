@@ -31,7 +31,7 @@ impl Axis {
 
     /// Its column in a log.
     pub fn column(self) -> &'static str {
-        fos_data::recording::AXES[self as usize]
+        fos_data::column::AXES[self as usize]
     }
 
     /// The axis of this column, or of its first two letters.

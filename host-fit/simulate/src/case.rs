@@ -12,7 +12,7 @@ use super::plant::{Plant, Shape};
 use super::planting::{self, Planted};
 use super::random::{Stream, chance, random};
 use super::recorder::{self, Faults, Logged, Unit};
-use super::regressors::Column;
+use super::regressors::NamedSeries;
 use super::setup::{Scene, Setup, Wants};
 use super::world::World;
 use fos_data::case::CaseMeta;
@@ -23,11 +23,11 @@ pub struct SimulatedCase {
     /// What the user is told.
     pub meta: CaseMeta,
     /// The quiet log.
-    pub baseline: Vec<Column>,
+    pub baseline: Vec<NamedSeries>,
     /// The log to be explained.
-    pub field: Vec<Column>,
+    pub field: Vec<NamedSeries>,
     /// The log to be corrected.
-    pub eval: Vec<Column>,
+    pub eval: Vec<NamedSeries>,
     /// What the user is not told.
     pub truth: Truth,
 }
@@ -63,7 +63,7 @@ pub struct LogTruth {
     /// What all planted effects add to the target, its unit: what a perfect model subtracts.
     pub error: Vec<f64>,
     /// The regressors of all planted effects; `planted.k.name`, k counting from 0.
-    pub regressors: Vec<Column>,
+    pub regressors: Vec<NamedSeries>,
 }
 
 /// Everything about a case before its noise is drawn.
@@ -179,10 +179,10 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
             }
         }
         let record = recorder::record(&unit, world, (target, &analog), (&logged, &faults), (seed, log));
-        let mut regressors: Vec<Column> = columns
+        let mut regressors: Vec<NamedSeries> = columns
             .into_iter()
             .enumerate()
-            .flat_map(|(k, columns): (usize, Vec<Column>)| {
+            .flat_map(|(k, columns): (usize, Vec<NamedSeries>)| {
                 columns.into_iter().map(move |(name, values)| (format!("planted.{k}.{name}"), values))
             })
             .collect();

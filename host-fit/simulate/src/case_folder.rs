@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::case::{LogTruth, SimulatedCase};
-use super::regressors::Column;
+use super::regressors::NamedSeries;
 use fos_data::file::{FileError, make_folder, write_atomically};
 use fos_data::recording::{RecordingError, write_columns};
 
@@ -45,7 +45,7 @@ impl SimulatedCase {
         }
         for (name, truth) in [("truth_field", &self.truth.field), ("truth_eval", &self.truth.eval)] {
             let LogTruth { error, regressors } = truth;
-            let error: Column = ("error".to_owned(), error.clone());
+            let error: NamedSeries = ("error".to_owned(), error.clone());
             write(folder, name, std::iter::once(&error).chain(regressors))?;
         }
         json(folder.join("truth.json"), &self.truth)?;
@@ -57,7 +57,7 @@ impl SimulatedCase {
 fn write<'a>(
     folder: &Path,
     name: &str,
-    columns: impl Iterator<Item = &'a Column>,
+    columns: impl Iterator<Item = &'a NamedSeries>,
 ) -> Result<(), CaseFolderError> {
     let columns: Vec<(&str, &[f64])> =
         columns.map(|(name, values)| (name.as_str(), values.as_slice())).collect();

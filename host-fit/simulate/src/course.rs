@@ -4,11 +4,11 @@ use super::coloured::GaussMarkov;
 use super::effect::{Effect, Outside};
 use super::plant::Shape;
 use super::random::{Random, between, chance, normal, sign};
-use super::regressors::Column;
+use super::regressors::NamedSeries;
 use super::world::World;
 
 /// Columns whose weighted sum is the error; of size one.
-pub(super) fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<Column> {
+pub(super) fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<NamedSeries> {
     let (n, dt) = (world.len(), world.period_s);
     let parameter = shape.parameter;
     let duration_s = n as f64 * dt;
@@ -78,7 +78,7 @@ pub(super) fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<C
 }
 
 /// Sine and cosine of a line whose frequency is a random walk that reaches 0.1 to 0.5 Hz by the end.
-fn drifting_line(n: usize, dt: f64, freq_hz: f64, random: &mut Random) -> Vec<Column> {
+fn drifting_line(n: usize, dt: f64, freq_hz: f64, random: &mut Random) -> Vec<NamedSeries> {
     let step = between(random, 0.1, 0.5) / (n as f64).sqrt();
     let (mut freq, mut phase) = (freq_hz, between(random, 0.0, std::f64::consts::TAU));
     let (mut sines, mut cosines) = (Vec::with_capacity(n), Vec::with_capacity(n));

@@ -6,7 +6,7 @@ use super::axis::Axis;
 use super::course::course;
 use super::effect::{Effect, Outside};
 use super::random::{Random, Stream, between, chance, direction, log_between, random, sign};
-use super::regressors::{Anchor, Column, regressors};
+use super::regressors::{Anchor, NamedSeries, regressors};
 use super::setup::Setup;
 use super::world::World;
 
@@ -75,7 +75,7 @@ impl Shape {
     }
 
     /// The columns of its error in a log: 1 the field, 2 the evaluation.
-    pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<Column> {
+    pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<NamedSeries> {
         let found = regressors(self.effect, self.parameter, world, self.target, &self.anchor);
         if self.effect == Effect::BiasStep && log == EVAL {
             // the shock is over: the offset that it left stays
@@ -88,7 +88,7 @@ impl Shape {
     }
 
     /// The weighted sum of its columns.
-    pub(super) fn sum(&self, columns: &[Column], n: usize) -> Vec<f64> {
+    pub(super) fn sum(&self, columns: &[NamedSeries], n: usize) -> Vec<f64> {
         let mut error = vec![0.0; n];
         for (weight, (_, column)) in self.weights.iter().zip(columns) {
             for (error, x) in error.iter_mut().zip(column) {

@@ -13,7 +13,7 @@ use super::plan::{CasePlan, PlanError};
 use super::plant::Shape;
 use super::random::{Random, Stream, between, chance, random};
 use super::recorder::Faults;
-use super::regressors::Column;
+use super::regressors::NamedSeries;
 use super::rivals::{Best, CELL, Rivals};
 use super::strength::{Blocks, Whitener, level_size, noise_amplitude, solve};
 use super::world::World;
@@ -58,7 +58,7 @@ pub fn assess(plan: &CasePlan) -> Result<Vec<Planted>, PlanError> {
 pub(super) fn size(
     plan: &CasePlan,
     shapes: &[Shape],
-    columns: &Vec<Vec<Column>>,
+    columns: &Vec<Vec<NamedSeries>>,
     field: &World,
     logged: &[&str],
     (noise, lsb): (&AxisNoise, f64),
@@ -181,7 +181,7 @@ fn level_squares(shape: &Shape, field: &World) -> Vec<f64> {
 }
 
 /// The weighted sum of all columns.
-pub(super) fn sum(weights: &[Vec<f64>], columns: &[Vec<Column>], n: usize) -> Vec<f64> {
+pub(super) fn sum(weights: &[Vec<f64>], columns: &[Vec<NamedSeries>], n: usize) -> Vec<f64> {
     let mut error = vec![0.0; n];
     for (weights, columns) in weights.iter().zip(columns) {
         for (weight, (_, column)) in weights.iter().zip(columns) {

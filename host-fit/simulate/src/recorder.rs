@@ -4,8 +4,9 @@ use super::axis::Axis;
 use super::coloured::AxisNoise;
 use super::part::Part;
 use super::random::{Stream, normal, random};
-use super::regressors::Column;
+use super::regressors::NamedSeries;
 use super::world::World;
+use fos_data::column::Column;
 
 /// The unit behind the logs.
 #[derive(Debug, Clone)]
@@ -79,10 +80,10 @@ pub(super) fn record(
     (target, analog): (Axis, &[f64]),
     (logged, faults): (&Logged, &Faults),
     (seed, log): (u64, u64),
-) -> Vec<Column> {
+) -> Vec<NamedSeries> {
     let n = world.len();
     let period_s = world.period_s;
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<NamedSeries> = Vec::new();
     let mut add = |name: &str, values: Vec<f64>| columns.push((name.to_owned(), values));
     let recorder = &mut random(seed, Stream::Recorder(log));
     let rounded = |value: f64, step: f64| (value / step).round() * step;
@@ -137,7 +138,10 @@ pub(super) fn record(
         }
     }
     for axis in Axis::ALL.into_iter().filter(|axis| world.has_reference(*axis)) {
-        add(&format!("ref_{}", axis.column()), world.truth(axis).iter().map(|x| rounded(*x, 1e-6)).collect());
+        add(
+            &Column::named(axis.column()).reference(),
+            world.truth(axis).iter().map(|x| rounded(*x, 1e-6)).collect(),
+        );
     }
     if let Some(still) = &world.still {
         add("still", still.iter().map(|still| f64::from(u8::from(*still))).collect());

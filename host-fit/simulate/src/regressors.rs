@@ -36,7 +36,7 @@ impl Anchor {
 }
 
 /// A named column.
-pub(super) type Column = (String, Vec<f64>);
+pub(super) type NamedSeries = (String, Vec<f64>);
 
 /// Columns whose weighted sum is the error of a slow effect of the library, or of a line; none where chance decides.
 pub(super) fn regressors(
@@ -45,12 +45,12 @@ pub(super) fn regressors(
     world: &World,
     target: Axis,
     anchor: &Anchor,
-) -> Vec<Column> {
+) -> Vec<NamedSeries> {
     let n = world.len();
     let dt = world.period_s;
     let truth = || world.truth(target).to_vec();
     let one = |name: &str, values: Vec<f64>| vec![(name.to_owned(), values)];
-    let three = |name: &str, columns: &[Vec<f64>; 3]| -> Vec<Column> {
+    let three = |name: &str, columns: &[Vec<f64>; 3]| -> Vec<NamedSeries> {
         ["x", "y", "z"].iter().zip(columns).map(|(axis, c)| (format!("{name}_{axis}"), c.clone())).collect()
     };
     match effect {
@@ -151,7 +151,7 @@ fn play_less_input(values: &[f64], half_width: f64) -> Vec<f64> {
 }
 
 /// ω × (ω × r) + dω/dt × r along axis i, one column for each component of r, m/s² per m.
-fn lever_arm(world: &World, i: usize) -> Vec<Column> {
+fn lever_arm(world: &World, i: usize) -> Vec<NamedSeries> {
     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
     let omega = &world.rate_rads;
     let alpha = omega.each_ref().map(|rates| rate(rates, world.period_s));

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::axis::Axis;
 use super::effect::{Band, Effect};
-use super::regressors::{Anchor, Column, regressors};
+use super::regressors::{Anchor, NamedSeries, regressors};
 use super::setup::Setup;
 use super::strength::{Blocks, Whitener};
 use super::world::World;
@@ -37,7 +37,7 @@ impl Rivals {
         let world = field.decimated(CELL);
         let blocks = blocks.decimated(CELL);
         let anchor = Anchor::of(field, target);
-        let white = |columns: Vec<Column>| -> Vec<DVector<f64>> {
+        let white = |columns: Vec<NamedSeries>| -> Vec<DVector<f64>> {
             columns.iter().map(|(_, column)| whitener.whiten(&blocks.means(column))).collect()
         };
         let mut all = Vec::new();

@@ -1,5 +1,7 @@
 //! A simulated unit: temperature, pose, motion, errors, quantisation, time stamps.
 
+use fos_data::column::AXES;
+use fos_data::column::Column;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -7,9 +9,7 @@ use serde::Serialize;
 use super::noise::{Noise, NoiseSizes};
 
 /// Columns of the axes.
-pub(super) use fos_data::recording::AXES;
-
-const GRAVITY: f64 = 9.80665;
+pub(super) const GRAVITY: f64 = 9.80665;
 const DPS: f64 = std::f64::consts::PI / 180.0;
 const MILLI_G: f64 = GRAVITY * 1e-3;
 
@@ -112,7 +112,7 @@ pub fn simulate(simulation: &Simulation) -> SimulatedLog {
     columns.extend(AXES.iter().map(|name| (*name).to_owned()).zip(measured));
     columns.push(("temp_c".to_owned(), temperature));
     columns.push(("still".to_owned(), still));
-    let truth = AXES.iter().map(|name| format!("ref_{name}")).zip(truth).collect();
+    let truth = AXES.iter().map(|name| Column::named(name).reference()).zip(truth).collect();
     SimulatedLog { columns, truth }
 }
 

@@ -1,5 +1,6 @@
 //! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
 
+use fos_data::column::Column;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -84,7 +85,7 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
 
 /// The staircase: every step with what was foretold and what came true, what it costs, then all errors of all steps.
 pub(super) fn print_growth(growth: &Growth) {
-    let unit = fos_fit::model::unit_of(&growth.column);
+    let unit = Column::named(&growth.column).unit().label();
     let logs = &growth.logs;
     match &logs.judged {
         Some(judged) => {

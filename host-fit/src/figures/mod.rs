@@ -22,6 +22,7 @@ mod scale;
 pub mod staircase;
 
 pub use file::{FigureError, png, svg, write_png, write_svg};
+use fos_data::column::Column;
 
 /// A picture of one or more panels below each other.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
@@ -158,7 +159,7 @@ pub struct ShadedRange {
 
 /// A column with its unit, as under an axis.
 fn named_with_unit(column: &str) -> String {
-    with_unit(column, fos_fit::model::unit_of(column))
+    with_unit(column, Column::named(column).unit().label())
 }
 
 fn with_unit(name: &str, unit: &str) -> String {

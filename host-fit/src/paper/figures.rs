@@ -4,7 +4,8 @@ use super::split::Split;
 use super::{Cell, Comparison, Entry, Judged};
 use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
-use crate::plots::{in_words, outline};
+use crate::plots::outline;
+use fos_data::column::Column;
 use fos_data::recording::Recording;
 use fos_fit::fit::autoregression::Method;
 use fos_fit::signal::autocorrelation::autocorrelation;
@@ -137,5 +138,5 @@ fn place(entry: Entry) -> usize {
 }
 
 fn name(comparison: &Comparison) -> String {
-    capitalised(in_words(&comparison.column))
+    capitalised(Column::named(&comparison.column).label())
 }

@@ -13,6 +13,7 @@
 mod figures;
 mod split;
 
+use fos_data::column::Column;
 use std::ops::Range;
 
 use fos_core::y;
@@ -219,7 +220,7 @@ pub fn compare(
     let chosen = candidates.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     let comparison = Comparison {
         column: series.channel.clone(),
-        unit: fos_fit::model::unit_of(&series.channel).to_owned(),
+        unit: Column::named(&series.channel).unit().label().to_owned(),
         rate_hz,
         samples: prepared.split.samples(),
         band_hz: settings.denoising.band_hz(rate_hz),

@@ -4,12 +4,11 @@ pub mod arriving;
 mod end;
 pub mod kept;
 
+use fos_data::column::Column;
 use std::io::{self, BufRead};
 
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
 use serde::Serialize;
-
-use fos_data::recording::{INNOVATION, VALIDITY};
 
 /// Frames longer than this are no frames: a stream of something else.
 const LONGEST: u64 = 4096;
@@ -225,9 +224,9 @@ impl Log {
         let Some(names) = self.names.filter(|_| !self.time_s.is_empty()) else {
             return Err(RecordError::Nothing { bytes, damaged });
         };
-        let named = |prefix: &'static str| names.axes.iter().map(move |axis| format!("{prefix}{axis}"));
-        let of_values =
-            named("").chain(names.quantities.iter().cloned()).chain(named(INNOVATION)).chain(named(VALIDITY));
+        let axes = || names.axes.iter().map(|axis| Column::named(axis));
+        let of_values = names.axes.iter().cloned().chain(names.quantities.iter().cloned());
+        let of_values = of_values.chain(axes().map(Column::innovation)).chain(axes().map(Column::validity));
         let mut columns = vec![
             ("t_s".to_owned(), self.time_s),
             ("still".to_owned(), self.still),

@@ -1,18 +1,18 @@
 //! What there is to say of one axis, in the order of thought: where the model fails, what is missing, how the error falls.
 
+use fos_data::column::Column;
 use serde::Serialize;
 
 use super::offer::{Offer, offers};
 use crate::examine::Examination;
 use crate::figures::Figure;
-use crate::plots::{in_words, staircase_of};
+use crate::plots::staircase_of;
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{GrowError, Growth, Logs};
 use fos_diagnose::study::Study;
 use fos_fit::candidates::monomial_text_named;
-use fos_fit::model::unit_of;
 
 /// One axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -70,8 +70,8 @@ impl AxisSection {
     pub fn empty(column: &str) -> Self {
         Self {
             column: column.to_owned(),
-            label: in_words(column).to_owned(),
-            unit: unit_of(column).to_owned(),
+            label: Column::named(column).label().to_owned(),
+            unit: Column::named(column).unit().label().to_owned(),
             model: None,
             comparison: None,
             judged_s: None,

@@ -1,5 +1,6 @@
 //! A log in a few facts.
 
+use fos_data::column::Column;
 use serde::Serialize;
 
 use fos_data::recording::Recording;
@@ -53,7 +54,7 @@ impl LogSummary {
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
         let column =
-            |name: &String| ColumnSummary { name: name.clone(), unit: fos_fit::model::unit_of(name) };
+            |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
         let oddities = log.oddities(&rest.still).into_iter().map(|oddity| format!("caution: {oddity}"));

@@ -1,16 +1,15 @@
 //! What a diagnosis offers to add: the physics in plain language, what it costs, what speaks for it.
 
+use fos_data::column::Column;
 use serde::Serialize;
 
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
 use crate::figures::evidence::{evidence, line_evidence};
-use crate::plots::in_words;
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
 use fos_diagnose::effects::{Band, Effect, Library};
 use fos_diagnose::refine::{Cost, Ground, GrowError, Growth};
-use fos_fit::model::unit_of;
 use fos_fit::signal::spectrum::welch;
 
 /// An effect that was found, to be added or not.
@@ -114,7 +113,10 @@ fn picture(
     effect: &Effect,
     field: &Recording,
 ) -> Result<Option<Figure>, GrowError> {
-    let subject = Subject { channel: in_words(&growth.column), unit: unit_of(&growth.column) };
+    let subject = Subject {
+        channel: Column::named(&growth.column).label(),
+        unit: Column::named(&growth.column).unit().label(),
+    };
     if let Some(found) = ground.evidence(growth, &diagnosis.findings, finding)? {
         return Ok(Some(evidence(subject, &effect.name, &found, finding.shows_from_to_s)));
     }

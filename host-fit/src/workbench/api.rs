@@ -1,5 +1,6 @@
 //! What is asked and answered. Every answer is JSON, in the same form as that of `--json` on the command line.
 
+use fos_data::column::Column;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -204,7 +205,7 @@ pub(super) async fn series(
         let read = study.read().map_err(not_now)?;
         let axis = study.axis(&window.axis).map_err(wrong)?;
         let log = &read.logs.field;
-        let reference = log.channel(&format!("ref_{}", window.axis)).ok();
+        let reference = log.channel(&Column::named(&window.axis).reference()).ok();
         let rows = Rows {
             recording: log,
             measured: &log.channel(&window.axis).map_err(wrong)?.values,
@@ -212,7 +213,7 @@ pub(super) async fn series(
             trace: axis.examination.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
         };
         let series = series_of(rows, window.view, window.from, window.to, window.width);
-        Ok(AxisSeries { unit: fos_fit::model::unit_of(&window.axis), axis: window.axis, series })
+        Ok(AxisSeries { unit: Column::named(&window.axis).unit().label(), axis: window.axis, series })
     });
     Ok(Json(drawn.await?))
 }

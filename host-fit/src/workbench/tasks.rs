@@ -1,5 +1,6 @@
 //! What a job does: each task from what is known to what it changes.
 
+use fos_data::column::Column;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -7,7 +8,6 @@ use super::example;
 use super::job::Job;
 use super::study::{Change, Read, Snapshot, Summaries};
 use crate::examine::examine;
-use crate::plots::in_words;
 use crate::report::{AxisSection, LogSummary};
 use fos_data::file::name_of;
 use fos_data::recording::{LoadOptions, Recording, load};
@@ -77,11 +77,13 @@ impl Task {
         let words = match self {
             Self::Read(Open::Example(_)) => "simulating the example".to_owned(),
             Self::Read(open) => format!("reading {}", open.name()),
-            Self::Fit(column) => format!("fitting {}", in_words(column)),
-            Self::Examine(column) => format!("comparing {}", in_words(column)),
-            Self::Diagnose(column) => format!("looking for what is missing from {}", in_words(column)),
-            Self::Add { column, effect } => format!("adding {effect} to {}", in_words(column)),
-            Self::Undo { column, .. } => format!("taking effects of {} back", in_words(column)),
+            Self::Fit(column) => format!("fitting {}", Column::named(column).label()),
+            Self::Examine(column) => format!("comparing {}", Column::named(column).label()),
+            Self::Diagnose(column) => {
+                format!("looking for what is missing from {}", Column::named(column).label())
+            }
+            Self::Add { column, effect } => format!("adding {effect} to {}", Column::named(column).label()),
+            Self::Undo { column, .. } => format!("taking effects of {} back", Column::named(column).label()),
         };
         Job::new(words, self.is_asked_for())
     }
@@ -148,7 +150,8 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     };
     let axes = logs.field.axes().map_err(in_text)?;
     // the gyros first: their error integrates twice as fast
-    let first = first.or_else(|| axes.iter().find(|axis| axis.ends_with("_rads")).or(axes.first()).cloned());
+    let first = first
+        .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
     let summaries = Summaries {
         field: LogSummary::of(&logs.field),
         quiet: logs.quiet.as_ref().map(LogSummary::of),
@@ -177,7 +180,7 @@ fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Cha
     let (study, growth) = known.fitted(column)?;
     let mut done = 0;
     let judged = |what: &str| {
-        progress(Job::step(format!("comparing {}: {what}", in_words(column)), done, 4));
+        progress(Job::step(format!("comparing {}: {what}", Column::named(column).label()), done, 4));
         done += 1;
     };
     let examination = examine(study, growth, &known.read()?.logs, judged).map_err(in_text)?;

@@ -2,12 +2,8 @@
 
 use std::sync::Arc;
 
-use super::unit::Unit;
-
-/// Before the name of an axis: its innovation, from the telemetry of a device.
-pub const INNOVATION: &str = "innovation_";
-/// Before the name of an axis: what speaks against its corrected value (flags), from the telemetry of a device.
-pub const VALIDITY: &str = "validity_";
+use crate::column::Column;
+use crate::unit::Unit;
 
 /// One measured quantity, a value per row of its recording.
 #[derive(Clone, Debug)]
@@ -22,9 +18,9 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Whether it is what a model on the device made of an axis: no cause of what is left of that.
-    pub fn is_of_model(&self) -> bool {
-        self.name.starts_with(INNOVATION) || self.name.starts_with(VALIDITY)
+    /// What it is, by its name.
+    pub fn column(&self) -> Column<'_> {
+        Column::named(&self.name)
     }
 
     /// How many values are missing (NaN).

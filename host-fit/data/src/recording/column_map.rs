@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::unit::{Affine, Unit, known_units, parse_unit};
 use crate::file::{self, FileError};
+use crate::unit::{Affine, Unit, known_units, parse_unit};
 
 /// Maps columns of a log to channels.
 ///

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Recording;
 use super::channel::Channel;
 use super::error::RecordingError;
-use super::unit::Unit;
+use crate::unit::Unit;
 
 /// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl Recording {
     /// No such channel, or one without a number in it.
     pub fn error_series(&self, axis: &str) -> Result<ErrorSeries, RecordingError> {
         let measured = self.axis(axis)?;
-        let name = format!("ref_{}", measured.name);
+        let name = measured.column().reference();
         let truth = self.channels().iter().find(|channel| channel.name == name);
         for channel in [Some(measured), truth].into_iter().flatten() {
             if channel.values.iter().all(|value| !value.is_finite()) {

@@ -1,10 +1,12 @@
 //! What a person would see at a glance in a log: values that cannot be what their column says.
 
+use crate::column::AXES;
+use crate::column::Column;
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
-use super::{AXES, Recording};
+use super::Recording;
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
 
@@ -130,7 +132,7 @@ impl Recording {
             }
             let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
             let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();
-            let no_reference = self.channel(&format!("ref_{axis}")).is_err();
+            let no_reference = self.channel(&Column::named(axis).reference()).is_err();
             if axis.starts_with('g')
                 && no_reference
                 && !rates.is_empty()
@@ -182,7 +184,7 @@ impl Recording {
     fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
         if AXES[..3]
             .iter()
-            .any(|axis| self.channel(axis).is_err() || self.channel(&format!("ref_{axis}")).is_ok())
+            .any(|axis| self.channel(axis).is_err() || self.channel(&Column::named(axis).reference()).is_ok())
         {
             return None;
         }

@@ -1,7 +1,8 @@
 //! Which channel a column seems to be, and in what unit: by its name, and where that leaves a choice, by its values.
 
-use super::AXES;
-use super::unit::parse_unit;
+use crate::column::AXES;
+use crate::column::Column;
+use crate::unit::parse_unit;
 
 /// What a column seems to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,8 +64,8 @@ pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Vec<Option<Guess>> {
 }
 
 fn is_standard(name: &str) -> bool {
-    let plain = name.strip_prefix("ref_").unwrap_or(name);
-    AXES.contains(&plain)
+    let column = Column::named(name);
+    column.measured().unwrap_or(column).place().is_some()
         || ["t_s", "still", "segment", "temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"]
             .contains(&name)
 }
@@ -201,7 +202,7 @@ fn unit_in(name: &str, target: &str) -> Option<&'static str> {
             _ => return None,
         };
         let (unit, _) = parse_unit(spelling)?;
-        (unit == super::unit::Unit::of_column(target)).then_some(spelling)
+        (unit == crate::unit::Unit::of_column(target)).then_some(spelling)
     })
 }
 

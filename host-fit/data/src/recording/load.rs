@@ -1,5 +1,6 @@
 //! From a file to a recording: find the format, read the table, give the columns their meaning.
 
+use crate::column::AXES;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::ops::RangeInclusive;
@@ -9,7 +10,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::channel::Channel;
-use super::closest::closest;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::gaps::{Boundary, Grid, Mark, Segment};
@@ -17,9 +17,10 @@ use super::gzip::Members;
 use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
-use super::unit::Unit;
-use super::{AXES, Recording, csv_file, gaps, other_format, parquet_file};
+use super::{Recording, csv_file, gaps, other_format, parquet_file};
+use crate::closest::closest;
 use crate::file::{self, FileError};
+use crate::unit::Unit;
 
 /// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
 pub const MAX_UNUSABLE: f64 = 0.05;

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
 
 use super::*;
+use crate::unit::Unit;
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()

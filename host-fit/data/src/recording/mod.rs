@@ -20,7 +20,6 @@
 //! | no `t_s` | row number over the stated rate, else refused |
 
 mod channel;
-mod closest;
 mod column_map;
 mod csv_file;
 mod error;
@@ -40,7 +39,6 @@ mod quality;
 mod rate;
 mod source;
 mod table;
-mod unit;
 mod write;
 
 #[cfg(test)]
@@ -52,9 +50,10 @@ mod real_log_tests;
 
 use std::ops::Range;
 
+use crate::closest::closest;
+use crate::column::AXES;
+
 pub use channel::Channel;
-pub use channel::{INNOVATION, VALIDITY};
-pub use closest::closest;
 pub use column_map::{ColumnMap, MapError};
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
@@ -66,11 +65,7 @@ pub use preview::{ColumnPreview, Preview, preview};
 pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{Rate, Stamps};
 pub use source::Source;
-pub use unit::Unit;
 pub use write::{check_log_path, write_columns};
-
-/// The inertial channels, in their order everywhere.
-pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
 #[derive(Clone, Debug)]

@@ -328,8 +328,9 @@ mod tests {
     use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
     use parquet::schema::parser::parse_message_type;
 
-    use super::super::{Boundary, LoadOptions, Unit, load};
+    use super::super::{Boundary, LoadOptions, load};
     use super::*;
+    use crate::unit::Unit;
 
     /// One row group with columns in the order of the schema.
     fn file(schema: &str, write: impl FnOnce(&mut SerializedRowGroupWriter<'_, File>)) -> tempfile::TempPath {

@@ -1,16 +1,17 @@
 //! What a file seems to hold, before it is read as a log.
 
+use crate::column::AXES;
+use crate::column::Column;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
 
-use super::AXES;
 use super::column_map::quoted;
 use super::error::RecordingError;
 use super::guess::{Guess, guesses};
 use super::load;
-use super::unit::{Unit, spellings_of};
+use crate::unit::{Unit, spellings_of};
 
 /// Values of each column that are shown.
 const SHOWN: usize = 4;
@@ -105,7 +106,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         sure: true,
     });
     let columns: Vec<ColumnPreview> = columns.chain(text).collect();
-    let references = AXES.iter().map(|axis| format!("ref_{axis}"));
+    let references = AXES.iter().map(|axis| Column::named(axis).reference());
     let targets = ["t_s"].iter().chain(&AXES).chain(&OTHERS).map(|name| (*name).to_owned());
     let targets: Vec<String> =
         targets.chain(references).chain(["still".to_owned(), "segment".to_owned()]).collect();

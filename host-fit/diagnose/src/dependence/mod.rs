@@ -13,6 +13,8 @@ mod likelihood;
 #[cfg(test)]
 mod tests;
 
+use fos_data::column::Column;
+use fos_data::unit::Unit;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -25,9 +27,9 @@ pub use likelihood::Test;
 
 use crate::detect::MIN_BLOCKS;
 use channel::Noise;
-use fos_data::recording::{Channel, Recording, RecordingError, Unit};
+use fos_data::recording::{Channel, Recording, RecordingError};
 use fos_data::stillness::Stillness;
-use fos_fit::model::{HostPredictor, UnitModel, unit_of};
+use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
 use fos_fit::playback::Feed;
 use lag::Grid;
@@ -206,7 +208,7 @@ fn of_axis(
         let noise = Noise::of(&curve, &fitted);
         Some(ChannelDependence {
             channel: channel.name.clone(),
-            unit: unit_of(&channel.name).to_owned(),
+            unit: Column::named(&channel.name).unit().label().to_owned(),
             p_of_all: curve.p,
             bins: channel::bins(&remainder, noise, &values, channel.unit == Unit::Celsius),
             lag: lag::profile(&remainder, (&null, &fitted.levels), &grid, &held)?,
@@ -216,7 +218,7 @@ fn of_axis(
     let others: Vec<&Channel> = recording
         .channels()
         .iter()
-        .filter(|channel| channel.name != column && !channel.is_of_model())
+        .filter(|channel| channel.name != column && !channel.column().is_of_model())
         .collect();
     let mut channels: Vec<ChannelDependence> = others.into_par_iter().filter_map(of_channel).collect();
     let tried = channels.len() as f64;

@@ -1,5 +1,6 @@
 //! The logs of a question without what is no measurement, and what anybody would see in them.
 
+use fos_data::column::Column;
 use std::borrow::Cow;
 
 use super::{DiagnoseError, Question};
@@ -69,7 +70,7 @@ impl<'a> Log<'a> {
             | Oddity::TurnsAtRest { column: other, .. }
             | Oddity::NoiseDiffers { column: other, .. } => other == column,
             Oddity::Same { columns } => columns.iter().any(|other| other == column),
-            Oddity::NotGravity { .. } => column.ends_with("_mps2"),
+            Oddity::NotGravity { .. } => Column::named(column).is_specific_force(),
             Oddity::RatesDiffer { .. } => true,
         };
         let odd = self.whole.oddities(&self.still);

@@ -1,6 +1,7 @@
 //! From what the searches found to an answer: sizes in data-sheet units, the fall to expect, rivals and experiments, the
 //! verdict in a sentence.
 
+use fos_data::column::Column;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -111,7 +112,7 @@ impl Assembly<'_> {
         }
         Ok(Diagnosis {
             target: self.column.to_owned(),
-            unit: fos_fit::model::unit_of(self.column).to_owned(),
+            unit: Column::named(self.column).unit().label().to_owned(),
             verdict,
             sentence: sentence(verdict, &findings, &leads),
             findings,
@@ -174,16 +175,14 @@ impl Assembly<'_> {
                     gain: line.score,
                     ..bare(effect, line.score)
                 };
-                let unit = if self.column.ends_with("_rads") { "dps" } else { "mg" };
-                if let Ok(unit) = unit.parse::<SizeUnit>() {
-                    let error = TWO_SIDED_95 * line.amplitude_error;
-                    finding.sizes = vec![Size {
-                        of: "amplitude".to_owned(),
-                        value: line.amplitude / unit.si,
-                        interval: [(line.amplitude - error) / unit.si, (line.amplitude + error) / unit.si],
-                        unit: unit.to_string(),
-                    }];
-                }
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let error = TWO_SIDED_95 * line.amplitude_error;
+                finding.sizes = vec![Size {
+                    of: "amplitude".to_owned(),
+                    value: line.amplitude / unit.si,
+                    interval: [(line.amplitude - error) / unit.si, (line.amplitude + error) / unit.si],
+                    unit: unit.to_string(),
+                }];
                 finding.params_interval = finding
                     .params
                     .keys()
@@ -231,16 +230,14 @@ impl Assembly<'_> {
                     gain: slow.noise_gain,
                     ..bare(effect, slow.noise_score)
                 };
-                let unit = if self.column.ends_with("_rads") { "dps" } else { "mg" };
-                if let Ok(unit) = unit.parse::<SizeUnit>() {
-                    let value = process.deviation / unit.si;
-                    finding.sizes = vec![Size {
-                        of: "standard deviation".to_owned(),
-                        value,
-                        interval: [f64::NAN; 2],
-                        unit: unit.to_string(),
-                    }];
-                }
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let value = process.deviation / unit.si;
+                finding.sizes = vec![Size {
+                    of: "standard deviation".to_owned(),
+                    value,
+                    interval: [f64::NAN; 2],
+                    unit: unit.to_string(),
+                }];
                 Some(finding)
             }
         })

@@ -25,6 +25,7 @@ mod faults_tests;
 #[cfg(test)]
 mod lines_tests;
 
+use fos_data::column::Column;
 use std::rc::Rc;
 
 pub use answer::{
@@ -127,7 +128,7 @@ pub enum DiagnoseError {
 /// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in another
 /// pose another part of it.
 pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
-    log.channel(&format!("ref_{column}")).is_ok() || !column.ends_with("_mps2")
+    log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
 }
 
 /// Fewest blocks that a diagnosis is made of: below 60 the search over twenty effects has no power left.
@@ -168,7 +169,7 @@ impl Prepared {
             return Err(DiagnoseError::TooShort { column, blocks, length_s });
         }
         let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
-        let shaken = column.ends_with("_mps2")
+        let shaken = Column::named(&column).is_specific_force()
             && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
         let prior = prior(question, &reduced, quiet.as_ref());
         // shaking adds to the noise of block means what no quiet log tells of

@@ -1,6 +1,7 @@
 //! What the library does not know: an open search over what is logged, once the library has said what it can. Its results
 //! are leads and not findings.
 
+use fos_data::column::Column;
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
@@ -186,14 +187,12 @@ impl Left<'_> {
 
     /// Every logged quantity that is no cousin of the target and that changes.
     fn quantities(&self) -> Vec<Quantity> {
-        let triad =
-            self.target.get(..1).filter(|_| fos_fit::fit::axis_of(self.target) != fos_core::Axis::Other);
-        let is_cousin = |name: &str| {
-            fos_fit::fit::axis_of(name) != fos_core::Axis::Other && name.get(..1) == triad
-                || name == self.target
-        };
+        let triad_of = |name: &str| Column::named(name).place().map(|(triad, _)| triad);
+        let triad = triad_of(self.target);
+        let is_cousin = |name: &str| triad.is_some() && triad_of(name) == triad || name == self.target;
         let channels = self.recording.channels().iter();
-        let channels = channels.filter(|channel| !is_cousin(&channel.name) && !channel.is_of_model());
+        let channels =
+            channels.filter(|channel| !is_cousin(&channel.name) && !channel.column().is_of_model());
         channels
             .filter_map(|channel| {
                 let held = self.recording.held_from_first(channel);
@@ -204,7 +203,7 @@ impl Left<'_> {
                 let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
                 (deviation > 1e-9 * size).then(|| Quantity {
                     name: channel.name.clone(),
-                    unit: fos_fit::model::unit_of(&channel.name),
+                    unit: Column::named(&channel.name).unit().label(),
                     mean,
                     deviation,
                     values: means.iter().map(|value| value / deviation).collect(),

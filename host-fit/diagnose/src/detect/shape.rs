@@ -1,6 +1,7 @@
 //! Whether what is left looks like noise at all: its distribution in block means, and its level in the samples.
 
-use fos_data::recording::{AXES, Recording};
+use fos_data::column::AXES;
+use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 use fos_fit::noise::dot;
 
@@ -84,7 +85,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         .collect();
     consider(&slow, None, &basis);
     for channel in recording.channels() {
-        if AXES.contains(&channel.name.as_str()) || channel.is_of_model() {
+        if AXES.contains(&channel.name.as_str()) || channel.column().is_of_model() {
             continue;
         }
         let held = recording.held_from_first(channel);

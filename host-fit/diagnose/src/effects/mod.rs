@@ -6,6 +6,7 @@ mod reference_tests;
 mod size;
 mod terms;
 
+use fos_data::column::{Column, Triad};
 use std::path::Path;
 
 use serde::Deserialize;
@@ -109,11 +110,11 @@ pub enum Targets {
 impl Targets {
     /// Whether the axis of this column is one of them.
     fn contain(self, column: &str) -> bool {
-        use fos_core::Axis;
+        let triad = Column::named(column).place().map(|(triad, _)| triad);
         match self {
             Targets::Any => true,
-            Targets::Gyro => matches!(fos_fit::fit::axis_of(column), Axis::Gx | Axis::Gy | Axis::Gz),
-            Targets::Accelerometer => matches!(fos_fit::fit::axis_of(column), Axis::Ax | Axis::Ay | Axis::Az),
+            Targets::Gyro => triad == Some(Triad::Gyros),
+            Targets::Accelerometer => triad == Some(Triad::Accelerometers),
         }
     }
 }
@@ -257,7 +258,7 @@ impl Library {
     pub fn get(&self, id: &str) -> Result<&Effect, EffectError> {
         self.effects.iter().find(|effect| effect.id == id).ok_or_else(|| EffectError::Unknown {
             id: id.to_owned(),
-            closest: fos_data::recording::closest(id, self.effects.iter().map(|effect| effect.id.as_str()))
+            closest: fos_data::closest::closest(id, self.effects.iter().map(|effect| effect.id.as_str()))
                 .map(str::to_owned),
         })
     }
@@ -349,9 +350,9 @@ impl Effect {
     /// The data-sheet unit of the coefficient of a term for a target column; `None` where the effect states none.
     pub fn unit(&self, term: usize, target: &str) -> Option<SizeUnit> {
         let term = self.terms.get(term)?;
-        let unit = match target.ends_with("_rads") {
+        let unit = match Column::named(target).is_angular_rate() {
             true => term.gyro.as_ref(),
-            false if target.ends_with("_mps2") => term.accelerometer.as_ref(),
+            false if Column::named(target).is_specific_force() => term.accelerometer.as_ref(),
             false => None,
         };
         unit.and_then(|unit| unit.parse().ok())

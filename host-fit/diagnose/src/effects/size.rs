@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
+use fos_data::column::Column;
+
 /// A unit of a coefficient, and what it is in SI (m/s² or rad/s per unit of the logged quantity).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SizeUnit {
@@ -31,6 +33,14 @@ fn si(unit: &str) -> Option<f64> {
         "h" => 3600.0,
         _ => return None,
     })
+}
+
+impl SizeUnit {
+    /// What sizes on an axis are told in: °/s for a gyro, mg for an accelerometer.
+    pub fn of_axis(column: Column<'_>) -> Self {
+        let (text, si) = if column.is_angular_rate() { ("dps", PI / 180.0) } else { ("mg", G * 1e-3) };
+        Self { text: text.to_owned(), si }
+    }
 }
 
 impl FromStr for SizeUnit {

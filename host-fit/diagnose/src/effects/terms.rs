@@ -1,5 +1,6 @@
 //! The terms of an effect: products of inputs, filled in for an axis.
 
+use fos_data::column::{Column, GYROS};
 use std::fmt;
 use std::rc::Rc;
 
@@ -115,16 +116,14 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
         filled = filled.replace(&format!("{{{name}}}"), &value.to_string());
     }
     if filled.contains('{') {
-        let letters = ['x', 'y', 'z'];
-        let place = letters.iter().position(|letter| target.get(1..2) == Some(&letter.to_string()));
-        let (Some(place), Some(kind), Some(unit)) = (place, target.get(..1), target.get(2..)) else {
+        let Some((triad, place)) = Column::named(target).place() else {
             return Err(format!("{text:?} asks for the axes of a triad, and {target:?} is none"));
         };
         for (suffix, step) in [("", 0), ("_next", 1), ("_after", 2)] {
-            let letter = letters[(place + step) % 3];
-            filled = filled.replace(&format!("{{gyro{suffix}}}"), &format!("g{letter}_rads"));
+            let turned = (place + step) % 3;
+            filled = filled.replace(&format!("{{gyro{suffix}}}"), GYROS[turned]);
             let plain = suffix.trim_start_matches('_');
-            filled = filled.replace(&format!("{{{plain}}}"), &format!("{kind}{letter}{unit}"));
+            filled = filled.replace(&format!("{{{plain}}}"), triad.columns()[turned]);
         }
     }
     match filled.find('{') {

@@ -7,6 +7,7 @@ mod logs;
 mod stair;
 mod terms;
 
+use fos_data::column::Column;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -418,7 +419,7 @@ impl<'a> Ground<'a> {
 /// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they do in
 /// a diagnosis.
 fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
-    if let Ok(reference) = log.channel(&format!("ref_{column}")) {
+    if let Ok(reference) = log.channel(&Column::named(column).reference()) {
         return reference.values.iter().map(|value| value.is_finite()).collect();
     }
     let rest = stillness::find(log);

@@ -1,5 +1,6 @@
 //! From the findings of a diagnosis to the physical part of a model: the same coefficients, in the form that fos-core takes.
 
+use fos_data::column::Column;
 use std::collections::BTreeMap;
 
 use fos_core::{Factor, Input, Range, Source, Transform, u};
@@ -7,7 +8,7 @@ use fos_core::{Factor, Input, Range, Source, Transform, u};
 use crate::detect::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
 use fos_data::recording::{Recording, RecordingError};
-use fos_fit::fit::{InputSpec, quantity_of};
+use fos_fit::fit::InputSpec;
 use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
 
 /// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the range
@@ -66,7 +67,8 @@ fn place(
     let (source, source_range) = match &spec.column {
         None => (Source::Clock, Range::new(0.0, 0.0)),
         Some(column) => {
-            let quantity = LoggedQuantity { column: column.clone(), quantity: quantity_of(column) };
+            let quantity =
+                LoggedQuantity { column: column.clone(), quantity: Column::named(column).quantity() };
             let index = position(&mut model.quantities, quantity);
             let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
             (Source::Quantity(index), widened(range(&inputs.input(&identity)?)))

@@ -1,5 +1,6 @@
 //! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Which error").
 
+use fos_data::column::{Column, Triad};
 use serde::{Deserialize, Serialize};
 
 use super::trace::{HORIZONS_S, Trace};
@@ -123,11 +124,11 @@ fn mean_square(stretches: &[&[f64]]) -> f64 {
 /// A formula of the MSE, not a navigation run.
 pub fn position_error_m(column: &str, mse: f64) -> Option<f64> {
     let root = mse.sqrt();
-    match column {
-        "ax_mps2" | "ay_mps2" | "az_mps2" => Some(0.5 * root * PAPER_TIME_S.powi(2)),
-        "gx_rads" | "gy_rads" | "gz_rads" => Some(PAPER_GRAVITY * root * PAPER_TIME_S.powi(3) / 6.0),
-        _ => None,
-    }
+    let (triad, _) = Column::named(column).place()?;
+    Some(match triad {
+        Triad::Accelerometers => 0.5 * root * PAPER_TIME_S.powi(2),
+        Triad::Gyros => PAPER_GRAVITY * root * PAPER_TIME_S.powi(3) / 6.0,
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Where a model fails worst, and what is special about the place.
 
+use fos_data::column::Column;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
@@ -113,7 +114,7 @@ impl Backdrop {
     ) -> Vec<String> {
         let mut found: Vec<(f64, String)> = Vec::new();
         for channel in &self.channels {
-            let unit = crate::model::unit_of(&channel.name);
+            let unit = Column::named(&channel.name).unit().label();
             if let Some((score, usual)) = score(&channel.means, index) {
                 let text =
                     format!("{} is at {:.4} {unit}, usually {usual:.4}", channel.name, channel.means[index]);

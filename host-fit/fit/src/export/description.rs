@@ -1,10 +1,10 @@
 //! A model image in words: what people check before they trust it.
 
+use fos_data::column::Column;
 use std::fmt::{self, Display, Formatter};
 
 use fos_core::{Axis, AxisParameters, Channel, Image, Term};
 
-use crate::model::unit_of;
 use fos_data::text::number;
 use fos_data::visible::visible;
 
@@ -71,8 +71,8 @@ impl Display for Description<'_> {
 
 fn write_parameters(f: &mut Formatter<'_>, p: &AxisParameters<f32>) -> fmt::Result {
     let unit = match p.axis {
-        Axis::Ax | Axis::Ay | Axis::Az => unit_of("_mps2"),
-        Axis::Gx | Axis::Gy | Axis::Gz => unit_of("_rads"),
+        Axis::Ax | Axis::Ay | Axis::Az => Column::named("_mps2").unit().label(),
+        Axis::Gx | Axis::Gy | Axis::Gz => Column::named("_rads").unit().label(),
         Axis::Other => "",
     };
     writeln!(

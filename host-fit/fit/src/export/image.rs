@@ -2,8 +2,9 @@
 
 use fos_core::image::encode;
 use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
+use fos_data::column::Column;
 
-use crate::model::{HostPredictor, UnitModel, unit_of};
+use crate::model::{HostPredictor, UnitModel};
 use fos_data::visible::visible;
 
 /// The largest image that is written, bytes; a model of 6 axes with 20 terms each takes about 2000.
@@ -20,10 +21,9 @@ pub struct UnusableImage(pub ImageError);
 ///
 /// The model has more than 255 of something, or does not fit fos-core after rounding to f32.
 pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8>, UnusableImage> {
-    let quantities = model
-        .quantities
-        .iter()
-        .map(|logged| format!("{} {}", logged.column, unit_of(&logged.column)).trim_end().to_owned());
+    let quantities = model.quantities.iter().map(|logged| {
+        format!("{} {}", logged.column, Column::named(&logged.column).unit().label()).trim_end().to_owned()
+    });
     let (quantities, effects) = (in_lines(quantities), in_lines(effects(model)));
     let info = Info { sensor, quantities: &quantities, effects: &effects, provenance };
     let mut buffer = vec![0; LARGEST];

@@ -1,5 +1,6 @@
 //! Fits one axis: offset and scale, the physical part, then the stochastic part by Fast Orthogonal Search.
 
+use fos_data::column::Column;
 use std::ops::Range;
 
 use fos_core::{
@@ -7,7 +8,7 @@ use fos_core::{
 };
 
 use super::autoregression::AutoregressionError;
-use super::options::{FitOptions, InputSpec, Train, axis_of, quantity_of};
+use super::options::{FitOptions, InputSpec, Train};
 use super::physical;
 use super::regressors::Regressors;
 use super::stochastic::{self, AxisReport, LeftOut};
@@ -292,7 +293,7 @@ fn start(
     if deviation == 0.0 {
         return Err(AxisError::Constant { column: column.to_owned(), value: known[0] });
     }
-    let axis = axis_of(column);
+    let axis = Column::named(column).axis();
     let is_accelerometer = matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
     // at rest an accelerometer shows gravity: what is constant then is the true value as far as anyone knows
     let (reference_value, offset) = match (reference, options.offset) {
@@ -371,8 +372,10 @@ fn logged_input(
             if deviation == 0.0 {
                 return Err(AxisError::Steady { column: column.clone(), value: *first });
             }
-            let quantity =
-                LoggedQuantity { column: channel.name.clone(), quantity: quantity_of(&channel.name) };
+            let quantity = LoggedQuantity {
+                column: channel.name.clone(),
+                quantity: Column::named(&channel.name).quantity(),
+            };
             let index = model.quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
                 model.quantities.push(quantity);
                 model.quantities.len() - 1

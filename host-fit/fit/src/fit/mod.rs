@@ -30,7 +30,7 @@ pub use autoregression::{Autoregression, AutoregressionError};
 pub use axis::{AxisError, AxisFit, fit_axis, training_rows};
 pub use exchange::Tie;
 pub use fos::{Selection, Step};
-pub use options::{FitOptions, InputSpec, Method, Stop, Train, axis_of, quantity_of};
+pub use options::{FitOptions, InputSpec, Method, Stop, Train};
 pub use refit::{Refit, RefitError};
 pub use stochastic::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use stop::{NoiseRule, StopRule, Stopped};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use fos_core::{Axis, FittedOn, Quantity, Transform};
+use fos_core::{FittedOn, Transform};
 use serde::{Deserialize, Serialize};
 
 use super::stop::NoiseRule;
@@ -249,36 +249,6 @@ impl fmt::Display for InputSpec {
 }
 
 stored_as_text!(InputSpec);
-
-/// The axis of a column, by its name.
-pub fn axis_of(column: &str) -> Axis {
-    match column {
-        "ax_mps2" => Axis::Ax,
-        "ay_mps2" => Axis::Ay,
-        "az_mps2" => Axis::Az,
-        "gx_rads" => Axis::Gx,
-        "gy_rads" => Axis::Gy,
-        "gz_rads" => Axis::Gz,
-        _ => Axis::Other,
-    }
-}
-
-/// The quantity of a column, by its name.
-pub fn quantity_of(column: &str) -> Quantity {
-    match column {
-        "temp_c" => Quantity::Temperature,
-        "supply_v" => Quantity::Supply,
-        "load_pct" => Quantity::Load,
-        "mag_x_ut" => Quantity::MagneticX,
-        "mag_y_ut" => Quantity::MagneticY,
-        "mag_z_ut" => Quantity::MagneticZ,
-        other => match (axis_of(other), other.strip_prefix("ref_").map(axis_of)) {
-            (Axis::Other, None | Some(Axis::Other)) => Quantity::Other,
-            (Axis::Other, Some(axis)) => Quantity::Reference(axis),
-            (axis, _) => Quantity::Measured(axis),
-        },
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -50,7 +50,17 @@ impl Unit {
         }
     }
 
-    /// As written after a number; empty when the unit is not stated.
+    /// As people write it; empty when the unit is not stated.
+    pub fn label(self) -> &'static str {
+        match self {
+            Unit::MetrePerSecondSquared => "m/s²",
+            Unit::Celsius => "°C",
+            Unit::Microtesla => "µT",
+            other => other.symbol(),
+        }
+    }
+
+    /// In letters of ASCII, as files have it; empty when the unit is not stated.
     pub fn symbol(self) -> &'static str {
         match self {
             Unit::Second => "s",
@@ -68,24 +78,24 @@ impl Unit {
 
 /// A straight line, `scale · x + offset`: how a cell becomes a value in the channel's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Affine {
+pub(crate) struct Affine {
     /// Value per cell unit.
-    pub(super) scale: f64,
+    pub(crate) scale: f64,
     /// Value of a cell that reads zero, in the unit of the result.
-    pub(super) offset: f64,
+    pub(crate) offset: f64,
 }
 
 impl Affine {
     /// Leaves every number as it is, to the last bit.
-    pub(super) const IDENTITY: Affine = Affine { scale: 1.0, offset: 0.0 };
+    pub(crate) const IDENTITY: Affine = Affine { scale: 1.0, offset: 0.0 };
 
     /// This line, and `next` applied to its result.
-    pub(super) fn then(self, next: Affine) -> Affine {
+    pub(crate) fn then(self, next: Affine) -> Affine {
         Affine { scale: self.scale * next.scale, offset: self.offset * next.scale + next.offset }
     }
 
     /// Converts all `values` in place.
-    pub(super) fn apply(self, values: &mut [f64]) {
+    pub(crate) fn apply(self, values: &mut [f64]) {
         if self != Affine::IDENTITY {
             values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
         }
@@ -123,18 +133,18 @@ const KNOWN: &[(&[&str], Unit, f64, f64)] = &[
 ];
 
 /// The SI unit that `spelling` converts to, and the conversion; `None` if it is not a unit known here.
-pub(super) fn parse_unit(spelling: &str) -> Option<(Unit, Affine)> {
+pub(crate) fn parse_unit(spelling: &str) -> Option<(Unit, Affine)> {
     let (_, unit, scale, offset) = KNOWN.iter().find(|(names, ..)| names.contains(&spelling))?;
     Some((*unit, Affine { scale: *scale, offset: *offset }))
 }
 
 /// The first spelling of every unit that converts to `unit`, itself first.
-pub(super) fn spellings_of(unit: Unit) -> Vec<&'static str> {
+pub(crate) fn spellings_of(unit: Unit) -> Vec<&'static str> {
     KNOWN.iter().filter(|(_, other, ..)| *other == unit).map(|(names, ..)| names[0]).collect()
 }
 
 /// The first spelling of every unit known here, for messages and help.
-pub(super) fn known_units() -> String {
+pub(crate) fn known_units() -> String {
     KNOWN.iter().map(|(names, ..)| names[0]).collect::<Vec<_>>().join(", ")
 }
 

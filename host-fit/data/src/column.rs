@@ -1,0 +1,177 @@
+//! What a column of a log is, by its name: axis, unit, quantity, reference, label. The one place that knows.
+//!
+//! | name | is |
+//! |---|---|
+//! | `t_s` | time, s |
+//! | `ax_mps2` … `az_mps2`, `gx_rads` … `gz_rads` | what an axis measured ([`AXES`]) |
+//! | `ref_gx_rads`, … | its true value, where it is known ([`Column::reference`]) |
+//! | `temp_c`, `supply_v`, `load_pct`, `mag_x_ut` … `mag_z_ut` | quantities that an error may depend on |
+//! | `still`, `segment` | flags of a row ([`crate::recording`]) |
+//! | `innovation_gx_rads`, `validity_gx_rads`, … | what a model on a device said ([`Column::is_of_model`]) |
+//!
+//! Any other column is a quantity of its own; the last part of its name states its unit ([`Unit::of_column`]).
+
+use fos_core::{Axis, Quantity};
+
+use crate::unit::Unit;
+
+/// The accelerometers, x, y, z.
+pub const ACCELEROMETERS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+
+/// The gyros, x, y, z.
+pub const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
+
+/// The inertial channels, in their order everywhere.
+pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+/// Before the name of an axis: its true value.
+const REFERENCE: &str = "ref_";
+
+/// Before the name of an axis: its innovation, from the telemetry of a device.
+const INNOVATION: &str = "innovation_";
+
+/// Before the name of an axis: what speaks against its corrected value (flags), from the telemetry of a device.
+const VALIDITY: &str = "validity_";
+
+/// Three axes of one kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Triad {
+    /// Specific force.
+    Accelerometers,
+    /// Angular rate.
+    Gyros,
+}
+
+impl Triad {
+    /// Its columns, x, y, z.
+    pub fn columns(self) -> [&'static str; 3] {
+        match self {
+            Self::Accelerometers => ACCELEROMETERS,
+            Self::Gyros => GYROS,
+        }
+    }
+}
+
+/// A column of a log, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column<'a>(&'a str);
+
+impl<'a> Column<'a> {
+    /// Of this name.
+    pub fn named(name: &'a str) -> Self {
+        Self(name)
+    }
+
+    /// The triad that it is an axis of, and which: 0, 1, 2 for x, y, z.
+    pub fn place(self) -> Option<(Triad, usize)> {
+        [Triad::Accelerometers, Triad::Gyros].into_iter().find_map(|triad| {
+            let index = triad.columns().iter().position(|column| *column == self.0)?;
+            Some((triad, index))
+        })
+    }
+
+    /// Its axis as fos-core knows it.
+    pub fn axis(self) -> Axis {
+        match self.place() {
+            Some((Triad::Accelerometers, index)) => [Axis::Ax, Axis::Ay, Axis::Az][index],
+            Some((Triad::Gyros, index)) => [Axis::Gx, Axis::Gy, Axis::Gz][index],
+            None => Axis::Other,
+        }
+    }
+
+    /// What fos-core knows it as where an input is computed from it.
+    pub fn quantity(self) -> Quantity {
+        match self.0 {
+            "temp_c" => Quantity::Temperature,
+            "supply_v" => Quantity::Supply,
+            "load_pct" => Quantity::Load,
+            "mag_x_ut" => Quantity::MagneticX,
+            "mag_y_ut" => Quantity::MagneticY,
+            "mag_z_ut" => Quantity::MagneticZ,
+            _ => match (self.axis(), self.measured().map(Self::axis)) {
+                (Axis::Other, None | Some(Axis::Other)) => Quantity::Other,
+                (Axis::Other, Some(axis)) => Quantity::Reference(axis),
+                (axis, _) => Quantity::Measured(axis),
+            },
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> Unit {
+        Unit::of_column(self.0)
+    }
+
+    /// It is in m/s²: an accelerometer, its reference, or one under another name.
+    pub fn is_specific_force(self) -> bool {
+        self.unit() == Unit::MetrePerSecondSquared
+    }
+
+    /// It is in rad/s.
+    pub fn is_angular_rate(self) -> bool {
+        self.unit() == Unit::RadianPerSecond
+    }
+
+    /// Name of the column with its true value.
+    pub fn reference(self) -> String {
+        format!("{REFERENCE}{}", self.0)
+    }
+
+    /// The column that this one is the true value of.
+    pub fn measured(self) -> Option<Self> {
+        self.0.strip_prefix(REFERENCE).map(Self)
+    }
+
+    /// It is what a model said, in the telemetry of a device: neither measured nor a cause of anything.
+    pub fn is_of_model(self) -> bool {
+        self.0.starts_with(INNOVATION) || self.0.starts_with(VALIDITY)
+    }
+
+    /// Name of the column with its innovation, from the telemetry of a device.
+    pub fn innovation(self) -> String {
+        format!("{INNOVATION}{}", self.0)
+    }
+
+    /// Name of the column with its validity, from the telemetry of a device.
+    pub fn validity(self) -> String {
+        format!("{VALIDITY}{}", self.0)
+    }
+
+    /// As people call it: `gyro x`; of other columns the name.
+    pub fn label(self) -> &'a str {
+        match self.place() {
+            Some((Triad::Accelerometers, index)) => {
+                ["accelerometer x", "accelerometer y", "accelerometer z"][index]
+            }
+            Some((Triad::Gyros, index)) => ["gyro x", "gyro y", "gyro z"][index],
+            None => self.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_says_what_a_column_is() {
+        let gyro = Column::named("gy_rads");
+        assert_eq!(gyro.place(), Some((Triad::Gyros, 1)));
+        assert_eq!((gyro.axis(), gyro.quantity()), (Axis::Gy, Quantity::Measured(Axis::Gy)));
+        assert_eq!((gyro.unit(), gyro.label()), (Unit::RadianPerSecond, "gyro y"));
+        let reference = gyro.reference();
+        let reference = Column::named(&reference);
+        assert_eq!((reference.axis(), reference.quantity()), (Axis::Other, Quantity::Reference(Axis::Gy)));
+        assert_eq!(reference.measured(), Some(gyro));
+        assert!(Column::named(&gyro.innovation()).is_of_model() && !reference.is_of_model());
+        let other = Column::named("ref_wind_mps2");
+        assert_eq!((other.axis(), other.quantity(), other.place()), (Axis::Other, Quantity::Other, None));
+        assert!(other.is_specific_force() && !other.is_angular_rate());
+        assert_eq!(other.label(), "ref_wind_mps2");
+    }
+
+    #[test]
+    fn the_axes_are_the_two_triads() {
+        assert_eq!(AXES[..3], ACCELEROMETERS);
+        assert_eq!(AXES[3..], GYROS);
+    }
+}
