@@ -1,23 +1,27 @@
 //! The hub: six axes over shared inputs, raw codes in, corrected SI units out.
 
+mod axes;
 mod error;
 mod gravity;
+mod load;
 mod output;
+mod quantities;
 mod rate;
 mod watch;
 
-use fos_core::{
-    Axis, AxisParameters, Drift, FittedOn, Image, Info, InnovationStatistics, Model, PoseGate, Predictor,
-    Quantity, Sample, StillnessDetector, StillnessLimits, Validity,
-};
-use heapless::{String, Vec};
-
-pub use error::HubError;
-use gravity::Gravity;
+use fos_core::{Axis, Drift, InnovationStatistics, Predictor, Sample, StillnessDetector, Validity};
 // the pose gate is fos-core's, for the host too
 pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
+use heapless::Vec;
+
+pub use axes::{AXES, SIX};
+use axes::{Modelled, at, axis_of, channel_of};
+pub use error::HubError;
+use gravity::Gravity;
 pub use gravity::leads_away;
-pub use output::{AXES, Output};
+pub use output::Output;
+use quantities::QuantitySource;
+pub use quantities::{MAX_LOGGED, is_given};
 use rate::RateEstimator;
 use watch::Watch;
 
@@ -26,16 +30,6 @@ use crate::raw::{Faults, RawSample, Scales};
 /// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
 /// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
 const RATE_TOLERANCE: f32 = 0.01;
-
-/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks of such
-/// sensors are up to 5 % off, on either side of the fit.
-const PERIOD_TOLERANCE: f64 = 0.1;
-
-/// The axes of a hub, in their order everywhere.
-pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
-
-/// So many quantities are logged at most, temperature among them.
-pub const MAX_LOGGED: usize = 17;
 
 /// Whether the unit is still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,30 +93,6 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     output: Output,
 }
 
-/// An axis of the model.
-#[derive(Debug, Clone, Copy)]
-struct Modelled {
-    /// Which of the six it is.
-    channel: u8,
-    gate: PoseGate<f32>,
-}
-
-/// Where a logged quantity of the model comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum QuantitySource {
-    Thermometer,
-    /// One of the six, as measured.
-    Measured(u8),
-    /// The application.
-    Application(Quantity),
-}
-
-impl QuantitySource {
-    fn is_application(&self) -> bool {
-        matches!(self, Self::Application(_))
-    }
-}
-
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
     /// A hub without a model, for a sensor with these scales; may be in a `static`.
     pub const fn new(scales: Scales) -> Self {
@@ -150,177 +120,6 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// What the codes of the sensor mean.
     pub fn scales(&self) -> &Scales {
         &self.scales
-    }
-
-    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not needed afterwards.
-    ///
-    /// # Errors
-    ///
-    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says so.
-    pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
-        self.unload();
-        let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
-        self.settle(loaded)
-    }
-
-    /// As [`load`](Self::load), for a model that was compiled in: what `host-fit export --rust` writes.
-    ///
-    /// # Errors
-    ///
-    /// Too large, or not for this sensor: then the hub has no model, and the output says so.
-    pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
-        self.unload();
-        let loaded = self.take_model(model);
-        self.settle(loaded)
-    }
-
-    /// Leaves nothing of a model that was refused; sets the clocks of one that was taken.
-    fn settle(&mut self, loaded: Result<(), HubError>) -> Result<(), HubError> {
-        if let Err(error) = &loaded {
-            warn!("model refused: {}", *error);
-            self.unload();
-        } else {
-            // what a sensor does after power-on it has done
-            self.predictor.begin_after(self.ticks);
-            info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
-        }
-        loaded
-    }
-
-    fn unload(&mut self) {
-        self.predictor.clear();
-        self.axes.clear();
-        self.in_order = true;
-        self.sources.clear();
-        self.quantities.clear();
-        self.detector = None;
-        self.watch.clear();
-        self.gravity = None;
-        (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
-        self.output = Output::NONE;
-    }
-
-    fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
-        self.check_fitted_on(image.fitted_on())?;
-        image.load(&mut self.predictor).map_err(HubError::Image)?;
-        let axes = image.axes().map(|axis| axis.parameters);
-        self.connect(image.period_s(), axes, image.quantities(), image.stillness())
-    }
-
-    fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
-        self.check_fitted_on(model.fitted_on)?;
-        self.predictor.load(model).map_err(|error| HubError::Image(error.into()))?;
-        let axes = model.axes.iter().map(|axis| axis.parameters);
-        self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
-    }
-
-    fn check_fitted_on(&self, model: FittedOn) -> Result<(), HubError> {
-        if model == self.scales.values {
-            Ok(())
-        } else {
-            Err(HubError::FittedOn { model, sensor: self.scales.values })
-        }
-    }
-
-    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
-    // apart from decoding, so that the stack of one is not below the other's
-    #[inline(never)]
-    fn connect(
-        &mut self,
-        model: f64,
-        axes: impl Iterator<Item = AxisParameters<f32>>,
-        quantities: impl Iterator<Item = Quantity>,
-        stillness: Option<StillnessLimits<f32>>,
-    ) -> Result<(), HubError> {
-        let sensor = self.scales.period_s;
-        let off = model - sensor;
-        // neither is a period that is not a number
-        let near = off.max(-off) <= PERIOD_TOLERANCE * sensor;
-        if !near {
-            return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
-        }
-        self.model_rate_hz = 1.0 / model as f32;
-        for (index, parameters) in axes.enumerate() {
-            let channel = channel_of(parameters.axis).ok_or(HubError::Axis(index))?;
-            if self.axes.iter().any(|other| other.channel == channel) {
-                return Err(HubError::Axis(index));
-            }
-            self.in_order &= usize::from(channel) == index;
-            let gate = PoseGate::new(&parameters);
-            self.in_pose |= u32::from(gate.is_open_at_first()).checked_shl(index as u32).unwrap_or(0);
-            self.axes.push(Modelled { channel, gate }).map_err(|_| HubError::Axis(index))?;
-            self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
-            self.watch.add(&parameters, model);
-        }
-        let accelerometers = self.axes.iter().filter(|axis| axis.channel < 3).count();
-        self.gravity = (accelerometers == 3).then_some(Gravity::NEW);
-        for (index, quantity) in quantities.enumerate() {
-            let source = match quantity {
-                Quantity::Temperature => QuantitySource::Thermometer,
-                Quantity::Measured(axis) => {
-                    QuantitySource::Measured(channel_of(axis).ok_or(HubError::Quantity(index))?)
-                }
-                given => QuantitySource::Application(given),
-            };
-            self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
-            self.quantities.push(f32::NAN).map_err(|_| HubError::Quantity(index))?;
-        }
-        self.detector = stillness.and_then(|limits| StillnessDetector::new(limits).ok());
-        Ok(())
-    }
-
-    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a reference. Those
-    /// that the sensor itself measures need not be given. Until it is given, its axes are flagged.
-    ///
-    /// Returns whether the model uses it.
-    pub fn give(&mut self, quantity: Quantity, value: f32) -> bool {
-        let mut used = false;
-        for (source, slot) in self.sources.iter().zip(&mut self.quantities) {
-            if *source == QuantitySource::Application(quantity) {
-                *slot = value;
-                used = true;
-            }
-        }
-        used
-    }
-
-    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives: for one that
-    /// has only a name.
-    pub fn give_application(&mut self, index: usize, value: f32) -> bool {
-        let given = self.sources.iter().zip(&mut self.quantities);
-        match given.filter(|(source, _)| source.is_application()).nth(index) {
-            Some((_, slot)) => {
-                *slot = value;
-                true
-            }
-            None => false,
-        }
-    }
-
-    /// What was logged beside the axes: temperature, then what the application gave, in the model's order.
-    pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
-        let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
-        let mut logged = Vec::new();
-        for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {
-            let _ = logged.push(value);
-        }
-        logged
-    }
-
-    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the image. `None`
-    /// if they do not fit.
-    pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
-        let mut columns = String::new();
-        columns.push_str("temp_c").ok()?;
-        let mut names = info.quantities.lines();
-        for source in &self.sources {
-            let name = names.next().and_then(|line| line.split_whitespace().next());
-            if source.is_application() {
-                columns.push('\n').ok()?;
-                columns.push_str(name.unwrap_or("unnamed")).ok()?;
-            }
-        }
-        Some(columns)
     }
 
     /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's limits. A model
@@ -484,16 +283,6 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             (None, None) => false,
         }
     }
-
-    fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
-        for (source, value) in self.sources.iter().zip(&mut self.quantities) {
-            match source {
-                QuantitySource::Thermometer => *value = temperature_c,
-                QuantitySource::Measured(channel) => *value = at(measured, *channel),
-                QuantitySource::Application(_) => {}
-            }
-        }
-    }
 }
 
 /// Which axes are modelled, and what the latest sample came to; not the model.
@@ -512,25 +301,4 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Forma
             self.output.drift
         );
     }
-}
-
-/// Whether a logged quantity is the application's to give; the others the sensor itself measures.
-pub const fn is_given(quantity: Quantity) -> bool {
-    !matches!(quantity, Quantity::Temperature | Quantity::Measured(_))
-}
-
-/// Which axis one of the six is.
-fn axis_of(channel: u8) -> Axis {
-    SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
-}
-
-/// Which of the six an axis is.
-fn channel_of(axis: Axis) -> Option<u8> {
-    (0..).zip(SIX).find(|(_, other)| *other == axis).map(|(channel, _)| channel)
-}
-
-/// The value of one of the six; there is always one.
-#[inline(always)]
-fn at(values: &[f32; AXES], channel: u8) -> f32 {
-    values.get(usize::from(channel)).copied().unwrap_or(0.0)
 }

@@ -2,11 +2,8 @@
 
 use fos_core::{Correction, Validity};
 
-use super::Modelled;
+use super::axes::{AXES, Modelled};
 use crate::raw::Faults;
-
-/// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
-pub const AXES: usize = 6;
 
 /// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Everything is finite but what is absent: an
 /// innovation, a temperature.

@@ -3,7 +3,7 @@
 use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Monitor};
 use heapless::Vec;
 
-use super::output::AXES;
+use super::axes::AXES;
 
 /// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a sample; a sixth
 /// of that is spent, and an alarm comes five seconds later for every turn that the test takes.

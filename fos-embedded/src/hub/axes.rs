@@ -1,0 +1,33 @@
+//! The six axes of a sensor, and which of them a model has.
+
+use fos_core::{Axis, PoseGate};
+
+/// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
+pub const AXES: usize = 6;
+
+/// The axes of a hub, in their order everywhere.
+pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+
+/// An axis of the model.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Modelled {
+    /// Which of the six it is.
+    pub(super) channel: u8,
+    pub(super) gate: PoseGate<f32>,
+}
+
+/// Which axis one of the six is.
+pub(super) fn axis_of(channel: u8) -> Axis {
+    SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
+}
+
+/// Which of the six an axis is.
+pub(super) fn channel_of(axis: Axis) -> Option<u8> {
+    (0..).zip(SIX).find(|(_, other)| *other == axis).map(|(channel, _)| channel)
+}
+
+/// The value of one of the six; there is always one.
+#[inline(always)]
+pub(super) fn at(values: &[f32; AXES], channel: u8) -> f32 {
+    values.get(usize::from(channel)).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,133 @@
+//! A model into the hub: which of the sensor's axes and quantities it has.
+
+use fos_core::{
+    AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, StillnessDetector, StillnessLimits,
+};
+
+use super::axes::{Modelled, at, channel_of};
+use super::gravity::Gravity;
+use super::quantities::QuantitySource;
+use super::{Hub, HubError, Output};
+
+/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks of such
+/// sensors are up to 5 % off, on either side of the fit.
+const PERIOD_TOLERANCE: f64 = 0.1;
+
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not needed afterwards.
+    ///
+    /// # Errors
+    ///
+    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says so.
+    pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
+        self.unload();
+        let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
+        self.settle(loaded)
+    }
+
+    /// As [`load`](Self::load), for a model that was compiled in: what `host-fit export --rust` writes.
+    ///
+    /// # Errors
+    ///
+    /// Too large, or not for this sensor: then the hub has no model, and the output says so.
+    pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
+        self.unload();
+        let loaded = self.take_model(model);
+        self.settle(loaded)
+    }
+
+    /// Leaves nothing of a model that was refused; sets the clocks of one that was taken.
+    fn settle(&mut self, loaded: Result<(), HubError>) -> Result<(), HubError> {
+        if let Err(error) = &loaded {
+            warn!("model refused: {}", *error);
+            self.unload();
+        } else {
+            // what a sensor does after power-on it has done
+            self.predictor.begin_after(self.ticks);
+            info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
+        }
+        loaded
+    }
+
+    fn unload(&mut self) {
+        self.predictor.clear();
+        self.axes.clear();
+        self.in_order = true;
+        self.sources.clear();
+        self.quantities.clear();
+        self.detector = None;
+        self.watch.clear();
+        self.gravity = None;
+        (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
+        self.output = Output::NONE;
+    }
+
+    fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
+        self.check_fitted_on(image.fitted_on())?;
+        image.load(&mut self.predictor).map_err(HubError::Image)?;
+        let axes = image.axes().map(|axis| axis.parameters);
+        self.connect(image.period_s(), axes, image.quantities(), image.stillness())
+    }
+
+    fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
+        self.check_fitted_on(model.fitted_on)?;
+        self.predictor.load(model).map_err(|error| HubError::Image(error.into()))?;
+        let axes = model.axes.iter().map(|axis| axis.parameters);
+        self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
+    }
+
+    fn check_fitted_on(&self, model: FittedOn) -> Result<(), HubError> {
+        if model == self.scales.values {
+            Ok(())
+        } else {
+            Err(HubError::FittedOn { model, sensor: self.scales.values })
+        }
+    }
+
+    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
+    // apart from decoding, so that the stack of one is not below the other's
+    #[inline(never)]
+    fn connect(
+        &mut self,
+        model: f64,
+        axes: impl Iterator<Item = AxisParameters<f32>>,
+        quantities: impl Iterator<Item = Quantity>,
+        stillness: Option<StillnessLimits<f32>>,
+    ) -> Result<(), HubError> {
+        let sensor = self.scales.period_s;
+        let off = model - sensor;
+        // neither is a period that is not a number
+        let near = off.max(-off) <= PERIOD_TOLERANCE * sensor;
+        if !near {
+            return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
+        }
+        self.model_rate_hz = 1.0 / model as f32;
+        for (index, parameters) in axes.enumerate() {
+            let channel = channel_of(parameters.axis).ok_or(HubError::Axis(index))?;
+            if self.axes.iter().any(|other| other.channel == channel) {
+                return Err(HubError::Axis(index));
+            }
+            self.in_order &= usize::from(channel) == index;
+            let gate = PoseGate::new(&parameters);
+            self.in_pose |= u32::from(gate.is_open_at_first()).checked_shl(index as u32).unwrap_or(0);
+            self.axes.push(Modelled { channel, gate }).map_err(|_| HubError::Axis(index))?;
+            self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
+            self.watch.add(&parameters, model);
+        }
+        let accelerometers = self.axes.iter().filter(|axis| axis.channel < 3).count();
+        self.gravity = (accelerometers == 3).then_some(Gravity::NEW);
+        for (index, quantity) in quantities.enumerate() {
+            let source = match quantity {
+                Quantity::Temperature => QuantitySource::Thermometer,
+                Quantity::Measured(axis) => {
+                    QuantitySource::Measured(channel_of(axis).ok_or(HubError::Quantity(index))?)
+                }
+                given => QuantitySource::Application(given),
+            };
+            self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
+            self.quantities.push(f32::NAN).map_err(|_| HubError::Quantity(index))?;
+        }
+        self.detector = stillness.and_then(|limits| StillnessDetector::new(limits).ok());
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! What is logged beside the axes: which of it the sensor gives, which the application.
+
+use fos_core::{Info, Quantity};
+use heapless::{String, Vec};
+
+use super::Hub;
+use super::axes::{AXES, at};
+
+/// So many quantities are logged at most, temperature among them.
+pub const MAX_LOGGED: usize = 17;
+
+/// Where a logged quantity of the model comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum QuantitySource {
+    Thermometer,
+    /// One of the six, as measured.
+    Measured(u8),
+    /// The application.
+    Application(Quantity),
+}
+
+impl QuantitySource {
+    fn is_application(&self) -> bool {
+        matches!(self, Self::Application(_))
+    }
+}
+
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a reference. Those
+    /// that the sensor itself measures need not be given. Until it is given, its axes are flagged.
+    ///
+    /// Returns whether the model uses it.
+    pub fn give(&mut self, quantity: Quantity, value: f32) -> bool {
+        let mut used = false;
+        for (source, slot) in self.sources.iter().zip(&mut self.quantities) {
+            if *source == QuantitySource::Application(quantity) {
+                *slot = value;
+                used = true;
+            }
+        }
+        used
+    }
+
+    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives: for one that
+    /// has only a name.
+    pub fn give_application(&mut self, index: usize, value: f32) -> bool {
+        let given = self.sources.iter().zip(&mut self.quantities);
+        match given.filter(|(source, _)| source.is_application()).nth(index) {
+            Some((_, slot)) => {
+                *slot = value;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// What was logged beside the axes: temperature, then what the application gave, in the model's order.
+    pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
+        let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
+        let mut logged = Vec::new();
+        for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {
+            let _ = logged.push(value);
+        }
+        logged
+    }
+
+    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the image. `None`
+    /// if they do not fit.
+    pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
+        let mut columns = String::new();
+        columns.push_str("temp_c").ok()?;
+        let mut names = info.quantities.lines();
+        for source in &self.sources {
+            let name = names.next().and_then(|line| line.split_whitespace().next());
+            if source.is_application() {
+                columns.push('\n').ok()?;
+                columns.push_str(name.unwrap_or("unnamed")).ok()?;
+            }
+        }
+        Some(columns)
+    }
+
+    /// What the sensor itself measures of them.
+    pub(super) fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
+        for (source, value) in self.sources.iter().zip(&mut self.quantities) {
+            match source {
+                QuantitySource::Thermometer => *value = temperature_c,
+                QuantitySource::Measured(channel) => *value = at(measured, *channel),
+                QuantitySource::Application(_) => {}
+            }
+        }
+    }
+}
+
+/// Whether a logged quantity is the application's to give; the others the sensor itself measures.
+pub const fn is_given(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Temperature | Quantity::Measured(_))
+}
