@@ -53,8 +53,8 @@ pub(crate) struct RunningAxis<R> {
     range: Range<R>,
     full_scale: R,
     /// Wider than the count, so that a test switched off is never reached.
-    stuck_after: u32,
-    gap_limit: u8,
+    stuck_after_repeats: u32,
+    gap_limit_samples: u8,
     coast_limit: u32,
     fade: R,
 
@@ -101,11 +101,11 @@ impl<R: Real> RunningAxis<R> {
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
             full_scale,
-            stuck_after: match parameters.stuck_after {
+            stuck_after_repeats: match parameters.stuck_after_repeats {
                 0 => u32::MAX,
                 repeats => u32::from(repeats),
             },
-            gap_limit: parameters.gap_limit,
+            gap_limit_samples: parameters.gap_limit_samples,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
             fade: R::from_f64(1.0 + exp_m1(-period_s / coast_limit_s)),
@@ -149,7 +149,7 @@ impl<R: Real> RunningAxis<R> {
     /// gone: nothing is known that could bring it back.
     #[cold]
     pub(crate) fn restart(&mut self, ticks: u32) {
-        (self.measured_run, self.missing) = (0, self.gap_limit);
+        (self.measured_run, self.missing) = (0, self.gap_limit_samples);
         self.ready = self.depth == 0;
         (self.remainder, self.known, self.steady) = (R::ZERO, false, false);
         self.coasted = self.coasted.saturating_add(ticks);
@@ -160,7 +160,7 @@ impl<R: Real> RunningAxis<R> {
 
     /// Ticks that the axis coasts over when samples are missing, or remembers: the more of the two.
     pub(crate) fn reach(&self) -> u32 {
-        u32::from(self.depth.max(u16::from(self.gap_limit)))
+        u32::from(self.depth.max(u16::from(self.gap_limit_samples)))
     }
 
     /// r(n − 1), limited; none where it is not known: before the first sample, while more are missing than may be, and
@@ -245,7 +245,7 @@ impl<R: Real> RunningAxis<R> {
     /// There is no sample that could be used, for the given reason.
     fn lose(&mut self, measured: R, reason: Validity, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
-        let coasts = self.missing < self.gap_limit;
+        let coasts = self.missing < self.gap_limit_samples;
         if coasts {
             self.missing += 1;
         } else {
@@ -282,7 +282,7 @@ impl<R: Real> RunningAxis<R> {
     fn is_fresh(&mut self, measured: R) -> bool {
         if measured == self.last_measured {
             self.repeats = self.repeats.saturating_add(1);
-            return u32::from(self.repeats) < self.stuck_after;
+            return u32::from(self.repeats) < self.stuck_after_repeats;
         }
         (self.last_measured, self.repeats) = (measured, 0);
         true
@@ -292,7 +292,7 @@ impl<R: Real> RunningAxis<R> {
     fn fault(&self, measured: R, remainder: R) -> Validity {
         Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
             | Validity::when(measured.abs() >= self.full_scale, Validity::SATURATED)
-            | Validity::when(u32::from(self.repeats) >= self.stuck_after, Validity::STUCK)
+            | Validity::when(u32::from(self.repeats) >= self.stuck_after_repeats, Validity::STUCK)
     }
 
     /// One more measured sample on the way to a history of nothing else.

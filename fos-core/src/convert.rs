@@ -63,8 +63,8 @@ impl<S: Real> AxisParameters<S> {
             constant: scalar(self.constant),
             range: self.range.convert(),
             full_scale: scalar(self.full_scale),
-            stuck_after: self.stuck_after,
-            gap_limit: self.gap_limit,
+            stuck_after_repeats: self.stuck_after_repeats,
+            gap_limit_samples: self.gap_limit_samples,
             coast_limit_s: scalar(self.coast_limit_s),
             innovation: InnovationStatistics {
                 mean: scalar(self.innovation.mean),

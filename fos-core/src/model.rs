@@ -94,10 +94,12 @@ pub struct AxisParameters<R> {
     pub range: Range<R>,
     /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
     pub full_scale: R,
-    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off.
-    pub stuck_after: u16,
-    /// So many missing samples in a row are coasted before the history restarts.
-    pub gap_limit: u8,
+    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off. Stored as `stuck_after`.
+    #[serde(rename = "stuck_after")]
+    pub stuck_after_repeats: u16,
+    /// So many missing samples in a row are coasted before the history restarts. Stored as `gap_limit`.
+    #[serde(rename = "gap_limit")]
+    pub gap_limit_samples: u8,
     /// So long has coasting been validated, s; beyond it the stochastic part fades out.
     pub coast_limit_s: R,
     /// The innovation while fitting.

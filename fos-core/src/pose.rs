@@ -39,8 +39,8 @@ pub const OTHER_POSE: f64 = 20.0;
 ///     constant: 0.0,
 ///     range: Range { low: -4.0, high: 4.0 },
 ///     full_scale: 39.2,
-///     stuck_after: 0,
-///     gap_limit: 10,
+///     stuck_after_repeats: 0,
+///     gap_limit_samples: 10,
 ///     coast_limit_s: 60.0,
 ///     innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
 /// };
@@ -96,8 +96,8 @@ mod tests {
             constant: R::ZERO,
             range: Range { low: real(-4.0), high: real(4.0) },
             full_scale: R::ZERO,
-            stuck_after: 0,
-            gap_limit: 0,
+            stuck_after_repeats: 0,
+            gap_limit_samples: 0,
             coast_limit_s: R::ZERO,
             innovation: InnovationStatistics { mean: R::ZERO, variance: R::ONE, lag_1_correlation: R::ZERO },
         }

@@ -399,8 +399,8 @@ fn fixture() -> OwnedModel<f32> {
         constant: 0.02,
         range: Range::new(-4.5, 4.25),
         full_scale: 39.2,
-        stuck_after: 300,
-        gap_limit: 20,
+        stuck_after_repeats: 300,
+        gap_limit_samples: 20,
         coast_limit_s: 30.0,
         innovation: InnovationStatistics { mean: 0.001, variance: 0.8, lag_1_correlation: 0.01 },
     };
@@ -411,8 +411,8 @@ fn fixture() -> OwnedModel<f32> {
         scale: 0.0007,
         constant: -0.01,
         full_scale: 4.36,
-        stuck_after: 0,
-        gap_limit: 255,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 255,
         coast_limit_s: 12.5,
         ..accelerometer
     };

@@ -305,8 +305,8 @@ fn a_converted_model_is_the_same_model() {
         constant: 4.0,
         range: Range::new(5.0, 6.0),
         full_scale: 7.0,
-        stuck_after: 8,
-        gap_limit: 9,
+        stuck_after_repeats: 8,
+        gap_limit_samples: 9,
         coast_limit_s: 10.0,
         innovation: InnovationStatistics { mean: 11.0, variance: 12.0, lag_1_correlation: 0.13 },
     };

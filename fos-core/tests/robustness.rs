@@ -20,8 +20,8 @@ fn model<R: Real>(inputs: Vec<Input<f64>>, extra: Vec<Term<f64>>) -> OwnedModel<
         scale: 0.1,
         range: Range::new(-5.0, 5.0),
         full_scale: FULL_SCALE,
-        stuck_after: 8,
-        gap_limit: 5,
+        stuck_after_repeats: 8,
+        gap_limit_samples: 5,
         coast_limit_s: 60.0,
         ..plain()
     };
@@ -307,7 +307,7 @@ fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
 #[test]
 fn what_has_faded_does_not_come_back_by_what_is_lost() {
     // no lags, so that the axis needs no history to be ready
-    let parameters = AxisParameters { constant: 0.7, coast_limit_s: 1.0, gap_limit: 20, ..plain() };
+    let parameters = AxisParameters { constant: 0.7, coast_limit_s: 1.0, gap_limit_samples: 20, ..plain() };
     let mut moved = OwnedModel::autoregressive(parameters, vec![]).predictor().unwrap();
     let coast = |predictor: &mut Roomy<f64>| step(predictor, Mode::Coast, &[0.0], &[])[0];
     assert_eq!(coast(&mut moved).predicted, 0.7);
@@ -332,7 +332,7 @@ fn what_has_faded_does_not_come_back_by_what_is_lost() {
 fn a_stuck_test_that_is_switched_off_stays_off() {
     // repetitions were counted in 16 bits and 0 was turned into 65535: after 5 minutes of equal values the axis
     // was flagged as stuck and lost its history
-    let parameters = AxisParameters::<f32> { stuck_after: 0, ..plain() };
+    let parameters = AxisParameters::<f32> { stuck_after_repeats: 0, ..plain() };
     let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
     let mut predictor = model.predictor().unwrap();
     for n in 0..70_000 {
@@ -344,7 +344,7 @@ fn a_stuck_test_that_is_switched_off_stays_off() {
 #[test]
 fn the_first_sample_is_no_repetition() {
     // the value before the first one was 0, so a gyro that began with exactly 0 was stuck one sample early
-    let parameters = AxisParameters::<f32> { stuck_after: 3, ..plain() };
+    let parameters = AxisParameters::<f32> { stuck_after_repeats: 3, ..plain() };
     let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
     for value in [0.0, -0.0, 0.25] {
         let mut predictor = model.predictor().unwrap();

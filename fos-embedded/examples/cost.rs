@@ -74,8 +74,8 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         constant: 0.001,
         range: Range::new(-5.0, 5.0),
         full_scale: 0.0,
-        stuck_after: 100,
-        gap_limit: 20,
+        stuck_after_repeats: 100,
+        gap_limit_samples: 20,
         coast_limit_s: 60.0,
         innovation: InnovationStatistics { mean: 0.0, variance: 0.3, lag_1_correlation: 0.0 },
     }

@@ -104,8 +104,8 @@ mod host {
             constant: 0.01,
             range: Range::new(-4.0, 4.0),
             full_scale: 0.0,
-            stuck_after: 12,
-            gap_limit: 20,
+            stuck_after_repeats: 12,
+            gap_limit_samples: 20,
             coast_limit_s: 2.0,
             innovation: InnovationStatistics { mean: 0.0, variance: 0.5, lag_1_correlation: 0.0 },
         }

@@ -15,8 +15,8 @@ mod image {
 
     use embedded_hal::delay::DelayNs;
     use embedded_hal::{i2c, spi};
-    use fos_embedded::blocking::{Blocking, now};
-    use fos_embedded::sample_source::{Address, Bmi323, Lsm6dsv16x, Part, SampleSource};
+    use fos_embedded::blocking::{Blocking, poll_once};
+    use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
 
     unsafe extern "C" {
         /// Defined nowhere: an image in which a panic can be reached does not link.
@@ -35,10 +35,10 @@ mod image {
         loop {}
     }
 
-    fn run<P: Part>(part: P) {
+    fn run<P: Imu>(part: P) {
         let mut source = SampleSource::new(part);
         for _ in 0..black_box(5) {
-            if let Some(Ok(samples)) = now(source.poll(black_box(7))) {
+            if let Some(Ok(samples)) = poll_once(source.poll(black_box(7))) {
                 for raw in samples {
                     black_box(raw);
                 }

@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use embedded_hal_async::i2c::I2c;
-//! use fos_embedded::blocking::{Blocking, now};
+//! use fos_embedded::blocking::{Blocking, poll_once};
 //!
 //! async fn identity<B: I2c>(bus: &mut B) -> Result<u8, B::Error> {
 //!     let mut id = [0];
@@ -10,8 +10,8 @@
 //!     Ok(id[0])
 //! }
 //!
-//! fn identity_now<B: embedded_hal::i2c::I2c>(bus: B) -> Option<u8> {
-//!     now(identity(&mut Blocking(bus)))?.ok()
+//! fn identity_blocking<B: embedded_hal::i2c::I2c>(bus: B) -> Option<u8> {
+//!     poll_once(identity(&mut Blocking(bus)))?.ok()
 //! }
 //! ```
 
@@ -28,7 +28,7 @@ use embedded_storage::nor_flash;
 pub struct Blocking<T>(pub T);
 
 /// What a future gives that is done when it is first asked, as those over [`Blocking`] are; `None` from any other.
-pub fn now<T>(future: impl Future<Output = T>) -> Option<T> {
+pub fn poll_once<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => Some(output),
         Poll::Pending => None,

@@ -41,8 +41,8 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
         full_scale: 0.0,
-        stuck_after: 0,
-        gap_limit: 3,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 3,
         coast_limit_s: 2.0,
         innovation: InnovationStatistics { mean: 0.0, variance: 0.5, lag_1_correlation: 0.0 },
     }

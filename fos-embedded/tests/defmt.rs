@@ -125,7 +125,7 @@ fn loggable() -> BTreeSet<String> {
         named::<Counts>("fos-embedded/sample_source/counts.rs"),
         named::<SourceError<u8>>("fos-embedded/sample_source/error.rs"),
         named::<Batch>("fos-embedded/sample_source/frame.rs"),
-        named::<sample_source::Frame>("fos-embedded/sample_source/frame.rs"),
+        named::<sample_source::FifoFrame>("fos-embedded/sample_source/frame.rs"),
         named::<Address>("fos-embedded/sample_source/lsm6dsv16x.rs"),
         named::<Part>("fos-embedded/sample_source/lsm6dsv16x.rs"),
         named::<SampleSource<Part>>("fos-embedded/sample_source/mod.rs"),

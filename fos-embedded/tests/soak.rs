@@ -13,7 +13,7 @@ use std::time::Instant;
 use flash::{Flash, PAGE, PAGES};
 use fos_core::image::encode;
 use fos_core::{AxisModel, FittedOn, Info, Input, Model, Quantity, Range, Source, Term, Transform, u, y};
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::{Motion, Output};
 use fos_embedded::raw::{Faults, RawSample};
 use fos_embedded::store::ModelStore;
@@ -322,7 +322,7 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
     };
     let mut unit = store(Flash::new());
     let (mut newest, mut before) = (image(0), None::<Vec<u8>>);
-    now(unit.store(&newest)).expect("done at once").map_err(|error| format!("{error:?}"))?;
+    poll_once(unit.store(&newest)).expect("done at once").map_err(|error| format!("{error:?}"))?;
     let mut hub = loaded(&newest, world.supply)?;
     let (mut twin, mut in_use): (Option<Twin>, u32) = (None, 0);
 
@@ -428,7 +428,7 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
                 true
             } else {
                 let allocated = ALLOCATED.get();
-                let said = now(unit.store(&next)).expect("done at once").is_ok();
+                let said = poll_once(unit.store(&next)).expect("done at once").is_ok();
                 found.allocated += ALLOCATED.get() - allocated;
                 said
             };
@@ -441,14 +441,14 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
             if !said && !cut {
                 return Err(format!("update {number} was refused"));
             }
-            let kept = now(unit.load()).expect("done at once").ok().flatten().map(<[u8]>::to_vec);
+            let kept = poll_once(unit.load()).expect("done at once").ok().flatten().map(<[u8]>::to_vec);
             if kept.as_deref() == Some(&next) {
                 before = Some(std::mem::replace(&mut newest, next));
                 in_use = number;
             } else if said || kept.as_deref() != Some(&newest) {
                 return Err(format!("update {number} is not in the flash"));
             }
-            let previous = now(unit.load_previous()).expect("done at once").ok().flatten();
+            let previous = poll_once(unit.load_previous()).expect("done at once").ok().flatten();
             if !(previous == before.as_deref() || cut) {
                 return Err(format!("the image before update {number} is gone"));
             }
@@ -461,7 +461,8 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
             found.restarts += 1;
             found.compared[0].0 += 1;
         } else if world.once_in(15_000) {
-            let newest = now(unit.load()).expect("done at once").ok().flatten().ok_or("nothing is stored")?;
+            let newest =
+                poll_once(unit.load()).expect("done at once").ok().flatten().ok_or("nothing is stored")?;
             let image = before.as_deref().filter(|_| defect == Defect::Stale).unwrap_or(newest);
             twin = Some(Twin {
                 hub: loaded(image, world.supply)?,

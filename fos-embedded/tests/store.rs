@@ -6,7 +6,7 @@ use flash::{Fault, Flash, PAGE, PAGES};
 use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Range, Term, image, y,
 };
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::{ModelStore, StoreError};
 
 type Store = ModelStore<Blocking<Flash>, 1024>;
@@ -16,15 +16,15 @@ fn store(flash: Flash) -> Store {
 }
 
 fn load(store: &mut Store) -> Option<Vec<u8>> {
-    now(store.load()).expect("done at once").expect("a flash").map(<[u8]>::to_vec)
+    poll_once(store.load()).expect("done at once").expect("a flash").map(<[u8]>::to_vec)
 }
 
 fn previous(store: &mut Store) -> Option<Vec<u8>> {
-    now(store.load_previous()).expect("done at once").expect("a flash").map(<[u8]>::to_vec)
+    poll_once(store.load_previous()).expect("done at once").expect("a flash").map(<[u8]>::to_vec)
 }
 
 fn put(store: &mut Store, image: &[u8]) -> Result<(), StoreError<Fault>> {
-    now(store.store(image)).expect("done at once")
+    poll_once(store.store(image)).expect("done at once")
 }
 
 /// A model of its own for every number.
@@ -39,8 +39,8 @@ fn model(number: u32) -> Vec<u8> {
             constant: 0.0,
             range: Range::new(-10.0, 10.0),
             full_scale: 0.0,
-            stuck_after: 200,
-            gap_limit: 20,
+            stuck_after_repeats: 200,
+            gap_limit_samples: 20,
             coast_limit_s: 60.0,
             innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
         },
@@ -181,7 +181,7 @@ fn what_is_no_image_is_refused_and_changes_nothing() {
     assert_eq!(load(&mut unit), Some(model(5)));
     let mut small: ModelStore<_, 32> =
         ModelStore::new(Blocking(Flash::new()), 0..(4 * PAGE) as u32).unwrap_or_else(|_| panic!("a range"));
-    assert!(matches!(now(small.store(&model(1))), Some(Err(StoreError::TooLong(_)))));
+    assert!(matches!(poll_once(small.store(&model(1))), Some(Err(StoreError::TooLong(_)))));
     let odd = ModelStore::<_, 1024>::new(Blocking(Flash::new()), 0..3 * PAGE as u32);
     assert!(matches!(odd.err(), Some(StoreError::Range)), "three pages are too few");
 }

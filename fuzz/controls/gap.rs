@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let events = events(&mut bytes, event);
     let mut other = model.clone();
     for axis in &mut other.axes {
-        axis.parameters.gap_limit += 1;
+        axis.parameters.gap_limit_samples += 1;
     }
     if let Err(difference) = compare_with(Twin::new(&other), &model, &events, 0.0) {
         panic!("{difference}");

@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 use flash::{Flash, PAGE, PAGES};
 use fos_core::image::{Info, encode};
 use fos_core::{Image, Term, y};
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::ModelStore;
 use fos_fuzz::models::{OwnedModel, plain};
 use libfuzzer_sys::fuzz_target;
@@ -35,7 +35,7 @@ static STORED: LazyLock<Vec<Flash>> = LazyLock::new(|| {
     let mut flashes = vec![Flash::new()];
     for image in &IMAGES[1..] {
         let mut store = store(flashes[flashes.len() - 1].clone());
-        now(store.store(image)).expect("done at once").expect("a sound flash");
+        poll_once(store.store(image)).expect("done at once").expect("a sound flash");
         flashes.push(store.release().0);
     }
     flashes
@@ -57,14 +57,14 @@ fuzz_target!(|bytes: &[u8]| {
     let operations = flash.operations;
     let mut store = store(flash);
     let is_image = |image: Option<&[u8]>| image.is_none_or(|image| Image::parse(image).is_ok());
-    assert!(now(store.load()).expect("done at once").is_ok_and(is_image), "it gives what is no image");
+    assert!(poll_once(store.load()).expect("done at once").is_ok_and(is_image), "it gives what is no image");
     assert!(
-        now(store.load_previous()).expect("done at once").is_ok_and(is_image),
+        poll_once(store.load_previous()).expect("done at once").is_ok_and(is_image),
         "it gives what is no image"
     );
     let next = &IMAGES[0];
-    if now(store.store(next)).expect("done at once").is_ok() {
-        let held = now(store.load()).expect("done at once");
+    if poll_once(store.store(next)).expect("done at once").is_ok() {
+        let held = poll_once(store.load()).expect("done at once");
         assert_eq!(held, Ok(Some(&next[..])), "it forgets what it has stored");
     }
     // three slots' worth of erasing and writing

@@ -14,10 +14,10 @@ use std::rc::Rc;
 
 use embedded_hal::i2c::{self, I2c};
 use embedded_hal::spi::{self, SpiDevice};
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::RawSample;
-use fos_embedded::sample_source::{Address, Bmi323, Lsm6dsv16x, MAX_SAMPLES, Part, SampleSource};
+use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES, SampleSource};
 use libfuzzer_sys::fuzz_target;
 use simulated::{Chip, Delay, I2cBus, Kind, NoAnswer, Shared, SpiBus, codes};
 
@@ -124,13 +124,14 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 /// Polls as long as something goes wrong, and until it must be well again.
-fn follow<P: Part>(chip: &Shared, script: &Script, part: P) {
+fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
     let mut hub: Hub<8, 64, 128> = Hub::new(P::scales());
     let mut source = SampleSource::new(part);
     let mut poll = |after_ms: u8| -> Vec<RawSample> {
         chip.borrow_mut().pass(f64::from(after_ms) * 1000.0);
         let (now_us, transfers) = (chip.borrow().now_us as u64, chip.borrow().transfers);
-        let samples = now(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec).unwrap_or_default();
+        let samples =
+            poll_once(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec).unwrap_or_default();
         assert!(samples.len() <= MAX_SAMPLES);
         assert!(chip.borrow().transfers - transfers <= TRANSFERS_A_POLL, "a poll has no end");
         for sample in &samples {

@@ -41,8 +41,8 @@ pub fn model(bytes: &mut Unstructured<'_>, draw: Draw) -> Result<OwnedModel<f64>
             offset: between(bytes, -0.1, 0.1)?,
             scale: between(bytes, 0.5, 2.0)?,
             constant: between(bytes, -0.3, 0.3)?,
-            stuck_after: *bytes.choose(&[0, 2, 3, 4, 5])?,
-            gap_limit: bytes.int_in_range(0..=11)?,
+            stuck_after_repeats: *bytes.choose(&[0, 2, 3, 4, 5])?,
+            gap_limit_samples: bytes.int_in_range(0..=11)?,
             coast_limit_s: *bytes.choose(&[0.0, 0.004, 0.05, 0.3, 1e9])?,
             ..drawn_axis(between(bytes, 0.5, 1.0)?)
         };

@@ -62,8 +62,8 @@ static AXES: [AxisModel<'static, f32>; 2] = [
             constant: 0.01,
             range: Range::new(-4.5, 4.25),
             full_scale: 4.36,
-            stuck_after: 40,
-            gap_limit: 20,
+            stuck_after_repeats: 40,
+            gap_limit_samples: 20,
             coast_limit_s: 10.0,
             innovation: InnovationStatistics {
                 mean: 0.0,
@@ -83,8 +83,8 @@ static AXES: [AxisModel<'static, f32>; 2] = [
             constant: 0.01,
             range: Range::new(-4.5, 4.25),
             full_scale: 39.2,
-            stuck_after: 40,
-            gap_limit: 20,
+            stuck_after_repeats: 40,
+            gap_limit_samples: 20,
             coast_limit_s: 10.0,
             innovation: InnovationStatistics {
                 mean: 0.0,

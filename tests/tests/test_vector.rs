@@ -32,7 +32,7 @@ fn changes(model: &UnitModel) -> Vec<Change> {
                 m.axes[axis].parameters.range.high *= BY
             }),
             change(format!("{name}: full scale"), move |m| m.axes[axis].parameters.full_scale *= BY),
-            change(format!("{name}: gap limit"), move |m| m.axes[axis].parameters.gap_limit = 2),
+            change(format!("{name}: gap limit"), move |m| m.axes[axis].parameters.gap_limit_samples = 2),
             change(format!("{name}: which axis"), move |m| m.axes[axis].parameters.axis = Axis::Ay),
         ]);
         for term in 0..model.axes[axis].stochastic.len() {

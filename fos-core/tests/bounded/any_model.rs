@@ -132,7 +132,7 @@ fn model(noise: &mut Noise, number: usize) -> OwnedModel<f32> {
                 scale: decade(noise, -6.0, 3.0),
                 constant: coefficient(noise),
                 range: range(noise, 6.0),
-                gap_limit: pick(noise, &[0, 20, 255]),
+                gap_limit_samples: pick(noise, &[0, 20, 255]),
                 coast_limit_s: pick(noise, &[0.0, 10.0, 1e9, 1e9, 1e9]),
                 ..plain()
             },

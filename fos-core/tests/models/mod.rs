@@ -92,8 +92,8 @@ pub fn plain<R: Real>() -> AxisParameters<R> {
         constant: number(0.0),
         range: Range::new(number(-1.0), number(1.0)),
         full_scale: number(0.0),
-        stuck_after: 0,
-        gap_limit: 20,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 20,
         coast_limit_s: number(1e9),
         innovation: InnovationStatistics {
             mean: number(0.0),
@@ -232,14 +232,14 @@ fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<
     let faults = (prop_oneof![Just(0_u16), 2_u16..6], 0_u8..12, prop_oneof![Just(0.0), 0.0..0.3, Just(1e9)]);
     (numbers, faults, picks(), picks()).prop_map(move |(numbers, faults, physical, stochastic)| {
         let (reference, offset, scale, constant, reach) = numbers;
-        let (stuck_after, gap_limit, coast_limit_s) = faults;
+        let (stuck_after_repeats, gap_limit_samples, coast_limit_s) = faults;
         let parameters = AxisParameters {
             reference,
             offset,
             scale,
             constant,
-            stuck_after,
-            gap_limit,
+            stuck_after_repeats,
+            gap_limit_samples,
             coast_limit_s,
             ..drawn_axis(reach)
         };

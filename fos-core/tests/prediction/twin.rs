@@ -270,7 +270,7 @@ impl Twin {
         };
         let axes = self.model.axes.iter();
         axes.map(|axis| {
-            u32::from(axis.parameters.gap_limit).max(lag(&axis.physical)).max(lag(&axis.stochastic))
+            u32::from(axis.parameters.gap_limit_samples).max(lag(&axis.physical)).max(lag(&axis.stochastic))
         })
         .max()
         .unwrap_or(0)
@@ -338,7 +338,7 @@ impl Twin {
 
 impl TwinAxis {
     fn restart(&mut self, parameters: &AxisParameters<f64>) {
-        self.missing = u32::from(parameters.gap_limit);
+        self.missing = u32::from(parameters.gap_limit_samples);
         if let Some(last) = self.kept.last_mut() {
             *last = Kept::Restart;
         }
@@ -395,7 +395,7 @@ impl TwinAxis {
             if parameters.full_scale > 0.0 && measured.abs() >= parameters.full_scale {
                 fault |= Validity::SATURATED;
             }
-            if parameters.stuck_after > 0 && same > usize::from(parameters.stuck_after) {
+            if parameters.stuck_after_repeats > 0 && same > usize::from(parameters.stuck_after_repeats) {
                 fault |= Validity::STUCK;
             }
         } else {
@@ -428,7 +428,7 @@ impl TwinAxis {
             Reading::Moving(_) => fault.intersects(Validity::NOT_FINITE),
         };
         self.missing = if unusable { self.missing + 1 } else { 0 };
-        let restarted = self.missing > u32::from(parameters.gap_limit);
+        let restarted = self.missing > u32::from(parameters.gap_limit_samples);
         let limit = (parameters.coast_limit_s / PERIOD_S).floor();
         if restarted && f64::from(self.coasted) > limit {
             self.gain = 0.0;

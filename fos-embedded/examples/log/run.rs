@@ -10,7 +10,7 @@ use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, Image, Info, InnovationStatistics, Model, Range, Sample, Term,
     Validity, y,
 };
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::sample_source::SampleSource;
@@ -40,8 +40,8 @@ static GYRO_Z: AxisModel<'_, f32> = AxisModel {
         constant: 0.0,
         range: Range::new(-4.0, 4.0),
         full_scale: 16.0,
-        stuck_after: 50,
-        gap_limit: 20,
+        stuck_after_repeats: 50,
+        gap_limit_samples: 20,
         coast_limit_s: 10.0,
         innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
     },
@@ -131,7 +131,7 @@ fn samples(image: &[u8]) {
 fn sensor() {
     let mut source = SampleSource::new(Sensor::new());
     for poll in 0..12 {
-        let polled = now(source.poll(poll * 50_000));
+        let polled = poll_once(source.poll(poll * 50_000));
         if let Some(Ok([.., last])) = polled {
             info!("poll {=u64}, the last sample: {}", poll, last);
         }
@@ -143,15 +143,15 @@ fn flash(image: &[u8], damaged: &[u8]) {
     let Ok(mut store) = ModelStore::<_, 256>::new(Blocking(RamFlash::new()), 0..4 * PAGE as u32) else {
         fail(format_args!("whole pages"))
     };
-    info!("stored: {}", now(store.store(image)));
-    info!("damaged: {}", now(store.store(damaged)));
-    info!("stored: {}", now(store.store(image)));
+    info!("stored: {}", poll_once(store.store(image)));
+    info!("damaged: {}", poll_once(store.store(damaged)));
+    info!("stored: {}", poll_once(store.store(image)));
     let slots = 0..4 * PAGE as u32;
     let mut flash = store.release().0;
     flash.wreck(2 * PAGE..4 * PAGE);
     let Ok(mut store) = ModelStore::<_, 256>::new(Blocking(flash), slots) else {
         fail(format_args!("whole pages"))
     };
-    info!("an image is left: {}", matches!(now(store.load()), Some(Ok(Some(_)))));
+    info!("an image is left: {}", matches!(poll_once(store.load()), Some(Ok(Some(_)))));
     info!("{}", store);
 }

@@ -2,7 +2,7 @@
 
 use embedded_hal::spi::ErrorKind;
 use fos_embedded::raw::Scales;
-use fos_embedded::sample_source::{Batch, Part, SensorClock, SourceError};
+use fos_embedded::sample_source::{Batch, Imu, SensorClock, SourceError};
 
 use super::run::SCALES;
 
@@ -19,7 +19,7 @@ impl Sensor {
     }
 }
 
-impl Part for Sensor {
+impl Imu for Sensor {
     type BusError = ErrorKind;
 
     const NAME: &'static str = "sensor";

@@ -101,8 +101,8 @@ fn parameters() -> AxisParameters<f32> {
         constant: black_box(0.0),
         range: black_box(RANGE),
         full_scale: black_box(0.0),
-        stuck_after: black_box(0),
-        gap_limit: black_box(0),
+        stuck_after_repeats: black_box(0),
+        gap_limit_samples: black_box(0),
         coast_limit_s: black_box(1.0),
         innovation: black_box(InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 }),
     }

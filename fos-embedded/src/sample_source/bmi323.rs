@@ -8,7 +8,7 @@ use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::spi::{Operation, SpiDevice};
 use fos_core::FittedOn;
 
-use super::{Batch, Part, SensorClock, SourceError};
+use super::{Batch, Imu, SensorClock, SourceError};
 use crate::raw::Scales;
 
 /// ±4 g: 8.192 LSB/mg (§5.6.1).
@@ -114,7 +114,7 @@ impl<S, D> defmt::Format for Bmi323<S, D> {
     }
 }
 
-impl<S: SpiDevice, D: DelayNs> Part for Bmi323<S, D> {
+impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
     type BusError = S::Error;
 
     const NAME: &'static str = "BMI323";

@@ -8,7 +8,7 @@ pub const MAX_SAMPLES: usize = 32;
 /// What a FIFO holds of one instant; axes x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Frame {
+pub struct FifoFrame {
     /// Codes of the accelerometers.
     pub accel: [i16; 3],
     /// Codes of the gyros.
@@ -26,7 +26,7 @@ pub struct Frame {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Batch {
     /// Complete frames, oldest first.
-    pub frames: Vec<Frame, MAX_SAMPLES>,
+    pub frames: Vec<FifoFrame, MAX_SAMPLES>,
     /// The FIFO has run over since the last look.
     pub overrun: bool,
     /// Frames after the last complete one that were incomplete.
@@ -49,7 +49,7 @@ impl Batch {
     /// Adds a complete frame; there must be [room](Self::room).
     pub fn push(&mut self, accel: [i16; 3], gyro: [i16; 3], temperature: Option<i16>, stamp: u32) {
         let torn = core::mem::take(&mut self.torn);
-        let _ = self.frames.push(Frame { accel, gyro, temperature, stamp, torn });
+        let _ = self.frames.push(FifoFrame { accel, gyro, temperature, stamp, torn });
     }
 
     /// Notes an incomplete frame.

@@ -11,7 +11,7 @@ use lsm6dsv16x_rs::asynchronous::prelude::{
 };
 use st_mems_bus::asynchronous::{BusOperation, RegisterOperation, SensorOperation, i2c::I2cBus};
 
-use super::{Batch, Part, SensorClock, SourceError};
+use super::{Batch, Imu, SensorClock, SourceError};
 use crate::raw::Scales;
 
 /// ±4 g: 0.122 mg/LSB ("Mechanical characteristics", LA_So).
@@ -118,7 +118,7 @@ impl<B: I2c, D: DelayNs> defmt::Format for Lsm6dsv16x<B, D> {
     }
 }
 
-impl<B: I2c, D: DelayNs> Part for Lsm6dsv16x<B, D> {
+impl<B: I2c, D: DelayNs> Imu for Lsm6dsv16x<B, D> {
     type BusError = B::Error;
 
     const NAME: &'static str = "LSM6DSV16X";

@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use embedded_hal::{delay::DelayNs, spi::SpiDevice};
-//! use fos_embedded::blocking::{Blocking, now};
+//! use fos_embedded::blocking::{Blocking, poll_once};
 //! use fos_embedded::hub::Hub;
 //! use fos_embedded::sample_source::{Bmi323, SampleSource};
 //!
@@ -16,7 +16,7 @@
 //!     let mut source = SampleSource::new(Bmi323::new(Blocking(spi), Blocking(delay)));
 //!     loop {
 //!         let now_us = clock_us();
-//!         match now(source.poll(now_us)) {
+//!         match poll_once(source.poll(now_us)) {
 //!             Some(Ok(samples)) => {
 //!                 for raw in samples {
 //!                     let _output = hub.update(raw);
@@ -51,7 +51,7 @@ use heapless::Vec;
 pub use bmi323::Bmi323;
 pub use counts::Counts;
 pub use error::SourceError;
-pub use frame::{Batch, Frame, MAX_SAMPLES};
+pub use frame::{Batch, FifoFrame, MAX_SAMPLES};
 pub use lsm6dsv16x::{Address, Lsm6dsv16x};
 use repeats::Repeats;
 pub use timeline::SensorClock;
@@ -71,7 +71,7 @@ const SILENT_US: u64 = 250_000;
 /// A six-axis sensor with a FIFO, behind its driver.
 ///
 /// Futures need not be `Send`: a source belongs to one task.
-pub trait Part {
+pub trait Imu {
     /// Of the bus.
     type BusError: Debug;
 
@@ -114,7 +114,7 @@ pub trait Part {
 ///
 /// Every failure is bounded: three attempts a poll, then up to 64 polls of rest before the part is set up anew.
 #[derive(Debug)]
-pub struct SampleSource<P: Part> {
+pub struct SampleSource<P: Imu> {
     part: P,
     state: State,
     /// Polls to rest after the next failure.
@@ -147,7 +147,7 @@ enum State {
     },
 }
 
-impl<P: Part> SampleSource<P> {
+impl<P: Imu> SampleSource<P> {
     /// The part is set up at the first poll.
     pub const fn new(part: P) -> Self {
         Self {
@@ -311,7 +311,7 @@ impl<P: Part> SampleSource<P> {
     }
 
     /// Makes a sample of a frame; whether the sensor is stuck.
-    fn deliver_frame(&mut self, frame: &Frame, skipped: u32) -> bool {
+    fn deliver_frame(&mut self, frame: &FifoFrame, skipped: u32) -> bool {
         let mut faults = core::mem::take(&mut self.pending);
         if skipped > 0 {
             faults |= Faults::GAP;
@@ -329,7 +329,7 @@ impl<P: Part> SampleSource<P> {
         } else if self.repeats.is_none() {
             (self.back_off, self.stuck_rest) = (1, 0);
         }
-        let Frame { accel, gyro, temperature, .. } = *frame;
+        let FifoFrame { accel, gyro, temperature, .. } = *frame;
         self.counts.samples = self.counts.samples.saturating_add(1);
         // as many as there are frames
         let _ = self.samples.push(RawSample { skipped, accel, gyro, temperature, faults });
@@ -358,7 +358,7 @@ impl<P: Part> SampleSource<P> {
 }
 
 #[cfg(feature = "defmt")]
-impl<P: Part> defmt::Format for SampleSource<P> {
+impl<P: Imu> defmt::Format for SampleSource<P> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,

@@ -1,6 +1,6 @@
 //! Is the sensor stuck?
 
-use super::Frame;
+use super::FifoFrame;
 
 /// All six codes the same for so many samples in a row, 0.1 s: the noise of each axis of both parts is more than a code, so
 /// that two in a row agree in all six by chance less than once in 10⁵, twenty in a row never.
@@ -20,7 +20,7 @@ impl Repeats {
     }
 
     /// Whether the sensor is stuck, this frame included.
-    pub(super) fn update(&mut self, frame: &Frame) -> bool {
+    pub(super) fn update(&mut self, frame: &FifoFrame) -> bool {
         let codes = Some((frame.accel, frame.gyro));
         self.before = if codes == self.codes { self.before.saturating_add(1) } else { 0 };
         self.codes = codes;

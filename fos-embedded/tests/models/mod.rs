@@ -42,8 +42,8 @@ pub(crate) fn parameters(axis: Axis) -> AxisParameters<f32> {
         constant: 0.0,
         range: Range::new(-5.0, 5.0),
         full_scale: 0.0,
-        stuck_after: 20,
-        gap_limit: 20,
+        stuck_after_repeats: 20,
+        gap_limit_samples: 20,
         coast_limit_s: 10.0,
         innovation: InnovationStatistics { mean: 0.0, variance: 1.2, lag_1_correlation: -0.3 },
     }

@@ -8,10 +8,10 @@ use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
     Source, Term, Transform, u, y,
 };
-use fos_embedded::blocking::now;
+use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{AXES, Hub, Motion, Output};
 use fos_embedded::raw::{Faults, Scales};
-use fos_embedded::sample_source::{Batch, Part, SampleSource, SensorClock, SourceError};
+use fos_embedded::sample_source::{Batch, Imu, SampleSource, SensorClock, SourceError};
 
 use crate::simulated::{
     BIAS, Chip, NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x, codes,
@@ -167,7 +167,7 @@ struct Run {
 }
 
 /// Lets `source` run into a fault and out of it.
-fn run<P: Part<BusError = NoAnswer>>(
+fn run<P: Imu<BusError = NoAnswer>>(
     chip: &Shared,
     mut source: SampleSource<P>,
     fault: &Fault,
@@ -200,7 +200,7 @@ fn run<P: Part<BusError = NoAnswer>>(
         for _ in 0..10 {
             let now_us = chip.borrow().now_us as u64;
             let mut given = 0;
-            match now(source.poll(now_us)).ok_or("not done at once")? {
+            match poll_once(source.poll(now_us)).ok_or("not done at once")? {
                 Ok(samples) => {
                     given = samples.len();
                     for raw in samples {
@@ -258,7 +258,7 @@ struct Row {
 }
 
 /// The table row of a fault; an error if what came out is not what must.
-fn assess<P: Part<BusError = NoAnswer>>(
+fn assess<P: Imu<BusError = NoAnswer>>(
     (chip, source): (Shared, SampleSource<P>),
     fault: &Fault,
     undisturbed: &HashMap<u64, [f32; AXES]>,
@@ -365,8 +365,8 @@ fn image(scales: &Scales) -> Vec<u8> {
             constant: 0.0,
             range: Range::new(-5.0, 5.0),
             full_scale: 0.0,
-            stuck_after: 200,
-            gap_limit: 20,
+            stuck_after_repeats: 200,
+            gap_limit_samples: 20,
             coast_limit_s: 60.0,
             // of white noise through 1 - 0.1/z - 0.05/z²
             innovation: InnovationStatistics { mean: 0.0, variance: 1.0125, lag_1_correlation: -0.0938 },
@@ -461,7 +461,7 @@ impl<P: Simulated> Defective<P> {
     }
 }
 
-impl<P: Simulated> Part for Defective<P> {
+impl<P: Simulated> Imu for Defective<P> {
     type BusError = NoAnswer;
     const NAME: &'static str = P::NAME;
     const CLOCK: SensorClock = P::CLOCK;

@@ -8,7 +8,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c};
 use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::Blocking;
-use fos_embedded::sample_source::{Address, Bmi323, Lsm6dsv16x, Part, SampleSource};
+use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
 
 /// Of the sensor, by its own clock.
 pub(crate) const PERIOD_US: f64 = 5000.0;
@@ -331,7 +331,7 @@ pub(crate) type SimulatedLsm6dsv16x = Lsm6dsv16x<Blocking<I2cBus>, Blocking<Dela
 pub(crate) type SimulatedBmi323 = Bmi323<Blocking<SpiBus>, Blocking<Delay>>;
 
 /// A part that is simulated here.
-pub(crate) trait Simulated: Part<BusError = NoAnswer> + Sized {
+pub(crate) trait Simulated: Imu<BusError = NoAnswer> + Sized {
     const KIND: Kind;
 
     fn new(chip: &Shared) -> Self;

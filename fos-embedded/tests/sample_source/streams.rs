@@ -3,11 +3,9 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c};
 use embedded_hal::spi::{self, SpiDevice};
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::raw::{Faults, RawSample};
-use fos_embedded::sample_source::{
-    Address, Bmi323, Lsm6dsv16x, MAX_SAMPLES, Part, SampleSource, SourceError,
-};
+use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES, SampleSource, SourceError};
 
 use crate::simulated::{NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x, codes};
 
@@ -20,7 +18,7 @@ fn poll<P: Simulated>(
     let wait_us = period_us - chip.borrow().now_us % period_us;
     chip.borrow_mut().pass(wait_us);
     let now_us = chip.borrow().now_us as u64;
-    now(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec)
+    poll_once(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec)
 }
 
 /// Every sample of five minutes, in order.
@@ -59,7 +57,7 @@ fn naps<P: Simulated>(nap_ms: u32, fast: f64) -> (u64, u64) {
         samples.extend(poll(&chip, &mut source, f64::from(nap_ms) * 1000.0).expect("a poll"));
         while source.has_more() {
             let now_us = chip.borrow().now_us as u64;
-            samples.extend(now(source.poll(now_us)).expect("done at once").expect("a poll"));
+            samples.extend(poll_once(source.poll(now_us)).expect("done at once").expect("a poll"));
         }
     }
     let counted = samples.iter().skip(1).map(|raw| u64::from(raw.skipped) + 1).sum();
@@ -206,7 +204,7 @@ impl DelayNs for NoTime {
     fn delay_ns(&mut self, _: u32) {}
 }
 
-fn takes_any<P: Part>(part: P) {
+fn takes_any<P: Imu>(part: P) {
     let mut source = SampleSource::new(part);
     let mut random = Nonsense(7);
     let mut now_us = 0;
@@ -215,7 +213,7 @@ fn takes_any<P: Part>(part: P) {
             0 => random.next(),
             step => u64::wrapping_add(now_us, step * 200),
         };
-        if let Ok(samples) = now(source.poll(now_us)).expect("done at once") {
+        if let Ok(samples) = poll_once(source.poll(now_us)).expect("done at once") {
             assert!(samples.len() <= MAX_SAMPLES);
             let flagged = samples.iter().filter(|raw| raw.skipped > 0);
             assert!(flagged.clone().all(|raw| raw.faults.contains(Faults::GAP)));

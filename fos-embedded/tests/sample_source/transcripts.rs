@@ -10,9 +10,9 @@ use core::task::{Context, Poll, Waker};
 
 use embedded_hal::{i2c, spi};
 use embedded_hal_mock::eh1;
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::raw::{Faults, RawSample};
-use fos_embedded::sample_source::{Address, Bmi323, Counts, Lsm6dsv16x, Part, SampleSource, SourceError};
+use fos_embedded::sample_source::{Address, Bmi323, Counts, Imu, Lsm6dsv16x, SampleSource, SourceError};
 
 /// What happens on the way to the sensor.
 #[derive(Debug, Clone)]
@@ -169,16 +169,16 @@ fn named<E: Debug>(
 }
 
 /// Polls every 50 ms, in blocking form.
-fn blocking<P: Part>(part: P, polls: usize) -> (P, Polls, Counts) {
+fn blocking<P: Imu>(part: P, polls: usize) -> (P, Polls, Counts) {
     let mut source = SampleSource::new(part);
     let times = (1..=polls as u64).map(|poll| poll * 50_000);
-    let polls = times.map(|now_us| named(now(source.poll(now_us)).expect("done at once"))).collect();
+    let polls = times.map(|now_us| named(poll_once(source.poll(now_us)).expect("done at once"))).collect();
     let counts = source.counts();
     (source.release(), polls, counts)
 }
 
 /// As above, in a form that is suspended at every transfer.
-fn yielding<P: Part>(part: P, polls: usize, steps: usize) -> (P, Polls, Counts) {
+fn yielding<P: Imu>(part: P, polls: usize, steps: usize) -> (P, Polls, Counts) {
     let mut source = SampleSource::new(part);
     let mut pending = 0;
     let polls = (1..=polls as u64).map(|poll| {

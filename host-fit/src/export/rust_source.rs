@@ -189,8 +189,8 @@ fn write_axis(f: &mut Formatter<'_>, index: usize, axis: &AxisModel<'_, f32>) ->
         constant,
         range,
         full_scale,
-        stuck_after,
-        gap_limit,
+        stuck_after_repeats,
+        gap_limit_samples,
         coast_limit_s,
         innovation,
     } = axis.parameters;
@@ -203,8 +203,8 @@ fn write_axis(f: &mut Formatter<'_>, index: usize, axis: &AxisModel<'_, f32>) ->
     writeln!(f, "            constant: {constant:?},")?;
     writeln!(f, "            range: {},", RangeItem(&range))?;
     writeln!(f, "            full_scale: {full_scale:?},")?;
-    writeln!(f, "            stuck_after: {stuck_after},")?;
-    writeln!(f, "            gap_limit: {gap_limit},")?;
+    writeln!(f, "            stuck_after_repeats: {stuck_after_repeats},")?;
+    writeln!(f, "            gap_limit_samples: {gap_limit_samples},")?;
     writeln!(f, "            coast_limit_s: {coast_limit_s:?},")?;
     writeln!(f, "            innovation: InnovationStatistics {{")?;
     writeln!(f, "                mean: {:?},", innovation.mean)?;

@@ -1,7 +1,7 @@
 //! A small NOR flash in memory, for the store of models.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use fos_embedded::blocking::{Blocking, now};
+use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::ModelStore;
 
 pub(crate) const PAGE: usize = 1024;
@@ -51,8 +51,9 @@ pub(crate) fn store(flash: Flash) -> Store {
 
 /// The newest image and the one before.
 pub(crate) fn images(store: &mut Store) -> Result<[Option<Vec<u8>>; 2], String> {
-    let newest = now(store.load()).expect("done at once").map_err(|error| format!("{error:?}"))?;
+    let newest = poll_once(store.load()).expect("done at once").map_err(|error| format!("{error:?}"))?;
     let newest = newest.map(<[u8]>::to_vec);
-    let previous = now(store.load_previous()).expect("done at once").map_err(|error| format!("{error:?}"))?;
+    let previous =
+        poll_once(store.load_previous()).expect("done at once").map_err(|error| format!("{error:?}"))?;
     Ok([newest, previous.map(<[u8]>::to_vec)])
 }

@@ -73,8 +73,8 @@ pub(crate) fn image() -> Vec<u8> {
             constant: 0.1,
             range: Range::new(-5.0, 6.0),
             full_scale: 30.0,
-            stuck_after: 12,
-            gap_limit: 7,
+            stuck_after_repeats: 12,
+            gap_limit_samples: 7,
             coast_limit_s: 9.0,
             innovation,
         };

@@ -9,7 +9,7 @@ use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Ground, GrowthLogs};
 use fos_diagnose::study::Study;
-use fos_embedded::blocking::now;
+use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::hub_log::{self, Header, Record, step};
 use fos_embedded::raw::{Faults, RawSample, Scales};
@@ -118,7 +118,7 @@ pub(crate) fn image() -> Vec<u8> {
 pub(crate) fn flash() -> Vec<u8> {
     let mut store = store(Flash(vec![0xff; BYTES]));
     for bytes in [read(&folder().join("model_v1.fosm")), image()] {
-        now(store.store(&bytes)).expect("done at once").unwrap_or_else(|error| panic!("{error:?}"));
+        poll_once(store.store(&bytes)).expect("done at once").unwrap_or_else(|error| panic!("{error:?}"));
     }
     store.release().0.0
 }

@@ -31,8 +31,8 @@ pub fn model() -> UnitModel {
         constant: 0.01,
         range: Range::new(-4.5, 4.25),
         full_scale: 4.36,
-        stuck_after: 40,
-        gap_limit: 20,
+        stuck_after_repeats: 40,
+        gap_limit_samples: 20,
         coast_limit_s: 10.0,
         innovation: InnovationStatistics { mean: 0.0, variance: 0.8, lag_1_correlation: 0.01 },
     };

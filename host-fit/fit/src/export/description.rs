@@ -90,7 +90,7 @@ fn write_parameters(f: &mut Formatter<'_>, p: &AxisParameters<f32>) -> fmt::Resu
         number(p.range.high.into()),
         number(f64::from(p.innovation.variance).sqrt() * f64::from(p.scale)),
         p.coast_limit_s,
-        p.gap_limit
+        p.gap_limit_samples
     )
 }
 

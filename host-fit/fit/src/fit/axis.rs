@@ -309,8 +309,8 @@ fn start(
         constant: 0.0,
         range: ANY,
         full_scale: options.full_scale,
-        stuck_after: stuck_after(recording, column, training),
-        gap_limit: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
+        stuck_after_repeats: stuck_after(recording, column, training),
+        gap_limit_samples: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
         coast_limit_s: SHORTEST_COAST_S,
         innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
     };

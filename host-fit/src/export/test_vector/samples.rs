@@ -100,7 +100,7 @@ impl<'a> Generator<'a> {
     pub(super) fn schedule(&self) -> Vec<Kind> {
         let axes = &self.model.axes;
         let longest_lag = longest_lag(self.model);
-        let gap_limit = |axis: &FittedAxis| u32::from(axis.parameters.gap_limit);
+        let gap_limit = |axis: &FittedAxis| u32::from(axis.parameters.gap_limit_samples);
         let longest_gap = axes.iter().map(gap_limit).max().unwrap_or(0);
         let absent = (0..self.quantities.len())
             .filter(|index| !matches!(self.model.quantities[*index].quantity, Quantity::Measured(_)))
