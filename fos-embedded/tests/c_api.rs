@@ -253,11 +253,11 @@ fn every_status_has_its_own_number_and_text() {
 
 #[test]
 fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
-    for validity in Validity::ALL.reasons() {
+    for validity in Validity::all().iter() {
         let names: Vec<_> = validity.names().collect();
         assert_eq!(names, [text(fos_validity_text(validity.bits()))]);
     }
-    assert_eq!(Validity::ALL.bits(), 2 * FOS_VALIDITY_AWAY_FROM_GRAVITY - 1, "one for every bit");
+    assert_eq!(Validity::all().bits(), 2 * FOS_VALIDITY_AWAY_FROM_GRAVITY - 1, "one for every bit");
     assert_eq!(text(fos_validity_text(3)), "unknown validity");
     assert_eq!(text(fos_validity_text(4096)), "unknown validity");
 }

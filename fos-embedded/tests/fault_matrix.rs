@@ -69,7 +69,7 @@ impl Cell {
         let consequence = (Validity::WARMING_UP | Validity::OWN_HISTORY | Validity::COASTING_TOO_LONG).bits();
         let why = self.validity & !consequence;
         let shown = if why == 0 { self.validity } else { why };
-        let shown = Validity::ALL.reasons().filter(|reason| shown & reason.bits() != 0);
+        let shown = Validity::all().iter().filter(|reason| shown & reason.bits() != 0);
         let mut names: Vec<&str> = shown.flat_map(Validity::names).collect();
         names.extend(self.faults.iter_names().map(|(name, _)| name));
         names.extend(self.drift.then_some("drift"));

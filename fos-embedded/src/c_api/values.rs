@@ -264,7 +264,7 @@ impl From<&Output> for fos_output {
             corrected: output.corrected,
             innovation: output.innovation,
             temperature_c: output.temperature_c,
-            validity: output.validity.map(Validity::bits),
+            validity: output.validity.map(|validity| validity.bits()),
             faults: output.faults.bits(),
             still: u8::from(output.still),
             drift: u8::from(output.drift),
