@@ -5,7 +5,7 @@
 //! firmware IMAGE LOG [TELEMETRY]
 //! ```
 //!
-//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::hub_log`); TELEMETRY is written for
+//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
 //! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part costs.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
@@ -14,8 +14,8 @@ use core::convert::Infallible;
 use embedded_io::{ErrorType, Write};
 use fos_core::Image;
 use fos_embedded::hub::Hub;
-use fos_embedded::hub_log::{Digest, HEADER_LENGTH, Header, Record, step};
 use fos_embedded::telemetry::{HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION};
+use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use platform::{File, Instructions, Tally, argument, fail, println};
 
 mod platform;
@@ -72,9 +72,9 @@ fn run() {
     let mut name = [0; 1024];
     let name = path(2, &mut name);
     let mut log = File::open(name);
-    let mut start = [0; HEADER_LENGTH];
+    let mut start = [0; HubLogHeader::LENGTH];
     let length = log.read(&mut start);
-    let header = match Header::decode(&start[..length]) {
+    let header = match HubLogHeader::decode(&start[..length]) {
         Ok(header) => header,
         Err(error) => fail(format_args!("{name:?}: {error}")),
     };
@@ -99,7 +99,7 @@ fn run() {
         Recorder::<_, 320>::new(Stream { file: File::create(path), piece: [0; CHUNK], filled: 0 })
     });
 
-    let (mut digest, mut ticks, mut frames) = (Digest::default(), Tally::new(), Tally::new());
+    let (mut digest, mut ticks, mut frames) = (HubDigest::default(), Tally::new(), Tally::new());
     let mut samples = 0_u64;
     let mut chunk = [0; CHUNK];
     let mut given = [0.0; 16];
@@ -110,13 +110,13 @@ fn run() {
     loop {
         let length = log.read(&mut chunk[..whole_records]);
         for bytes in chunk[..length].chunks(header.record_length()) {
-            let record = match Record::decode(bytes, given) {
+            let record = match HubLogRecord::decode(bytes, given) {
                 Ok(record) => record,
                 Err(error) => fail(format_args!("log, sample {samples}: {error}")),
             };
             samples += 1;
             let spent = instructions.of(|| {
-                let _ = step(&mut hub, &record);
+                let _ = record.step(&mut hub);
             });
             // a gap is not a tick: it costs as many ticks as the longest gap limit has
             if record.raw.skipped == 0 {
@@ -141,7 +141,7 @@ fn run() {
         let _ = recorder.release().flush();
     }
     println!("samples {samples}");
-    println!("outputs {:016x}", digest.value());
+    println!("outputs {:016x}", digest.outputs());
     if loading.is_finite() {
         println!(
             "instructions: loading the image {loading:.0}; a tick {ticks}; a frame of telemetry {frames}"

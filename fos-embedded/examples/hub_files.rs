@@ -5,7 +5,7 @@
 //! hub_files FOLDER        # model.fosm, model.h, log.fosh
 //! ```
 //!
-//! The log is a hub log (`fos_embedded::hub_log`).
+//! The log is a hub log (`fos_embedded::test_log`).
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), allow(unused_imports, reason = "host only"))]
 
@@ -41,8 +41,8 @@ mod host {
         Source, StillnessLimits, Term, Transform, Validity, u, y,
     };
     use fos_embedded::hub::{Hub, Motion};
-    use fos_embedded::hub_log::{Digest, Header, Record, step};
     use fos_embedded::raw::{Faults, RawSample, Scales};
+    use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 
     const SAMPLES: u32 = 12_000;
 
@@ -152,7 +152,7 @@ mod host {
 
     /// Sample `n`. Its clock is 3 % fast, the second half has faults of the bus, and the last quarter has an offset that the model
     /// does not know.
-    fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> Record<'a> {
+    fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> HubLogRecord<'a> {
         let motion = match n % 3000 {
             0..2000 => None,
             2000..2200 => Some(Motion::Moving),
@@ -201,22 +201,22 @@ mod host {
         let humidity_pct = 50.0 + 40.0 * (n as f32 / SAMPLES as f32);
         let raw = RawSample { skipped, accel, gyro, temperature, faults };
         *given = [supply_v, humidity_pct];
-        Record { raw, motion, clock_us, given }
+        HubLogRecord { raw, motion, clock_us, given }
     }
 
     pub(super) fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         let image = image()?;
         let mut hub: Hub<16, 128, 256> = Hub::new(SCALES);
         hub.load(&image)?;
-        let header = Header { scales: SCALES, n_given: 2 };
-        let (mut log, mut digest, mut random) = (header.encode().to_vec(), Digest::default(), Random(1));
+        let header = HubLogHeader { scales: SCALES, n_given: 2 };
+        let (mut log, mut digest, mut random) = (header.encode().to_vec(), HubDigest::default(), Random(1));
         // what has happened: validity, faults; innovations, drift, still, moving
         let (mut validity, mut faults, mut seen) = (Validity::VALID, Faults::empty(), [0_u32; 4]);
         for n in 0..SAMPLES {
             let mut given = [0.0; 2];
             let record = record(n, &mut random, &mut given);
             log.extend(record.encode());
-            let output = *step(&mut hub, &record);
+            let output = *record.step(&mut hub);
             digest.update(&output);
             for each in output.validity {
                 validity |= each;
@@ -244,7 +244,7 @@ mod host {
         fs::write(folder.join("model.h"), array)?;
         fs::write(folder.join("log.fosh"), &log)?;
         println!("samples {SAMPLES}");
-        println!("outputs {:016x}", digest.value());
+        println!("outputs {:016x}", digest.outputs());
         Ok(())
     }
 }

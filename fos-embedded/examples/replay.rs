@@ -4,13 +4,13 @@
 //! replay IMAGE LOG
 //! ```
 //!
-//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::replay`). Prints how many samples
+//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints how many samples
 //! there were, a digest of all corrections and one of the innovations, what a step costs (board only) and how much
 //! memory the model takes.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 use fos_core::{Image, Predictor};
-use fos_embedded::replay::{self, Decoder, Digest, HEADER_LENGTH, Header};
+use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use platform::{File, Instructions, Tally, argument, fail, println};
 
 mod platform;
@@ -43,19 +43,25 @@ fn run() {
         Err(error) => fail(format_args!("image: {error}")),
     };
     let count = |things: usize| u8::try_from(things).unwrap_or(u8::MAX);
-    let model = Header { n_axes: count(predictor.n_axes()), n_quantities: count(image.quantities().count()) };
+    let model = PredictorLogHeader {
+        n_axes: count(predictor.n_axes()),
+        n_quantities: count(image.quantities().count()),
+    };
 
     let mut log = open(2);
-    let mut start = [0; HEADER_LENGTH];
+    let mut start = [0; PredictorLogHeader::LENGTH];
     let length = log.read(&mut start);
-    let header = Header::decode(&start[..length]).and_then(|header| header.check(model).map(|()| header));
-    let (header, mut decoder) =
-        match header.and_then(|header| Decoder::new(header).map(|decoder| (header, decoder))) {
-            Ok(ready) => ready,
-            Err(error) => fail(format_args!("log: {error}")),
-        };
+    let header = PredictorLogHeader::decode(&start[..length]);
+    let header = match header.and_then(|header| header.check(model).map(|()| header)) {
+        Ok(header) => header,
+        Err(error) => fail(format_args!("log: {error}")),
+    };
+    let (mut measured, mut quantities) = ([0.0; 6], [0.0; 16]);
+    // as many as the predictor has, which has no more
+    let measured = &mut measured[..usize::from(header.n_axes)];
+    let quantities = &mut quantities[..usize::from(header.n_quantities)];
 
-    let (mut digest, mut cost) = (Digest::default(), Tally::new());
+    let (mut digest, mut cost) = (PredictorDigest::default(), Tally::new());
     let mut instructions = Instructions::start();
     let (mut samples, mut skipped) = (0_u64, 0_u64);
     let mut chunk = [0; CHUNK];
@@ -63,14 +69,14 @@ fn run() {
     loop {
         let length = log.read(&mut chunk[..whole_records]);
         for bytes in chunk[..length].chunks(header.record_length()) {
-            let record = match decoder.record(bytes) {
+            let record = match PredictorLogRecord::decode(bytes, measured, quantities) {
                 Ok(record) => record,
                 Err(error) => fail(format_args!("log, sample {samples}: {error}")),
             };
             samples += 1;
             skipped += u64::from(record.skipped);
             let mut corrections = &[][..];
-            cost.add(instructions.of(|| corrections = replay::step(&mut predictor, &record)));
+            cost.add(instructions.of(|| corrections = record.step(&mut predictor)));
             digest.update(corrections);
         }
         if length < whole_records {
@@ -83,7 +89,7 @@ fn run() {
     if cost.mean().is_finite() {
         println!("instructions a sample: {cost}");
     }
-    println!("bytes: predictor {}, decoder {}", size_of::<Device>(), size_of::<Decoder>());
+    println!("bytes: predictor {}", size_of::<Device>());
 }
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]

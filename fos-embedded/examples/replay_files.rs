@@ -36,7 +36,8 @@ mod host {
         Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
         Source, Term, Transform, u, y,
     };
-    use fos_embedded::replay::{Header, Motion, Record};
+    use fos_embedded::hub::Motion;
+    use fos_embedded::test_log::{PredictorLogHeader, PredictorLogRecord};
 
     const fn input(source: Source, transform: Transform<f32>, centre: f32, scale: f32) -> Input<f32> {
         let range = Range::new(-3.0, 3.0);
@@ -124,7 +125,7 @@ mod host {
         std::fs::write(image, encode(&model, &Info::default(), &mut [0; 16_384])?)?;
 
         let mut file = BufWriter::new(File::create(log)?);
-        file.write_all(&Header { n_axes: 6, n_quantities: 2 }.encode())?;
+        file.write_all(&PredictorLogHeader { n_axes: 6, n_quantities: 2 }.encode())?;
         let mut random = Random(1);
         let mut measured = [0.0; 6];
         for n in 0..samples {
@@ -153,7 +154,7 @@ mod host {
                 _ => 0,
             };
             let motion = if still { Motion::Still } else { Motion::Moving };
-            let record = Record { skipped, motion, measured: &measured, quantities: &quantities };
+            let record = PredictorLogRecord { skipped, motion, measured: &measured, quantities: &quantities };
             file.write_all(&record.encode().collect::<Vec<u8>>())?;
         }
         file.flush()?;

@@ -20,6 +20,7 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 
 use embedded_hal::{i2c, spi};
+#[cfg(feature = "store")]
 use embedded_storage::nor_flash;
 
 /// A blocking bus, delay or flash as an asynchronous one whose operations are done when they return.
@@ -86,10 +87,12 @@ impl<T: embedded_hal::delay::DelayNs> embedded_hal_async::delay::DelayNs for Blo
     }
 }
 
+#[cfg(feature = "store")]
 impl<T: nor_flash::ErrorType> nor_flash::ErrorType for Blocking<T> {
     type Error = T::Error;
 }
 
+#[cfg(feature = "store")]
 impl<T: nor_flash::ReadNorFlash> embedded_storage_async::nor_flash::ReadNorFlash for Blocking<T> {
     const READ_SIZE: usize = T::READ_SIZE;
 
@@ -102,6 +105,7 @@ impl<T: nor_flash::ReadNorFlash> embedded_storage_async::nor_flash::ReadNorFlash
     }
 }
 
+#[cfg(feature = "store")]
 impl<T: nor_flash::NorFlash> embedded_storage_async::nor_flash::NorFlash for Blocking<T> {
     const WRITE_SIZE: usize = T::WRITE_SIZE;
     const ERASE_SIZE: usize = T::ERASE_SIZE;

@@ -1,14 +1,14 @@
 //! The device side.
 //!
-//! - [`sample_source`]: complete samples from two real parts, and what went wrong on the way.
+//! - [`sample_source`]: complete samples from a six-axis sensor, and what went wrong on the way; two real parts behind the
+//!   features `bmi323` and `lsm6dsv16x`.
 //! - [`hub`]: six axes over shared inputs: what an application calls.
-//! - [`hub_log`]: raw samples as firmware reads them from a file, through a hub, with a digest of what came out.
 //! - [`raw`]: raw codes of a sensor, and what they mean.
-//! - [`store`]: model images in flash, two slots, the newest valid one wins.
+//! - `store`: model images in flash, two slots, the newest valid one wins; behind the feature `store`.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
 //! - [`blocking`]: blocking buses, delays and flash under all of this.
 //! - `c_api`: the same for C, behind the feature `c-api`; its manual is `include/fos.h`.
-//! - [`replay`]: a recorded log as firmware reads it, run through a predictor, with a digest of what came out.
+//! - `test_log`: logs as test firmware reads them, with digests of what came out, behind the feature `test-log`.
 //! - [`test_vector`]: known samples, and the bits that a hub must make of them.
 #![no_std]
 #![deny(unsafe_code)]
@@ -24,11 +24,12 @@ pub mod blocking;
 #[cfg(feature = "c-api")]
 pub mod c_api;
 pub mod hub;
-pub mod hub_log;
 pub mod raw;
-pub mod replay;
 pub mod sample_source;
+#[cfg(feature = "store")]
 pub mod store;
 mod stuffing;
 pub mod telemetry;
+#[cfg(feature = "test-log")]
+pub mod test_log;
 pub mod test_vector;

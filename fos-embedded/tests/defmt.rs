@@ -15,6 +15,7 @@ use fos_core::{
     Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
 };
 use fos_embedded::blocking::Blocking;
+use fos_embedded::c_api;
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::sample_source::{
@@ -22,8 +23,11 @@ use fos_embedded::sample_source::{
 };
 use fos_embedded::store::{ModelStore, StoreError};
 use fos_embedded::telemetry::{self, AlarmRecorder, Recorder, SampleFrame, StartFrame, TelemetryError};
+use fos_embedded::test_log::{
+    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
+    TestLogError,
+};
 use fos_embedded::test_vector::{CheckError, Expected, TestSample, TestVector};
-use fos_embedded::{c_api, hub_log, replay};
 
 /// A flash that is never used.
 enum NoFlash {}
@@ -109,18 +113,9 @@ fn loggable() -> BTreeSet<String> {
         named::<Hub<8, 64, 128>>("fos-embedded/hub/mod.rs"),
         named::<Motion>("fos-embedded/hub/mod.rs"),
         named::<Output>("fos-embedded/hub/output.rs"),
-        named::<hub_log::Digest>("fos-embedded/hub_log.rs"),
-        named::<hub_log::Header>("fos-embedded/hub_log.rs"),
-        named::<hub_log::HubLogError>("fos-embedded/hub_log.rs"),
-        named::<hub_log::Record<'_>>("fos-embedded/hub_log.rs"),
         named::<Faults>("fos-embedded/raw.rs"),
         named::<RawSample>("fos-embedded/raw.rs"),
         named::<Scales>("fos-embedded/raw.rs"),
-        named::<replay::Decoder>("fos-embedded/replay.rs"),
-        named::<replay::Digest>("fos-embedded/replay.rs"),
-        named::<replay::Header>("fos-embedded/replay.rs"),
-        named::<replay::Record<'_>>("fos-embedded/replay.rs"),
-        named::<replay::ReplayError>("fos-embedded/replay.rs"),
         named::<Bmi323<(), ()>>("fos-embedded/sample_source/bmi323.rs"),
         named::<Counts>("fos-embedded/sample_source/counts.rs"),
         named::<SourceError<u8>>("fos-embedded/sample_source/error.rs"),
@@ -138,6 +133,13 @@ fn loggable() -> BTreeSet<String> {
         named::<SampleFrame<&[f32], &[Validity]>>("fos-embedded/telemetry/mod.rs"),
         named::<StartFrame<&str>>("fos-embedded/telemetry/mod.rs"),
         named::<TelemetryError<u8>>("fos-embedded/telemetry/mod.rs"),
+        named::<HubDigest>("fos-embedded/test_log/digest.rs"),
+        named::<PredictorDigest>("fos-embedded/test_log/digest.rs"),
+        named::<TestLogError>("fos-embedded/test_log/fields.rs"),
+        named::<HubLogHeader>("fos-embedded/test_log/hub_log.rs"),
+        named::<HubLogRecord<'_>>("fos-embedded/test_log/hub_log.rs"),
+        named::<PredictorLogHeader>("fos-embedded/test_log/predictor_log.rs"),
+        named::<PredictorLogRecord<'_>>("fos-embedded/test_log/predictor_log.rs"),
         named::<CheckError>("fos-embedded/test_vector.rs"),
         named::<Expected>("fos-embedded/test_vector.rs"),
         named::<TestSample>("fos-embedded/test_vector.rs"),

@@ -3,7 +3,7 @@
 #![no_main]
 
 use fos_embedded::telemetry::{Frame, decode};
-use fos_embedded::{hub_log, replay};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
 use fos_fuzz::sealed_frame;
 use host_fit::record::{RecordError, record};
 use libfuzzer_sys::fuzz_target;
@@ -59,18 +59,19 @@ fn counted(stream: &[u8]) -> (u64, u64) {
 
 /// Logs that firmware reads back.
 fn files(bytes: &[u8]) {
-    if let Ok(header) = hub_log::Header::decode(bytes) {
+    if let Ok(header) = HubLogHeader::decode(bytes) {
         let mut given = [0.0; 64];
         let record = header.record_length().min(bytes.len());
         for chunk in bytes[bytes.len() - record..].chunks(header.record_length().max(1)) {
-            let _ = hub_log::Record::decode(chunk, &mut given);
+            let _ = HubLogRecord::decode(chunk, &mut given);
         }
     }
-    if let Ok(header) = replay::Header::decode(bytes)
-        && let Ok(mut decoder) = replay::Decoder::new(header)
-    {
+    if let Ok(header) = PredictorLogHeader::decode(bytes) {
+        let (mut measured, mut quantities) = ([0.0; 256], [0.0; 256]);
+        let measured = &mut measured[..usize::from(header.n_axes)];
+        let quantities = &mut quantities[..usize::from(header.n_quantities)];
         for chunk in bytes.chunks(header.record_length().max(1)) {
-            let _ = decoder.record(chunk);
+            let _ = PredictorLogRecord::decode(chunk, measured, quantities);
         }
     }
 }

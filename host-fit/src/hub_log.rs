@@ -1,11 +1,11 @@
-//! From a recording to the raw samples that a hub reads: `fos_embedded::hub_log`.
+//! From a recording to the raw samples that a hub reads: `fos_embedded::test_log`.
 
 use fos_core::Image;
 use fos_data::column::ACCELEROMETERS;
 use fos_data::column::GYROS;
 use fos_embedded::hub::{Motion, is_given};
-use fos_embedded::hub_log::{Header, Record};
 use fos_embedded::raw::{RawSample, Scales};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord};
 
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
@@ -35,7 +35,7 @@ pub fn hub_log(
     model: &UnitModel,
     recording: &Recording,
     rest: &Stillness,
-) -> Result<(Header, Vec<u8>), RecordingError> {
+) -> Result<(HubLogHeader, Vec<u8>), RecordingError> {
     let feed = Feed::new(recording, model, &rest.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
@@ -53,7 +53,7 @@ pub fn hub_log(
         period_s: recording.rate.period_s,
         values: image.fitted_on(),
     };
-    let header = Header { scales, n_given: given.len() as u8 };
+    let header = HubLogHeader { scales, n_given: given.len() as u8 };
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
     let codes = |columns: [&[f64]; 3], row: usize, scale: f32| {
@@ -83,7 +83,7 @@ pub fn hub_log(
         let looks = (row + 1).is_multiple_of(SAMPLES_A_BATCH);
         let clock_us = if looks { (recording.time_s[row] * 1e6).max(0.0) as u64 + 1 } else { 0 };
         let values: Vec<f32> = given.iter().map(|column| column[row] as f32).collect();
-        bytes.extend(Record { raw, motion, clock_us, given: &values }.encode());
+        bytes.extend(HubLogRecord { raw, motion, clock_us, given: &values }.encode());
     }
     Ok((header, bytes))
 }

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use fos_core::{Axis, Correction, Image, ImageError, Quantity, Sample, Validity};
-use fos_embedded::hub::leads_away;
-use fos_embedded::replay::{Digest, Header, Motion, Record};
+use fos_embedded::hub::{Motion, leads_away};
+use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use serde::Serialize;
 
 use fos_data::recording::{Recording, RecordingError};
@@ -226,7 +226,7 @@ fn run(
     let mut double: HostPredictor<f64> = image.predictor()?;
     let n_rows = recording.n_rows();
     let mut tallies = vec![Tally::default(); model.axes.len()];
-    let mut digest = Digest::default();
+    let mut digest = PredictorDigest::default();
     let mut rests = Rests::of(&model, &feed);
     let mut tracked = 0;
     for row in 0..n_rows {
@@ -381,7 +381,7 @@ impl Tally {
     }
 }
 
-/// The recording as the firmware in the loop reads it (`fos_embedded::replay`).
+/// The recording as the firmware in the loop reads it (`fos_embedded::test_log`).
 ///
 /// # Errors
 ///
@@ -396,14 +396,15 @@ pub fn device_log(
         return Err(ReplayError::Reference);
     }
     // a predictor of the host has at most 6 axes and 16 inputs
-    let header = Header { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
+    let header =
+        PredictorLogHeader { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
     for row in 0..recording.n_rows() {
         let sample = feed.sample::<f32>(row);
         let motion = if feed.is_still(row) { Motion::Still } else { Motion::Moving };
         let Sample { measured, quantities } = sample.sample();
-        let record = Record { skipped: feed.missing_before(row), motion, measured, quantities };
+        let record = PredictorLogRecord { skipped: feed.missing_before(row), motion, measured, quantities };
         bytes.extend(record.encode());
     }
     Ok(bytes)

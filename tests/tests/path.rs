@@ -1,10 +1,10 @@
 //! The whole path, from a recording to corrections, through public interfaces only.
 
-use fos_core::{Image, u, y};
+use fos_core::{Image, Predictor, u, y};
+use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{MODEL, study_of};
-use fos_embedded::replay::{Decoder, Digest, HEADER_LENGTH, Header, step};
 use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
 use fos_simulate::{Simulation, simulate};
 use host_fit::export::image;
@@ -160,22 +160,26 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
 
     let log = device_log(&model_of(&stored, &[]).expect("named"), &recording, &rest).expect("a log");
     let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
-    let header = Header::decode(&log).expect("a header");
-    let mut decoder = Decoder::new(header).expect("a decoder");
-    let mut digest = Digest::default();
-    for record in log[HEADER_LENGTH..].chunks_exact(header.record_length()) {
-        digest.update(step(&mut predictor, &decoder.record(record).expect("a record")));
-    }
+    let header = PredictorLogHeader::decode(&log).expect("a header");
+    let through = |predictor: &mut Predictor<f32, 6, 16, 64, 256>, log: &[u8]| {
+        let (mut measured, mut quantities) = ([0.0; 6], [0.0; 16]);
+        let measured = &mut measured[..usize::from(header.n_axes)];
+        let quantities = &mut quantities[..usize::from(header.n_quantities)];
+        let mut digest = PredictorDigest::default();
+        for bytes in log[PredictorLogHeader::LENGTH..].chunks_exact(header.record_length()) {
+            let record = PredictorLogRecord::decode(bytes, measured, quantities).expect("a record");
+            digest.update(record.step(predictor));
+        }
+        digest
+    };
+    let digest = through(&mut predictor, &log);
     assert_eq!(digest.innovations(), host.summary.innovations_digest);
     assert_eq!(digest.corrections(), host.summary.corrections_digest);
     // and the digest sees a change of one bit
     let mut changed = log.clone();
-    changed[HEADER_LENGTH + 8] ^= 1;
+    changed[PredictorLogHeader::LENGTH + 8] ^= 1;
     let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
-    let mut other = Digest::default();
-    for record in changed[HEADER_LENGTH..].chunks_exact(header.record_length()) {
-        other.update(step(&mut predictor, &decoder.record(record).expect("a record")));
-    }
+    let other = through(&mut predictor, &changed);
     assert_ne!(other.corrections(), digest.corrections());
 }
 

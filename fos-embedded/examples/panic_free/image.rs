@@ -8,12 +8,13 @@ use fos_core::{
     Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
     Validity, u, y,
 };
-use fos_embedded::hub::{Hub, Motion as HubMotion};
-use fos_embedded::hub_log;
+use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
-use fos_embedded::replay::{self, Decoder, Digest, Header, Motion, Record};
 use fos_embedded::telemetry::{
     AlarmRecorder, Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode as encode_frame,
+};
+use fos_embedded::test_log::{
+    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
 };
 use fos_embedded::test_vector::TestVector;
 
@@ -75,7 +76,7 @@ fn run(predictor: &mut Device, monitor: &mut Monitor<f32>) {
 }
 
 fn look(corrections: &[Correction<f32>], monitor: &mut Monitor<f32>) {
-    let mut digest = Digest::default();
+    let mut digest = PredictorDigest::default();
     digest.update(corrections);
     black_box((digest.corrections(), digest.innovations()));
     for correction in corrections {
@@ -174,21 +175,22 @@ fn stillness() {
 }
 
 fn log(bytes: &[u8]) {
-    let Ok(header) = Header::decode(bytes) else { return };
-    let Ok(mut decoder) = Decoder::new(header) else { return };
-    let model = black_box(Header { n_axes: 6, n_quantities: 2 });
+    let Ok(header) = PredictorLogHeader::decode(bytes) else { return };
+    let (mut measured, mut quantities) = (black_box([0.0; 6]), black_box([0.0; 2]));
+    let model = black_box(PredictorLogHeader { n_axes: 6, n_quantities: 2 });
     black_box((header.check(model).is_ok(), header.encode(), header.record_length()));
-    if let Ok(record) = decoder.record(bytes) {
+    if let Ok(record) = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities) {
         for byte in record.encode() {
             black_box(byte);
         }
         with_model(|model| {
             if let Ok(mut predictor) = Device::new(model) {
-                let _ = black_box(replay::step(&mut predictor, &record));
+                let _ = black_box(record.step(&mut predictor));
             }
         });
     }
-    let record = black_box(Record { skipped: 0, motion: Motion::Still, measured: &[], quantities: &[] });
+    let record =
+        black_box(PredictorLogRecord { skipped: 0, motion: Motion::Still, measured: &[], quantities: &[] });
     black_box(record.encode().count());
 }
 
@@ -226,7 +228,7 @@ fn hub(bytes: &[u8]) {
     });
     black_box(hub.give(black_box(Quantity::Supply), black_box(1.0)));
     black_box(hub.give_application(black_box(1), black_box(1.0)));
-    hub.set_motion(black_box(Some(HubMotion::Still)));
+    hub.set_motion(black_box(Some(Motion::Still)));
     let raw = black_box(RawSample { temperature: Some(1), faults: Faults::BUS, ..RawSample::default() });
     let output = *hub.update(&raw);
     hub.clock(black_box(1));
@@ -253,16 +255,14 @@ fn hub(bytes: &[u8]) {
     black_box(encode_frame(&Frame::Sample(SampleFrame::new(&output, &logged)), room).map(<[u8]>::len));
 
     let mut given = black_box([0.0; 16]);
-    if let (Ok(header), Ok(record)) =
-        (hub_log::Header::decode(bytes), hub_log::Record::decode(bytes, &mut given))
-    {
+    if let (Ok(header), Ok(record)) = (HubLogHeader::decode(bytes), HubLogRecord::decode(bytes, &mut given)) {
         black_box((header.encode(), header.record_length()));
         for byte in record.encode() {
             black_box(byte);
         }
-        let mut digest = hub_log::Digest::default();
-        digest.update(hub_log::step(&mut hub, &record));
-        black_box(digest.value());
+        let mut digest = HubDigest::default();
+        digest.update(record.step(&mut hub));
+        black_box(digest.outputs());
     }
     let vector = black_box(TestVector {
         scales,

@@ -1,7 +1,7 @@
-//! Complete samples from two real parts, through their maintained drivers over embedded-hal 1.0.
+//! Complete samples from a six-axis sensor, an [`Imu`], and what went wrong on the way.
 //!
-//! [`Lsm6dsv16x`] over I2C and [`Bmi323`] over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One source
-//! of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
+//! Two real parts, through their maintained drivers over embedded-hal 1.0, each behind the feature of its name: `Lsm6dsv16x` over
+//! I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One source of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
 //!
 //! The FIFO is the deadline: [`poll`](SampleSource::poll) at least every 250 ms, or samples are lost, flagged and counted. What
 //! each fault is and how long it takes to recover is in docs/faults.md.
@@ -35,10 +35,12 @@
 //! }
 //! ```
 
+#[cfg(feature = "bmi323")]
 mod bmi323;
 mod counts;
 mod error;
 mod frame;
+#[cfg(feature = "lsm6dsv16x")]
 mod lsm6dsv16x;
 mod repeats;
 mod timeline;
@@ -48,10 +50,12 @@ use core::future::Future;
 
 use heapless::Vec;
 
+#[cfg(feature = "bmi323")]
 pub use bmi323::Bmi323;
 pub use counts::Counts;
 pub use error::SourceError;
 pub use frame::{Batch, FifoFrame, MAX_SAMPLES};
+#[cfg(feature = "lsm6dsv16x")]
 pub use lsm6dsv16x::{Address, Lsm6dsv16x};
 use repeats::Repeats;
 pub use timeline::SensorClock;

@@ -9,7 +9,10 @@ use fos_core::Image;
 use fos_data::case::{self, CaseMeta};
 use fos_diagnose::study::{self, Study};
 use fos_embedded::hub::{Hub, HubError};
-use fos_embedded::{hub_log, replay, telemetry};
+use fos_embedded::telemetry;
+use fos_embedded::test_log::{
+    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
+};
 use fos_fit::evaluate::ModelErrors;
 use host_fit::record::record;
 
@@ -65,7 +68,7 @@ pub(crate) const FORMATS: &[Format] = &[
         title: "hub log",
         name: "hub_log",
         extension: "fosh",
-        version: hub_log::VERSION as u32,
+        version: HubLogHeader::VERSION as u32,
         outputs: of_hub_log,
         as_version: Some(with_version_in_header),
         payload: all_but_absent_temperatures,
@@ -75,7 +78,7 @@ pub(crate) const FORMATS: &[Format] = &[
         title: "log for replay",
         name: "replay_log",
         extension: "fosr",
-        version: replay::VERSION as u32,
+        version: PredictorLogHeader::VERSION as u32,
         outputs: of_replay_log,
         as_version: Some(with_version_in_header),
         payload: all_but_absent_values,
@@ -146,18 +149,18 @@ type Device = Hub<16, 128, 256>;
 /// What `load` makes of a hub says of the samples of the oldest hub log, as `fos_embedded`'s firmware prints it.
 fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result<String, String> {
     let log = fs::read(folder().join("hub_log_v1.fosh")).map_err(|error| error.to_string())?;
-    let header = hub_log::Header::decode(&log).map_err(|error| error.to_string())?;
+    let header = HubLogHeader::decode(&log).map_err(|error| error.to_string())?;
     let mut hub = Device::new(header.scales);
     load(&mut hub).map_err(|error| error.to_string())?;
     let mut given = vec![0.0; usize::from(header.n_given)];
-    let mut digest = hub_log::Digest::default();
-    let records = log[hub_log::HEADER_LENGTH..].chunks(header.record_length());
+    let mut digest = HubDigest::default();
+    let records = log[HubLogHeader::LENGTH..].chunks(header.record_length());
     let n_records = records.len();
     for bytes in records {
-        let record = hub_log::Record::decode(bytes, &mut given).map_err(|error| error.to_string())?;
-        digest.update(hub_log::step(&mut hub, &record));
+        let record = HubLogRecord::decode(bytes, &mut given).map_err(|error| error.to_string())?;
+        digest.update(record.step(&mut hub));
     }
-    Ok(format!("samples {n_records}\noutputs {:016x}\n", digest.value()))
+    Ok(format!("samples {n_records}\noutputs {:016x}\n", digest.outputs()))
 }
 
 pub(crate) fn of_image(bytes: &[u8]) -> Result<String, String> {
@@ -197,7 +200,7 @@ fn of_telemetry(bytes: &[u8]) -> Result<String, String> {
 }
 
 fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
-    let header = hub_log::Header::decode(bytes).map_err(|error| error.to_string())?;
+    let header = HubLogHeader::decode(bytes).map_err(|error| error.to_string())?;
     let mut digest = Digest::new();
     let scales = header.scales;
     digest.numbers([scales.accel_mps2, scales.gyro_rads, scales.temperature_k, scales.temperature_zero_c]);
@@ -205,8 +208,8 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
     digest.bytes(format!("{:?}", scales.values).as_bytes());
     let mut given = vec![0.0; usize::from(header.n_given)];
     let mut records = 0;
-    for bytes in bytes[hub_log::HEADER_LENGTH..].chunks(header.record_length()) {
-        let record = hub_log::Record::decode(bytes, &mut given).map_err(|error| error.to_string())?;
+    for bytes in bytes[HubLogHeader::LENGTH..].chunks(header.record_length()) {
+        let record = HubLogRecord::decode(bytes, &mut given).map_err(|error| error.to_string())?;
         let raw = record.raw;
         digest.number(f64::from(raw.skipped));
         digest.numbers(raw.accel.into_iter().chain(raw.gyro));
@@ -222,22 +225,24 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
 
 /// Through the axes of the oldest image.
 fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
-    let header = replay::Header::decode(bytes).map_err(|error| error.to_string())?;
+    let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
     let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
     let image = Image::parse(&model).map_err(|error| error.to_string())?;
     let mut predictor = image.predictor::<f32, 6, 16, 128, 256>().map_err(|error| error.to_string())?;
     let n_quantities = image.quantities().count() as u8;
     header
-        .check(replay::Header { n_axes: predictor.n_axes() as u8, n_quantities })
+        .check(PredictorLogHeader { n_axes: predictor.n_axes() as u8, n_quantities })
         .map_err(|error| error.to_string())?;
-    let mut decoder = replay::Decoder::new(header).map_err(|error| error.to_string())?;
-    let (mut said, mut content, mut records) = (replay::Digest::default(), Digest::new(), 0);
-    for bytes in bytes[replay::HEADER_LENGTH..].chunks(header.record_length()) {
-        let record = decoder.record(bytes).map_err(|error| error.to_string())?;
+    let (mut measured, mut quantities) =
+        (vec![0.0; header.n_axes.into()], vec![0.0; header.n_quantities.into()]);
+    let (mut said, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
+    for bytes in bytes[PredictorLogHeader::LENGTH..].chunks(header.record_length()) {
+        let record = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities)
+            .map_err(|error| error.to_string())?;
         content.number(f64::from(record.skipped));
         content.bytes(format!("{:?}", record.motion).as_bytes());
         content.numbers(record.measured.iter().chain(record.quantities).copied());
-        said.update(replay::step(&mut predictor, &record));
+        said.update(record.step(&mut predictor));
         records += 1;
     }
     Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", said.corrections()))
@@ -342,11 +347,11 @@ fn all_but_the_last(bytes: &[u8]) -> Vec<usize> {
 
 /// Of a hub log's sample without a temperature, the code of one is not looked at.
 fn all_but_absent_temperatures(bytes: &[u8]) -> Vec<usize> {
-    let header = hub_log::Header::decode(bytes).expect("a header");
+    let header = HubLogHeader::decode(bytes).expect("a header");
     let is_absent = |place: usize| {
-        let Some(place) = place.checked_sub(hub_log::HEADER_LENGTH) else { return false };
+        let Some(place) = place.checked_sub(HubLogHeader::LENGTH) else { return false };
         let (record, field) = (place / header.record_length(), place % header.record_length());
-        let has_temperature = bytes[hub_log::HEADER_LENGTH + record * header.record_length() + 7];
+        let has_temperature = bytes[HubLogHeader::LENGTH + record * header.record_length() + 7];
         has_temperature == 0 && (28..30).contains(&field)
     };
     every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()

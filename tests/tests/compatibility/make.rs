@@ -11,10 +11,9 @@ use fos_diagnose::refine::{Ground, GrowthLogs};
 use fos_diagnose::study::Study;
 use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, Motion};
-use fos_embedded::hub_log::{self, Header, Record, step};
 use fos_embedded::raw::{Faults, RawSample, Scales};
-use fos_embedded::replay;
 use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
 
@@ -68,7 +67,7 @@ fn simulated() -> Vec<([f64; 6], f64)> {
 
 /// Still, then moving, then still; with a gap, a fault, and a sample without a temperature.
 pub(crate) fn hub_log() -> Vec<u8> {
-    let header = Header { scales: SCALES, n_given: 1 };
+    let header = HubLogHeader { scales: SCALES, n_given: 1 };
     let mut bytes = header.encode().to_vec();
     for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
         let code = |value: f64, scale: f32| (value / f64::from(scale)).round() as i16;
@@ -88,21 +87,21 @@ pub(crate) fn hub_log() -> Vec<u8> {
         };
         let clock_us = if tick % 10 == 9 { 5000 * (tick as u64 + 1) } else { 0 };
         let supply = [3.3 + 0.01 * (tick as f32 / 8.0)];
-        bytes.extend(Record { raw, motion, clock_us, given: &supply }.encode());
+        bytes.extend(HubLogRecord { raw, motion, clock_us, given: &supply }.encode());
     }
     bytes
 }
 
 /// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: what the oldest image takes.
 pub(crate) fn replay_log() -> Vec<u8> {
-    let mut bytes = replay::Header { n_axes: 2, n_quantities: 2 }.encode().to_vec();
+    let mut bytes = PredictorLogHeader { n_axes: 2, n_quantities: 2 }.encode().to_vec();
     for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
         let skipped = if tick == 60 { 3 } else { 0 };
         let motion = if (80..100).contains(&tick) { Motion::Moving } else { Motion::Still };
         let measured = [axes[2] as f32, if tick == 40 { f32::NAN } else { axes[3] as f32 }];
         let quantities = [celsius as f32, 3.3];
         bytes.extend(
-            replay::Record { skipped, motion, measured: &measured, quantities: &quantities }.encode(),
+            PredictorLogRecord { skipped, motion, measured: &measured, quantities: &quantities }.encode(),
         );
     }
     bytes
@@ -144,16 +143,16 @@ impl Write for Line {
 /// What a hub with the oldest image sends of the first samples of the oldest hub log; one frame is lost.
 pub(crate) fn telemetry() -> Vec<u8> {
     let log = read(&folder().join("hub_log_v1.fosh"));
-    let header = Header::decode(&log).expect("a header");
+    let header = HubLogHeader::decode(&log).expect("a header");
     let mut hub: Hub<16, 128, 256> = Hub::new(header.scales);
     hub.load(&read(&folder().join("model_v1.fosm"))).expect("loaded");
     let start =
         StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c\nsupply_v" };
     let mut recorder: Recorder<_, 320> = Recorder::new(Line(Vec::new()));
     let mut given = [0.0];
-    for (place, bytes) in log[hub_log::HEADER_LENGTH..].chunks(header.record_length()).take(40).enumerate() {
-        let record = Record::decode(bytes, &mut given).expect("a record");
-        let output = *step(&mut hub, &record);
+    for (place, bytes) in log[HubLogHeader::LENGTH..].chunks(header.record_length()).take(40).enumerate() {
+        let record = HubLogRecord::decode(bytes, &mut given).expect("a record");
+        let output = *record.step(&mut hub);
         if place != 20 {
             recorder.sample(&start, SampleFrame::new(&output, &hub.logged())).expect("sent");
         }

@@ -3,8 +3,8 @@
 mod samples;
 
 use fos_embedded::hub::{Hub, HubError};
-use fos_embedded::hub_log::{Record, step};
 use fos_embedded::raw::Scales;
+use fos_embedded::test_log::HubLogRecord;
 use fos_embedded::test_vector::{Expected, TestSample, TestVector};
 
 use fos_fit::model::{FittedTerm, UnitModel};
@@ -50,8 +50,9 @@ pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
         OwnedTestVector { scales, channels, given, samples: vec![], given_bits: vec![], expected: vec![] };
     for kind in generator.schedule() {
         let (sample, given) = generator.sample(kind);
-        let record = Record { raw: sample.raw(), motion: Some(sample.motion), clock_us: 0, given: &given };
-        let output = step(&mut hub, &record);
+        let record =
+            HubLogRecord { raw: sample.raw(), motion: Some(sample.motion), clock_us: 0, given: &given };
+        let output = record.step(&mut hub);
         vector.expected.extend(vector.channels.iter().filter_map(|channel| Expected::of(output, *channel)));
         vector.given_bits.extend(given.iter().map(|value| value.to_bits()));
         vector.samples.push(sample);
