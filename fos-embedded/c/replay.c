@@ -2,7 +2,7 @@
  * replay IMAGE LOG: runs a log of raw codes through a stored model, on the host and on the emulated board.
  *
  * Prints how many samples there were, and a digest (CRC-64/XZ) of everything that came out. The log is described in
- * examples/hub_files.rs.
+ * fos-embedded/src/test_log/hub_log.rs.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 //! same bits.
 //!
 //! ```text
-//! firmware IMAGE LOG [TELEMETRY]
+//! hub_log IMAGE LOG [TELEMETRY]
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
@@ -16,9 +16,7 @@ use fos_core::Image;
 use fos_embedded::hub::Hub;
 use fos_embedded::telemetry::{HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION};
 use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
-use platform::{File, Instructions, Tally, argument, fail, println};
-
-mod platform;
+use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 
 /// Room for 16 inputs, 128 terms, 256 values of history.
 type Device = Hub<16, 128, 256>;
@@ -61,7 +59,7 @@ impl Write for Stream {
 fn path(index: usize, buffer: &mut [u8; 1024]) -> &core::ffi::CStr {
     match argument(index, buffer) {
         Some(path) => path,
-        None => fail(format_args!("usage: firmware IMAGE LOG [TELEMETRY]")),
+        None => fail(format_args!("usage: hub_log IMAGE LOG [TELEMETRY]")),
     }
 }
 
@@ -99,7 +97,7 @@ fn run() {
         Recorder::<_, 320>::new(Stream { file: File::create(path), piece: [0; CHUNK], filled: 0 })
     });
 
-    let (mut digest, mut ticks, mut frames) = (HubDigest::default(), Tally::new(), Tally::new());
+    let (mut digest, mut ticks, mut frames) = (HubDigest::default(), Tally::default(), Tally::default());
     let mut samples = 0_u64;
     let mut chunk = [0; CHUNK];
     let mut given = [0.0; 16];
@@ -150,7 +148,4 @@ fn run() {
     println!("bytes: hub {}", size_of::<Device>());
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() {
-    run();
-}
+fos_firmware::firmware!(run);

@@ -1,7 +1,7 @@
 //! Runs a recorded log through a stored model: the same source on the board and on the host, to the same bits.
 //!
 //! ```text
-//! replay IMAGE LOG
+//! predictor_log IMAGE LOG
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints how many samples
@@ -11,9 +11,7 @@
 
 use fos_core::{Image, Predictor};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
-use platform::{File, Instructions, Tally, argument, fail, println};
-
-mod platform;
+use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 
 /// Capacities for six axes, 16 inputs, 128 terms in all, and 256 values of history.
 type Device = Predictor<f32, 6, 16, 128, 256>;
@@ -27,7 +25,7 @@ fn open(index: usize) -> File {
     let mut path = [0; 1024];
     match argument(index, &mut path) {
         Some(path) => File::open(path),
-        None => fail(format_args!("usage: replay IMAGE LOG")),
+        None => fail(format_args!("usage: predictor_log IMAGE LOG")),
     }
 }
 
@@ -61,7 +59,7 @@ fn run() {
     let measured = &mut measured[..usize::from(header.n_axes)];
     let quantities = &mut quantities[..usize::from(header.n_quantities)];
 
-    let (mut digest, mut cost) = (PredictorDigest::default(), Tally::new());
+    let (mut digest, mut cost) = (PredictorDigest::default(), Tally::default());
     let mut instructions = Instructions::start();
     let (mut samples, mut skipped) = (0_u64, 0_u64);
     let mut chunk = [0; CHUNK];
@@ -92,7 +90,4 @@ fn run() {
     println!("bytes: predictor {}", size_of::<Device>());
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() {
-    run();
-}
+fos_firmware::firmware!(run);

@@ -3,13 +3,11 @@
 //! The source is what `host-fit export --rust` writes of the model of tests/tests/exported_model.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
-use platform::{Instructions, fail, println};
-
-mod platform;
+use fos_firmware::{Instructions, fail, println};
 
 #[allow(unreachable_pub, reason = "exported to be used from anywhere in a firmware")]
 mod exported {
-    include!("../../tests/golden/model.rs");
+    include!("../../../golden/model.rs");
 }
 
 fn run() {
@@ -28,7 +26,4 @@ fn run() {
     }
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() {
-    run();
-}
+fos_firmware::firmware!(run);

@@ -15,10 +15,10 @@ use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::sample_source::SampleSource;
 use fos_embedded::store::ModelStore;
+use fos_firmware::fail;
 
 use super::flash::{PAGE, RamFlash};
 use super::sensor::Sensor;
-use crate::platform::fail;
 
 pub(crate) const SCALES: Scales = Scales {
     accel_mps2: 0.001,

@@ -1,4 +1,4 @@
-//! The counter-check of `panic_free.rs`: one index that may be out of bounds, so that this must not link on the target.
+//! The counter-check of `panic_free`: one index that may be out of bounds, so that this must not link on the target.
 //!
 //! It must fail for want of `a_panic_can_be_reached`, the function that the panic handler calls, and for nothing else.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]

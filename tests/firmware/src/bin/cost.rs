@@ -17,9 +17,7 @@ use fos_core::{
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
 use fos_embedded::telemetry::{Frame, HUB_AXES, SampleFrame, StartFrame, VERSION, encode as encode_frame};
-use platform::{Instructions, Tally, fail, println, stack_of};
-
-mod platform;
+use fos_firmware::{Instructions, Tally, fail, println, stack_of};
 
 const PERIOD_S: f64 = 0.005;
 const STEPS: u32 = 2000;
@@ -134,7 +132,7 @@ impl Sensor {
 
 /// What `step` costs, sample after sample.
 fn tally(instructions: &mut Instructions, mut step: impl FnMut(&RawSample)) -> Tally {
-    let (mut tally, mut sensor) = (Tally::new(), Sensor(1));
+    let (mut tally, mut sensor) = (Tally::default(), Sensor(1));
     for _ in 0..STEPS {
         let raw = sensor.sample();
         tally.add(instructions.of(|| step(black_box(&raw))));
@@ -323,7 +321,4 @@ fn run() {
     println!("ram {} stack {}", size_of::<Hub<0, 60, 64>>(), stack.max(load_stack));
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-fn main() {
-    run();
-}
+fos_firmware::firmware!(run);

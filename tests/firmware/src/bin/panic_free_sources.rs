@@ -1,11 +1,11 @@
-//! As `panic_free.rs`, for the sources of samples and the drivers under them, over blocking buses.
+//! As `panic_free`, for the sources of samples and the drivers under them, over blocking buses.
 //!
 //! An `async fn` has a panic of its own, against being asked again after it is done. No `await` does that, but the optimiser only
 //! sees so where everything is in one function:
 //!
 //! ```text
 //! DEVICE_RUSTFLAGS='-C opt-level=3 -C llvm-args=-inline-threshold=1000000' \
-//!   device_build thumbv7em-none-eabihf --package fos-embedded --example panic_free_sources
+//!   device_build thumbv7em-none-eabihf --package fos-firmware --bin panic_free_sources
 //! ```
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 

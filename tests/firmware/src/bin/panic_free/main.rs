@@ -8,7 +8,6 @@
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-#[path = "panic_free/image.rs"]
 mod image;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

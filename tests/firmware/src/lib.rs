@@ -1,14 +1,35 @@
-//! What the examples need of the machine they run on: the emulated board, or the host.
-#![allow(dead_code, reason = "no example uses all of it")]
+//! What the programs in `bin/` need of the machine they run on: the emulated board, or the host.
+//!
+//! Each is the same source on both, begins in its `run`, and says so by [`firmware!`]. Those that show by linking, or by their
+//! size, need nothing of this.
+#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-pub(crate) use board::*;
+pub use board::*;
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
-pub(crate) use host::*;
+pub use host::*;
 use io::{Read as _, Write as _};
 
+/// The program begins in this function, on the board and on the host.
+#[macro_export]
+macro_rules! firmware {
+    ($run:path) => {
+        #[cfg(all(target_arch = "arm", target_os = "none"))]
+        #[$crate::entry]
+        fn entry() -> ! {
+            $run();
+            $crate::done()
+        }
+
+        #[cfg(not(all(target_arch = "arm", target_os = "none")))]
+        fn main() {
+            $run();
+        }
+    };
+}
+
 /// How many instructions something took, again and again.
-pub(crate) struct Tally {
+pub struct Tally {
     /// By steps of [`Tally::STEP`].
     counts: [u32; 16_384],
     sum: f64,
@@ -16,15 +37,18 @@ pub(crate) struct Tally {
     worst: f64,
 }
 
+impl Default for Tally {
+    fn default() -> Self {
+        Self { counts: [0; 16_384], sum: 0.0, n: 0, worst: 0.0 }
+    }
+}
+
 impl Tally {
     /// The timer counts in steps of 1.25 instructions or so: finer is of no use.
     const STEP: usize = 4;
 
-    pub(crate) const fn new() -> Self {
-        Self { counts: [0; 16_384], sum: 0.0, n: 0, worst: 0.0 }
-    }
-
-    pub(crate) fn add(&mut self, instructions: f64) {
+    /// Once more, so many.
+    pub fn add(&mut self, instructions: f64) {
         let step = (instructions as usize / Self::STEP).min(self.counts.len() - 1);
         self.counts[step] += 1;
         self.sum += instructions;
@@ -32,11 +56,13 @@ impl Tally {
         self.worst = self.worst.max(instructions);
     }
 
-    pub(crate) fn mean(&self) -> f64 {
+    /// Instructions, on average; 0 of nothing.
+    pub fn mean(&self) -> f64 {
         self.sum / f64::from(self.n.max(1))
     }
 
-    pub(crate) fn median(&self) -> usize {
+    /// Instructions, to the [step](Self::STEP) below; 0 of nothing.
+    pub fn median(&self) -> usize {
         let mut left = self.n / 2;
         for (step, count) in self.counts.iter().enumerate() {
             if *count > left {
@@ -47,7 +73,8 @@ impl Tally {
         0
     }
 
-    pub(crate) fn worst(&self) -> usize {
+    /// Instructions, at most.
+    pub fn worst(&self) -> usize {
         self.worst as usize
     }
 }
@@ -62,31 +89,34 @@ impl core::fmt::Display for Tally {
 }
 
 /// A file of the host.
-pub(crate) struct File(fs::File);
+pub struct File(fs::File);
 
 impl File {
-    pub(crate) fn open(path: &core::ffi::CStr) -> Self {
+    /// For reading; the program ends if it cannot be.
+    pub fn open(path: &core::ffi::CStr) -> Self {
         match fs::File::open(as_path(path)) {
             Ok(file) => Self(file),
             Err(error) => fail(format_args!("{path:?}: {error}")),
         }
     }
 
-    pub(crate) fn create(path: &core::ffi::CStr) -> Self {
+    /// For writing, anew; the program ends if it cannot be.
+    pub fn create(path: &core::ffi::CStr) -> Self {
         match fs::File::create(as_path(path)) {
             Ok(file) => Self(file),
             Err(error) => fail(format_args!("{path:?}: {error}")),
         }
     }
 
-    pub(crate) fn write(&mut self, bytes: &[u8]) {
+    /// All of it, or the program ends.
+    pub fn write(&mut self, bytes: &[u8]) {
         if let Err(error) = self.0.write_all(bytes) {
             fail(format_args!("cannot write: {error}"));
         }
     }
 
     /// Fills as much of `buffer` as the file has left; how much.
-    pub(crate) fn read(&mut self, buffer: &mut [u8]) -> usize {
+    pub fn read(&mut self, buffer: &mut [u8]) -> usize {
         let mut filled = 0;
         while filled < buffer.len() {
             match self.0.read(&mut buffer[filled..]) {
@@ -104,7 +134,7 @@ mod board {
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m::peripheral::{Peripherals, SYST};
 
-    pub(crate) use semihosting::println;
+    pub use semihosting::println;
     pub(super) use semihosting::{fs, io};
 
     #[panic_handler]
@@ -119,20 +149,21 @@ mod board {
         semihosting::process::exit(102)
     }
 
-    #[cortex_m_rt::entry]
-    fn entry() -> ! {
-        crate::run();
+    pub use cortex_m_rt::entry;
+
+    /// Ends the program: all is well.
+    pub fn done() -> ! {
         semihosting::process::exit(0)
     }
 
     /// Ends the program with an error.
-    pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
         println!("{reason}");
         semihosting::process::exit(1)
     }
 
     /// Argument `index` of the program, copied into `buffer`; 0 is the program's name. An argument has no spaces.
-    pub(crate) fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
+    pub fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
         let arguments = match semihosting::experimental::env::args::<1024>() {
             Ok(arguments) => arguments,
             Err(error) => fail(format_args!("no arguments: {error}")),
@@ -155,7 +186,7 @@ mod board {
 
     /// Bytes of stack that `work` takes: what it overwrites of a painted stack.
     #[inline(never)]
-    pub(crate) fn stack_of(work: impl FnOnce()) -> usize {
+    pub fn stack_of(work: impl FnOnce()) -> usize {
         // nothing below the stack pointer is in use, and neither loop calls anything
         let top = cortex_m::register::msp::read() as usize;
         let painted = core::ptr::with_exposed_provenance_mut::<u8>(top - STACK);
@@ -176,7 +207,7 @@ mod board {
 
     /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer of the
     /// mps2 boards runs at 25 MHz, other boards' at another rate: 2000 instructions at the start tell.
-    pub(crate) struct Instructions {
+    pub struct Instructions {
         timer: SYST,
         a_tick: f64,
         /// What counting itself costs.
@@ -191,7 +222,8 @@ mod board {
     }
 
     impl Instructions {
-        pub(crate) fn start() -> Self {
+        /// Takes the timer, and finds out how fast it goes.
+        pub fn start() -> Self {
             let mut timer = match Peripherals::take() {
                 Some(peripherals) => peripherals.SYST,
                 None => fail(format_args!("the timer is taken")),
@@ -209,7 +241,7 @@ mod board {
         }
 
         /// Instructions that `work` takes; it must take fewer than 10 million.
-        pub(crate) fn of(&mut self, work: impl FnOnce()) -> f64 {
+        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
             self.timer.clear_current();
             let before = SYST::get_current();
             work();
@@ -221,17 +253,17 @@ mod board {
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 mod host {
-    pub(crate) use std::println;
+    pub use std::println;
     pub(super) use std::{fs, io};
 
     /// Ends the program with an error.
-    pub(crate) fn fail(reason: core::fmt::Arguments<'_>) -> ! {
+    pub fn fail(reason: core::fmt::Arguments<'_>) -> ! {
         println!("{reason}");
         std::process::exit(1)
     }
 
     /// Argument `index` of the program, copied into `buffer`; 0 is the program's name.
-    pub(crate) fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
+    pub fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CStr> {
         let argument = std::env::args().nth(index)?;
         buffer.get_mut(..argument.len())?.copy_from_slice(argument.as_bytes());
         *buffer.get_mut(argument.len())? = 0;
@@ -244,21 +276,22 @@ mod host {
     }
 
     /// The stack is looked at on the emulated board only.
-    pub(crate) fn stack_of(work: impl FnOnce()) -> usize {
+    pub fn stack_of(work: impl FnOnce()) -> usize {
         work();
         0
     }
 
     /// Instructions are counted on the emulated board only.
-    pub(crate) struct Instructions;
+    pub struct Instructions;
 
     impl Instructions {
-        pub(crate) fn start() -> Self {
+        /// There is nothing to start.
+        pub fn start() -> Self {
             Self
         }
 
         /// Runs `work`; there is no count.
-        pub(crate) fn of(&mut self, work: impl FnOnce()) -> f64 {
+        pub fn of(&mut self, work: impl FnOnce()) -> f64 {
             work();
             f64::NAN
         }

@@ -5,16 +5,14 @@
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-mod log {
-    pub(crate) mod flash;
-    pub(crate) mod run;
-    pub(crate) mod sensor;
-}
+mod flash;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-mod platform;
+mod run;
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+mod sensor;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-use log::run::run;
+fos_firmware::firmware!(run::run);
 
 #[cfg(not(all(target_arch = "arm", target_os = "none")))]
 fn main() {

@@ -1,0 +1,61 @@
+//! A predictor in a few lines: it learns where the error is while the gyro is still, and carries it through a turn.
+//!
+//! ```text
+//! cargo run -p fos-core --example predictor
+//! ```
+
+use fos_core::{
+    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, ModelError, Predictor, Range,
+    Sample, Term, y,
+};
+
+/// An error that wanders: r(n) = 0.98 r(n − 1) + noise, about 0.01 rad/s.
+static GYRO_Z: AxisModel<'_, f32> = AxisModel {
+    parameters: AxisParameters {
+        axis: Axis::Gz,
+        reference: 0.0,
+        offset: 0.01,
+        scale: 0.002,
+        constant: 0.0,
+        range: Range::new(-4.0, 4.0),
+        full_scale: 8.7,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 20,
+        coast_limit_s: 10.0,
+        innovation: InnovationStatistics { mean: 0.0, variance: 0.04, lag_1_correlation: 0.0 },
+    },
+    physical: &[],
+    stochastic: &[Term::new(0.98, &[y(1)])],
+};
+
+static MODEL: Model<'_, f32> = Model {
+    period_s: 0.005,
+    fitted_on: FittedOn::Raw,
+    stillness: None,
+    quantities: &[],
+    inputs: &[],
+    axes: &[GYRO_Z],
+};
+
+fn main() -> Result<(), ModelError> {
+    // 1 axis, no input, 1 term, 2 values of history
+    let mut predictor = Predictor::<f32, 1, 0, 1, 2>::new(&MODEL)?;
+    let error = 0.015;
+    for _ in 0..100 {
+        // the true rate is known to be 0: the model is held against what is measured
+        let still = predictor.track(&Sample { measured: &[error], quantities: &[] });
+        assert!(still[0].corrected.abs() < error.abs());
+    }
+    for rate in [0.1, 0.2, 0.3] {
+        // it is not: the model goes on alone
+        let moving = predictor.coast(&Sample { measured: &[rate + error], quantities: &[] });
+        println!(
+            "measured {:.4} rad/s, corrected {:.4}: {:?}",
+            rate + error,
+            moving[0].corrected,
+            moving[0].validity
+        );
+        assert!((moving[0].corrected - rate).abs() < 0.0005);
+    }
+    Ok(())
+}

@@ -1,0 +1,70 @@
+//! A hub on a BMI323 over SPI, blocking: the loop of a firmware without an executor.
+//!
+//! It compiles for a host too, where there is no such sensor.
+
+use core::convert::Infallible;
+
+use embedded_hal::{delay::DelayNs, spi::SpiDevice};
+use fos_embedded::blocking::{Blocking, poll_once};
+use fos_embedded::hub::{Hub, HubError, Output};
+use fos_embedded::sample_source::{Bmi323, Imu, SampleSource};
+
+/// What it needs of the board.
+struct Board<S, D> {
+    spi: S,
+    delay: D,
+    /// A clock that only goes forward, µs.
+    now_us: fn() -> u64,
+    /// Sleeps for about so long; up to 250 ms are lost to nothing, for the FIFO keeps that much.
+    sleep_ms: fn(u32),
+}
+
+/// `image` is the stored model; `use_output` gets every sample, 200 a second.
+fn run<S: SpiDevice, D: DelayNs>(
+    board: Board<S, D>,
+    image: &[u8],
+    mut use_output: impl FnMut(&Output),
+) -> Result<Infallible, HubError> {
+    // room for 16 inputs, 128 terms, 256 values of history
+    let mut hub: Hub<16, 128, 256> = Hub::new(Bmi323::<Blocking<S>, Blocking<D>>::scales());
+    hub.load(image)?;
+    let mut source = SampleSource::new(Bmi323::new(Blocking(board.spi), Blocking(board.delay)));
+    loop {
+        let now_us = (board.now_us)();
+        // an error of the bus or of the part may pass, and is counted: go on polling
+        if let Some(Ok(samples)) = poll_once(source.poll(now_us)) {
+            for raw in samples {
+                use_output(hub.update(raw));
+            }
+            if !samples.is_empty() && !source.has_more() {
+                hub.clock(now_us); // by which the sensor's true sample rate is found
+            }
+        }
+        if !source.has_more() {
+            (board.sleep_ms)(50);
+        }
+    }
+}
+
+/// A bus that is not there.
+struct NoBus;
+
+impl embedded_hal::spi::ErrorType for NoBus {
+    type Error = embedded_hal::spi::ErrorKind;
+}
+
+impl SpiDevice for NoBus {
+    fn transaction(&mut self, _: &mut [embedded_hal::spi::Operation<'_, u8>]) -> Result<(), Self::Error> {
+        Err(embedded_hal::spi::ErrorKind::Other)
+    }
+}
+
+impl DelayNs for NoBus {
+    fn delay_ns(&mut self, _: u32) {}
+}
+
+fn main() {
+    let board = Board { spi: NoBus, delay: NoBus, now_us: || 0, sleep_ms: |_| {} };
+    let Err(refused) = run(board, b"not a model", |output| println!("{:?}", output.gyro()));
+    println!("on a host there is neither a sensor nor an image: {refused}");
+}

@@ -1,0 +1,115 @@
+//! A gyro whose bias follows its temperature: the hub takes the bias out, at rest and in a turn.
+//!
+//! ```text
+//! cargo run -p fos-embedded --example hub                                   # here
+//! cargo run -p fos-embedded --example hub --target thumbv7em-none-eabihf   # on an emulated Cortex-M4F, the same bits
+//! ```
+//!
+//! The model is compiled in; `host-fit export --rust` writes such a one of what it has fitted. One that comes as an image,
+//! from flash or over the air, goes through [`Hub::load`].
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+
+#[cfg(target_os = "none")]
+use board::println;
+use fos_core::{
+    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Input, Model, Quantity, Range, Source,
+    StillnessLimits, Term, Transform, u,
+};
+use fos_embedded::hub::Hub;
+use fos_embedded::raw::{RawSample, Scales};
+
+/// What the codes of the sensor mean; its driver in `sample_source` says so too.
+const SCALES: Scales = Scales {
+    accel_mps2: 0.001_197, // ±4 g
+    gyro_rads: 0.000_305,  // ±500 dps
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: FittedOn::Raw,
+};
+
+/// 0.02 rad/s at 25 °C, and 0.001 rad/s more with every kelvin.
+fn bias_rads(celsius: f32) -> f32 {
+    0.02 + 0.001 * (celsius - 25.0)
+}
+
+/// What a fit would find of that: 0.025 rad/s at 30 °C, and a scaled unit, 0.005 rad/s, with every 5 K.
+static GYRO_Z: AxisModel<'_, f32> = AxisModel {
+    parameters: AxisParameters {
+        axis: Axis::Gz,
+        reference: 0.0,
+        offset: 0.025,
+        scale: 0.005,
+        constant: 0.0,
+        range: Range::new(-3.0, 3.0),
+        full_scale: 8.7,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 20,
+        coast_limit_s: 60.0,
+        innovation: InnovationStatistics { mean: 0.0, variance: 0.1, lag_1_correlation: 0.0 },
+    },
+    physical: &[Term::new(1.0, &[u(0, 0)])],
+    stochastic: &[],
+};
+
+static TEMPERATURE: Input<f32> = Input {
+    source: Source::Quantity(0),
+    transform: Transform::Identity,
+    centre: 30.0,
+    scale: 5.0,
+    source_range: Range::new(-2.0, 2.0),
+    range: Range::new(-2.0, 2.0),
+};
+
+static MODEL: Model<'_, f32> = Model {
+    period_s: 0.005,
+    fitted_on: FittedOn::Raw,
+    stillness: Some(StillnessLimits {
+        window: 100,
+        accel_variance: 0.01,
+        gyro_variance: 0.001,
+        gyro_at_rest: [0.0, 0.0, 0.025],
+        gyro_deviation: 0.05,
+    }),
+    quantities: &[Quantity::Temperature],
+    inputs: &[TEMPERATURE],
+    axes: &[GYRO_Z],
+};
+
+/// The sensor at rest or in a turn about z, while it warms from 25 °C to 35 °C in 20 s.
+fn sample(n: u16, rate_rads: f32) -> RawSample {
+    let celsius = 25.0 + 10.0 * f32::from(n) / 4000.0;
+    RawSample {
+        accel: [0, 0, 8193],
+        gyro: [0, 0, ((rate_rads + bias_rads(celsius)) / SCALES.gyro_rads) as i16],
+        temperature: Some(((celsius - SCALES.temperature_zero_c) / SCALES.temperature_k) as i16),
+        ..RawSample::default()
+    }
+}
+
+fn run() {
+    // room for 1 input, 1 term, 4 values of history; may be a `static`
+    let mut hub: Hub<1, 1, 4> = Hub::new(SCALES);
+    hub.load_model(&MODEL).expect("it has the room, and is of this sensor");
+    let (mut measured, mut corrected) = (0.0_f32, 0.0_f32);
+    for n in 0..4000 {
+        let rate_rads = if n < 2000 { 0.0 } else { 0.5 };
+        let output = hub.update(&sample(n, rate_rads));
+        // rest is known after two windows of half a second, a turn at once
+        assert_eq!(output.still, (199..2000).contains(&n), "sample {n}");
+        measured = measured.max((output.measured[5] - rate_rads).abs());
+        corrected = corrected.max((output.gyro()[2] - rate_rads).abs());
+    }
+    println!("largest error, rad/s: measured {measured:.4}, corrected {corrected:.4}");
+    assert!(measured > 0.029, "the bias is there");
+    assert!(corrected < 0.0004, "what is left is the rounding of the codes: a step is 0.0003 rad/s");
+    assert!(hub.output().faults.is_empty());
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    run();
+}
