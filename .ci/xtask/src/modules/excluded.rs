@@ -1,0 +1,61 @@
+//! What is there in tests alone.
+
+use syn::punctuated::Punctuated;
+use syn::{Attribute, Item, Meta, Token};
+
+/// Those of any item.
+pub(crate) fn attributes(item: &Item) -> &[Attribute] {
+    match item {
+        Item::Const(item) => &item.attrs,
+        Item::Enum(item) => &item.attrs,
+        Item::ExternCrate(item) => &item.attrs,
+        Item::Fn(item) => &item.attrs,
+        Item::ForeignMod(item) => &item.attrs,
+        Item::Impl(item) => &item.attrs,
+        Item::Macro(item) => &item.attrs,
+        Item::Mod(item) => &item.attrs,
+        Item::Static(item) => &item.attrs,
+        Item::Struct(item) => &item.attrs,
+        Item::Trait(item) => &item.attrs,
+        Item::TraitAlias(item) => &item.attrs,
+        Item::Type(item) => &item.attrs,
+        Item::Union(item) => &item.attrs,
+        Item::Use(item) => &item.attrs,
+        _ => &[],
+    }
+}
+
+/// Whether it is there in tests alone.
+pub(crate) fn is_excluded(attributes: &[Attribute]) -> bool {
+    attributes.iter().any(|attribute| {
+        let holds = attribute.path().is_ident("cfg").then(|| attribute.parse_args::<Meta>().ok()).flatten();
+        attribute.path().is_ident("test")
+            || holds.is_some_and(|condition| without_tests(&condition) == Some(false))
+    })
+}
+
+/// Whether a condition holds where no test is built; none if that depends on more.
+fn without_tests(condition: &Meta) -> Option<bool> {
+    match condition {
+        Meta::Path(path) if path.is_ident("test") => Some(false),
+        Meta::List(list) => {
+            let parts = list.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated).ok()?;
+            let parts: Vec<Option<bool>> = parts.iter().map(without_tests).collect();
+            // one that decides does, whatever the others are
+            let decided_by = |one: bool| {
+                if parts.contains(&Some(one)) {
+                    Some(one)
+                } else {
+                    parts.iter().all(|part| *part == Some(!one)).then_some(!one)
+                }
+            };
+            match &list.path {
+                path if path.is_ident("not") => parts.first().copied().flatten().map(|part| !part),
+                path if path.is_ident("all") => decided_by(false),
+                path if path.is_ident("any") => decided_by(true),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}

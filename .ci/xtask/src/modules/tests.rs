@@ -1,0 +1,300 @@
+//! Small trees of source, and the arrows and circles in them.
+
+use std::fs;
+
+use crate::workspace::{Dependency, Package, Target};
+
+use super::graph::Graph;
+use super::read;
+
+/// A package of that name with a library, whose dependencies are the packages before it.
+type Tree<'a> = &'a [(&'a str, &'a [(&'a str, &'a str)])];
+
+/// The arrows between files, `from -> to: names`, and the circles.
+fn looked_at(tree: Tree) -> (Vec<String>, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut packages: Vec<Package> = Vec::new();
+    for (name, files) in tree {
+        for (path, text) in *files {
+            let path = folder.path().join(name).join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        let dependencies = packages
+            .iter()
+            .map(|other| Dependency {
+                package: other.name.clone(),
+                name: other.name.replace('-', "_"),
+                is_normal: true,
+            })
+            .collect();
+        let root = folder.path().join(name).join("lib.rs");
+        packages.push(Package {
+            name: (*name).to_owned(),
+            folder: folder.path().join(name),
+            targets: vec![Target { is_library: true, root }],
+            dependencies,
+        });
+    }
+    let sources = read::workspace(&packages, folder.path()).unwrap();
+    let graph = Graph::of(&sources);
+    (graph.arrows().lines().map(str::to_owned).collect(), graph.circles())
+}
+
+/// The same of one package, without its name in the paths.
+fn arrows(files: &[(&str, &str)]) -> Vec<String> {
+    looked_at(&[("a", files)]).0.iter().map(|arrow| arrow.replace("a/", "")).collect()
+}
+
+fn circles(files: &[(&str, &str)]) -> Vec<String> {
+    looked_at(&[("a", files)]).1.iter().map(|circle| circle.replace("a/", "")).collect()
+}
+
+#[test]
+fn files_that_use_one_another_in_one_direction_are_no_circle() {
+    let files = [
+        ("lib.rs", "mod one; mod two;"),
+        ("one.rs", "pub struct One;"),
+        ("two.rs", "use crate::one::One; pub fn two(_: One) {}"),
+    ];
+    assert_eq!(arrows(&files), ["two.rs -> one.rs: One"]);
+    assert_eq!(circles(&files), [""; 0]);
+}
+
+#[test]
+fn what_passes_names_on_ties_nothing() {
+    let files = [
+        ("lib.rs", "mod folder;"),
+        ("folder/mod.rs", "mod error; mod load; pub use error::Error; pub(crate) use load::*;"),
+        ("folder/error.rs", "pub struct Error;"),
+        ("folder/load.rs", "use super::Error; pub fn load() -> Result<(), Error> { Err(Error) }"),
+    ];
+    assert_eq!(arrows(&files), ["folder/load.rs -> folder/error.rs: Error"]);
+}
+
+#[test]
+fn a_circle_through_what_passes_names_on_is_found() {
+    let files = [
+        ("lib.rs", "mod folder; pub use folder::{Error, load};"),
+        ("folder.rs", "mod error; mod load; pub use error::*; pub(crate) use load::*;"),
+        (
+            "folder/error.rs",
+            "pub struct Error; pub const WHERE: u8 = crate::RATE; use crate::folder::other as _;",
+        ),
+        (
+            "folder/load.rs",
+            "use super::Error; pub const RATE: u8 = 1; pub fn load() -> Error { Error } pub fn other() {}",
+        ),
+    ];
+    assert_eq!(
+        circles(&files),
+        [
+            "a circle of 2 files: folder/error.rs, folder/load.rs\n  folder/error.rs -> folder/load.rs: other\n  folder/load.rs -> folder/error.rs: Error"
+        ]
+    );
+}
+
+#[test]
+fn groups_name_each_of_their_parts() {
+    let files = [
+        ("lib.rs", "mod part; mod user;"),
+        ("part/mod.rs", "pub mod b; pub mod c; pub struct Own;"),
+        ("part/b.rs", "pub struct B;"),
+        ("part/c.rs", "pub struct D; pub fn called() {}"),
+        (
+            "user.rs",
+            "use crate::part::{b::B as Other, c::{self, D}, Own}; pub fn user(_: Other, _: D, _: Own) { c::called() }",
+        ),
+    ];
+    assert_eq!(
+        arrows(&files),
+        ["user.rs -> part/b.rs: B, Other", "user.rs -> part/c.rs: D, called", "user.rs -> part/mod.rs: Own"]
+    );
+}
+
+#[test]
+fn a_module_and_a_function_of_one_name_are_told_apart() {
+    let files = [
+        ("lib.rs", "mod lines; mod user; fn lines() {}"),
+        ("lines.rs", "pub fn find() {}"),
+        ("user.rs", "use super::lines::{self}; pub fn user() { lines::find() }"),
+    ];
+    assert_eq!(arrows(&files), ["user.rs -> lines.rs: find"]);
+    let files = [files[0], files[1], ("user.rs", "use super::lines; pub fn user() { lines() }")];
+    assert_eq!(arrows(&files), ["user.rs -> lib.rs: lines"]);
+}
+
+#[test]
+fn modules_in_a_file_are_that_file() {
+    let files = [
+        ("lib.rs", "mod outer; mod user;"),
+        (
+            "outer.rs",
+            "pub mod inner { pub mod deep; pub struct Inner; fn own(_: super::Outer, _: deep::Deep) {} } pub struct Outer;",
+        ),
+        (
+            "outer/inner/deep.rs",
+            "pub struct Deep; impl Deep { fn take(_: super::Inner, _: super::super::Outer) {} }",
+        ),
+        ("user.rs", "fn user() { crate::outer::inner::Inner; }"),
+    ];
+    assert_eq!(
+        arrows(&files),
+        [
+            "outer.rs -> outer/inner/deep.rs: Deep",
+            "outer/inner/deep.rs -> outer.rs: Inner, Outer",
+            "user.rs -> outer.rs: Inner"
+        ]
+    );
+}
+
+#[test]
+fn an_impl_elsewhere_takes_the_type() {
+    let files = [
+        ("lib.rs", "mod model; mod shown;"),
+        ("model.rs", "pub struct Model; mod inside { impl super::Model {} }"),
+        ("shown.rs", "impl std::fmt::Display for crate::model::Model {}"),
+    ];
+    assert_eq!(arrows(&files), ["shown.rs -> model.rs: Model"]);
+}
+
+#[test]
+fn macros_are_followed_by_path_and_by_place() {
+    let files = [
+        (
+            "lib.rs",
+            "#[macro_use] mod log; mod print; mod user; #[macro_export] macro_rules! root { () => {} }",
+        ),
+        ("log.rs", "macro_rules! info { () => { $crate::print::written(); elsewhere() } }"),
+        (
+            "print.rs",
+            "macro_rules! line { () => {} } pub(crate) use line; pub fn written() {} pub struct Written;",
+        ),
+        (
+            "user.rs",
+            "fn user() { info!(); crate::print::line!(); assert!(vec![crate::print::Written].is_empty()); root!(); println!(); }",
+        ),
+    ];
+    assert_eq!(
+        arrows(&files),
+        [
+            "log.rs -> print.rs: written",
+            "user.rs -> lib.rs: root",
+            "user.rs -> log.rs: info",
+            "user.rs -> print.rs: Written, line"
+        ]
+    );
+}
+
+#[test]
+fn what_a_macro_makes_belongs_to_the_file_that_calls_it() {
+    let files = [
+        ("lib.rs", "mod made; mod user; pub use made::Faults;"),
+        ("made.rs", "bitflags::bitflags! { pub struct Faults: u8 {} }"),
+        ("user.rs", "use crate::Faults;"),
+    ];
+    assert_eq!(arrows(&files), ["user.rs -> made.rs: Faults"]);
+}
+
+#[test]
+fn names_through_a_glob_are_taken_where_they_are_used() {
+    let files = [
+        ("lib.rs", "mod one; mod two; mod user;"),
+        ("one.rs", "pub struct One; pub fn rate() {} struct Hidden;"),
+        ("two.rs", "pub struct Hidden; pub use super::one::One as Renamed;"),
+        (
+            "user.rs",
+            "use crate::one::*; use crate::two::*; fn user(_: One, _: Hidden, _: Renamed) { let rate = 1; rate; }",
+        ),
+    ];
+    assert_eq!(arrows(&files), ["user.rs -> one.rs: One, Renamed", "user.rs -> two.rs: Hidden"]);
+}
+
+#[test]
+fn imports_of_a_block_are_those_of_the_block() {
+    let files = [
+        ("lib.rs", "mod one; mod user;"),
+        ("one.rs", "pub mod inner { pub fn called() {} }"),
+        (
+            "user.rs",
+            "mod inner { pub fn called() {} } fn user() { inner::called(); { use crate::one::inner; inner::called(); } }",
+        ),
+    ];
+    assert_eq!(arrows(&files), ["user.rs -> one.rs: called"]);
+}
+
+#[test]
+fn serde_calls_what_its_attributes_name() {
+    let files = [
+        ("lib.rs", "mod text; mod user;"),
+        ("text.rs", "pub fn serialize() {} pub fn deserialize() {}"),
+        (
+            "user.rs",
+            r#"#[derive(serde::Serialize)] struct User { #[serde(with = "crate::text", rename = "text")] text: u8 }"#,
+        ),
+    ];
+    assert_eq!(arrows(&files), ["user.rs -> text.rs: serialize"]);
+}
+
+#[test]
+fn tests_are_left_out_and_what_is_built_without_them_is_not() {
+    let files = [
+        ("lib.rs", "mod one; mod two; #[cfg(all(test, unix))] mod absent;"),
+        (
+            "one.rs",
+            "pub struct One; #[cfg(test)] mod tests { use crate::two::Two; } #[cfg(test)] use crate::two::Two; \
+             struct Kept { #[cfg(test)] two: crate::two::Two }",
+        ),
+        (
+            "two.rs",
+            "#[cfg(any(test, feature = \"more\"))] use crate::one::One; #[cfg(not(test))] pub struct Two;",
+        ),
+    ];
+    assert_eq!(arrows(&files), ["two.rs -> one.rs: One"]);
+}
+
+#[test]
+fn other_crates_are_followed_to_the_file() {
+    let core: (&str, &[_]) =
+        ("fos-core", &[("lib.rs", "mod model; pub use model::Model;"), ("model.rs", "pub struct Model;")]);
+    let passed_on: (&str, &[_]) =
+        ("host", &[("lib.rs", "pub use fos_core::*; pub mod own;"), ("own.rs", "use fos_core::Model;")]);
+    let user: (&str, &[_]) =
+        ("user", &[("lib.rs", "fn user(_: host::Model, _: ::host::own::Own, _: std::fmt::Error) {}")]);
+    let (arrows, circles) = looked_at(&[core, passed_on, user]);
+    assert_eq!(
+        arrows,
+        [
+            "host/own.rs -> fos-core/model.rs: Model",
+            "user/lib.rs -> fos-core/model.rs: Model",
+            "user/lib.rs -> host/own.rs: Own"
+        ]
+    );
+    assert_eq!(circles, [""; 0]);
+}
+
+#[test]
+fn imports_that_lead_in_a_circle_end() {
+    let files = [
+        ("lib.rs", "mod one; mod two; fn user() { one::Something; }"),
+        ("one.rs", "pub use crate::two::*; pub use crate::two::Nothing;"),
+        ("two.rs", "pub use crate::one::*; pub use crate::one::Nothing; pub struct Something;"),
+    ];
+    assert_eq!(arrows(&files), ["lib.rs -> two.rs: Something"]);
+}
+
+#[test]
+fn without_the_one_arrow_back_there_is_no_circle() {
+    let back = "use crate::three::Three; pub struct One;";
+    let chain = |one| {
+        [
+            ("lib.rs", "mod one; mod two; mod three;"),
+            ("one.rs", one),
+            ("two.rs", "pub struct Two(crate::one::One);"),
+            ("three.rs", "pub struct Three(crate::two::Two);"),
+        ]
+    };
+    assert_eq!(circles(&chain(back)).len(), 1);
+    assert!(circles(&chain(back))[0].starts_with("a circle of 3 files: one.rs, three.rs, two.rs\n"));
+    assert_eq!(circles(&chain("pub struct One;")), [""; 0]);
+}
