@@ -1,33 +1,50 @@
 //! `cargo xtask COMMAND`: checks of the workspace itself, as the gate and people run them.
 
 mod crates;
+mod form;
+mod memory;
 mod modules;
+mod statistics;
 mod workspace;
 
+use std::error::Error;
 use std::process::ExitCode;
+
+use form::Form;
 
 const USAGE: &str = "\
 cargo xtask COMMAND
 
-  modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may";
+  modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
+  memory short|full            how much memory a log of a working day takes
+  statistics short|full        how often the diagnosis is right: README, docs/calibration.md";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let ended = match arguments[..] {
-        ["modules"] => modules::run(modules::Print::Summary),
-        ["modules", "--arrows"] => modules::run(modules::Print::Arrows),
-        ["modules", "--dot"] => modules::run(modules::Print::Dot),
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
-    };
-    match ended {
+    match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("error: {why}");
             ExitCode::FAILURE
         }
+    }
+}
+
+fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
+    let root = workspace::root()?;
+    std::env::set_current_dir(&root)?;
+    let (command, form) = match arguments {
+        ["modules"] => return modules::run(modules::Print::Summary, &root),
+        ["modules", "--arrows"] => return modules::run(modules::Print::Arrows, &root),
+        ["modules", "--dot"] => return modules::run(modules::Print::Dot, &root),
+        [command, "short"] => (*command, Form::Short),
+        [command, "full"] => (*command, Form::Full),
+        _ => return Err(USAGE.into()),
+    };
+    match command {
+        "memory" => memory::run(form, &root),
+        "statistics" => statistics::run(form, &root),
+        _ => Err(USAGE.into()),
     }
 }

@@ -15,6 +15,7 @@ mod tokens;
 mod visit;
 
 use std::error::Error;
+use std::path::Path;
 
 use crate::{crates, workspace};
 
@@ -30,10 +31,9 @@ pub(crate) enum Print {
 }
 
 /// Reads the workspace; an error if files import each other in a circle, or a crate depends on one that it must not.
-pub(crate) fn run(print: Print) -> Result<(), Box<dyn Error>> {
-    let root = workspace::root()?;
-    let packages = workspace::packages(&root)?;
-    let sources = read::workspace(&packages, &root)?;
+pub(crate) fn run(print: Print, root: &Path) -> Result<(), Box<dyn Error>> {
+    let packages = workspace::packages(root)?;
+    let sources = read::workspace(&packages, root)?;
     let graph = graph::Graph::of(&sources);
     match print {
         Print::Summary => {}
@@ -41,8 +41,8 @@ pub(crate) fn run(print: Print) -> Result<(), Box<dyn Error>> {
         Print::Dot => print!("{}", graph.dot()),
     }
     let circles = graph.circles();
-    let mut refused = crates::refused(&packages, &root);
-    refused.extend(crates::heavy(&packages, &root)?);
+    let mut refused = crates::refused(&packages, root);
+    refused.extend(crates::heavy(&packages, root)?);
     let summary = format!(
         "{} crates, {} files, {} arrows between files: {} circles, {} arrows between crates that must not be",
         packages.len(),

@@ -1,0 +1,40 @@
+//! What the checks of docs/trust.md share: their two forms, and the program under test.
+
+use std::env;
+use std::error::Error;
+use std::path::{Path, PathBuf, absolute};
+use std::process::Command;
+
+/// How much of a check is done.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Form {
+    /// Seconds: in the gate.
+    Short,
+    /// Minutes: what the page says.
+    Full,
+}
+
+impl Form {
+    pub(crate) fn name(self) -> &'static str {
+        if self == Form::Full { "full" } else { "short" }
+    }
+}
+
+/// The folder that cargo builds into.
+pub(crate) fn target_folder(root: &Path) -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
+}
+
+/// host-fit as it is shipped: that of `$FOS_HOST_FIT`, or built here if it is not there.
+pub(crate) fn host_fit(root: &Path) -> Result<PathBuf, Box<dyn Error>> {
+    if let Some(given) = env::var_os("FOS_HOST_FIT").filter(|given| !given.is_empty()) {
+        return Ok(absolute(given)?);
+    }
+    let built = target_folder(root).join("release/host-fit");
+    if !built.exists()
+        && !Command::new("cargo").args(["build", "--release", "-p", "host-fit"]).status()?.success()
+    {
+        return Err("host-fit cannot be built".into());
+    }
+    Ok(built)
+}

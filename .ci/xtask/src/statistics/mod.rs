@@ -1,0 +1,132 @@
+//! `cargo xtask statistics short|full`: how often the diagnosis is right. The figures of README are those of
+//! docs/calibration.md, and those are of one command.
+//!
+//! `short` holds README to docs/calibration.md, whose intervals fit its counts: no time at all. `full` calibrates anew and writes
+//! the tables of both: about ten minutes of two cores; a diagnosis that knows the effects by name alone must be found out. The gate
+//! itself runs a part of the calibration, on a seed of its own, and fails if a figure is certainly not as it must be.
+
+mod anew;
+mod interval;
+mod page;
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use crate::form::Form;
+use interval::upper_end;
+use page::{CALIBRATION, README, SEEDS, figures, holds, section, summary};
+
+/// Cases of each seed.
+const CASES: usize = 450;
+const FALSE_ALARM: &str = "false alarm with nothing missing";
+
+/// Prints what is promised, as Markdown.
+pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
+    let missed = if form == Form::Full { Some(anew::calibrate(root)?) } else { None };
+    let (readme, page) = (fs::read_to_string(README)?, fs::read_to_string(CALIBRATION)?);
+    check(&readme, &page)?;
+    let (alarms, cases, most) = promised(&page)?;
+    let gate = fs::read_to_string(".ci/run")?;
+    let (in_gate, seed) = gate
+        .split_once("calibrate --cases ")
+        .and_then(|(_, rest)| rest.split_once(" --check")?.0.split_once(" --seed "))
+        .ok_or(".ci/run runs no part of the calibration")?;
+    let altered = control(&readme, &page)?;
+    println!("`cargo xtask statistics {}`\n\n{}", form.name(), summary(&page)?);
+    println!(
+        "From `host-fit calibrate --cases {CASES} --seed {}`, all of it in [calibration](calibration.md); README says the same. \
+         Intervals are Clopper and Pearson's, and fit what was counted. Of both seeds every figure but times is as it must be, and \
+         of {cases} cases with nothing missing {alarms} were false alarms: at most {:.1} %. The gate runs {in_gate} cases of seed {seed}.",
+        SEEDS[0],
+        100.0 * most
+    );
+    println!(
+        "\nControl: {altered} digits of README and of the page, altered one at a time: each was refused."
+    );
+    if let Some(missed) = missed {
+        println!(
+            "\nNegative control: a diagnosis that looks for every effect in a column that no log has, over {} of the cases: \
+             `--check` fails ({missed}).",
+            anew::CONTROL_CASES
+        );
+    }
+    Ok(())
+}
+
+/// README's table is that of the page.
+fn check(readme: &str, page: &str) -> Result<(), Box<dyn Error>> {
+    let said = &readme[section(readme, "calibration", README)?];
+    let wanted = summary(page)?;
+    if said == wanted {
+        Ok(())
+    } else {
+        Err(format!("{README} says\n{said}but {CALIBRATION} gives\n{wanted}").into())
+    }
+}
+
+/// Every figure of every seed is as it must be, but for times, which are the machine's. False alarms of all seeds together, cases, and
+/// the upper end of the 95 % interval, which must be no more than is promised.
+fn promised(page: &str) -> Result<(usize, usize, f64), Box<dyn Error>> {
+    let (mut alarms, mut cases, mut most) = (0, 0, 0.0);
+    for seed in SEEDS {
+        for figure in figures(page, seed)? {
+            let is_time = figure.name.starts_with("time for one case") || figure.name == "· longest";
+            if !is_time && !holds(figure.value, &figure.must)? {
+                return Err(format!(
+                    "{CALIBRATION}: seed {seed}: {}: {}, must be {}",
+                    figure.name, figure.value, figure.must
+                )
+                .into());
+            }
+            if figure.name == FALSE_ALARM {
+                alarms += figure.hits();
+                cases += figure.cases;
+                most = figure.must.trim_start_matches(['≤', ' ']).parse()?;
+            }
+        }
+    }
+    let high = upper_end(alarms, cases);
+    if high > most {
+        return Err(format!(
+            "{CALIBRATION}: {alarms} false alarms in {cases} cases: up to {high:.4}, promised {most}"
+        )
+        .into());
+    }
+    Ok((alarms, cases, high))
+}
+
+/// Every digit of both tables, altered one at a time, must be refused; how many there were.
+fn control(readme: &str, page: &str) -> Result<usize, Box<dyn Error>> {
+    let mut altered = 0;
+    let mut alter = |text: &str, path: &str, numbers: std::ops::Range<usize>| {
+        for place in numbers.filter(|&place| text.as_bytes()[place].is_ascii_digit()) {
+            let other = if text.as_bytes()[place] == b'1' { "2" } else { "1" };
+            let changed = [&text[..place], other, &text[place + 1..]].concat();
+            let passes = if path == README { check(&changed, page) } else { check(readme, &changed) }.is_ok();
+            if passes {
+                let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
+                return Err(format!(
+                    "{path}: with another digit {} characters into {:?} passes",
+                    place - start,
+                    &text[start..place + 1]
+                ));
+            }
+            altered += 1;
+        }
+        Ok(())
+    };
+    let table = section(readme, "calibration", README)?;
+    for line in page::rows(readme, table) {
+        alter(readme, README, line)?;
+    }
+    // README has some rows of the page, and of those value, interval and cases
+    for line in page::rows(page, section(page, &format!("calibration {}", SEEDS[0]), CALIBRATION)?) {
+        let cells: Vec<&str> = page[line.clone()].split('|').collect();
+        if page::ROWS.iter().any(|(_, name)| cells[1].trim() == *name) {
+            let before = line.start + cells[0].len() + cells[1].len() + 2;
+            alter(page, CALIBRATION, before..before + cells[2].len() + cells[3].len() + cells[4].len() + 2)?;
+        }
+    }
+    Ok(altered)
+}
