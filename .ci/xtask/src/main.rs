@@ -1,6 +1,7 @@
 //! `cargo xtask COMMAND`: checks of the workspace itself, as the gate and people run them.
 
 mod crates;
+mod files;
 mod form;
 mod memory;
 mod modules;
@@ -16,6 +17,7 @@ const USAGE: &str = "\
 cargo xtask COMMAND
 
   modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
+  files short|full             what host-fit writes is there whole, whatever happens meanwhile
   memory short|full            how much memory a log of a working day takes
   statistics short|full        how often the diagnosis is right: README, docs/calibration.md";
 
@@ -32,6 +34,9 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
+    if let ["write", careless @ ..] = arguments {
+        return files::careless::write(careless);
+    }
     let root = workspace::root()?;
     std::env::set_current_dir(&root)?;
     let (command, form) = match arguments {
@@ -43,6 +48,7 @@ fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
         _ => return Err(USAGE.into()),
     };
     match command {
+        "files" => files::run(form, &root),
         "memory" => memory::run(form, &root),
         "statistics" => statistics::run(form, &root),
         _ => Err(USAGE.into()),

@@ -1,0 +1,140 @@
+//! Several processes that change one study at once.
+
+use std::error::Error;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::Bench;
+use crate::form::Form;
+
+const AXES: [&str; 3] = ["gx", "gy", "gz"];
+
+/// What became of some rounds.
+#[derive(Default)]
+struct Tally {
+    done: usize,
+    refused: usize,
+    /// Steps said to be done and not there, or there and said not to be.
+    lost: usize,
+}
+
+impl Bench {
+    fn shared(&self) -> PathBuf {
+        self.folder.join("shared.json")
+    }
+
+    /// The axes of the shared study that have an effect.
+    fn grown(&self) -> Result<Vec<String>, Box<dyn Error>> {
+        let study: Value = serde_json::from_slice(&fs::read(self.shared())?)?;
+        let growths = study["growth"].as_array().cloned().unwrap_or_default();
+        let has = |growth: &&Value| {
+            growth["stairs"]
+                .as_array()
+                .is_some_and(|stairs| stairs.iter().any(|stair| !stair["added"].is_null()))
+        };
+        Ok(growths
+            .iter()
+            .filter(has)
+            .filter_map(|growth| Some(growth["column"].as_str()?.get(..2)?.to_owned()))
+            .collect())
+    }
+
+    /// Each takes the step of one axis back; `told`: those refused say why.
+    fn round(
+        &self,
+        command: impl Fn(&str) -> Command,
+        told: bool,
+        tally: &mut Tally,
+    ) -> Result<(), Box<dyn Error>> {
+        fs::write(self.shared(), self.read("grown.json")?)?;
+        let started: Vec<_> = AXES
+            .iter()
+            .map(|axis| {
+                command(axis).current_dir(&self.folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()
+            })
+            .collect::<Result<_, _>>()?;
+        let ended: Vec<_> =
+            started.into_iter().map(|process| process.wait_with_output()).collect::<Result<_, _>>()?;
+        let grown = self.grown()?;
+        for (axis, ended) in AXES.iter().zip(ended) {
+            let taken_back = !grown.iter().any(|other| other == axis);
+            tally.lost += usize::from(taken_back != ended.status.success());
+            *(if ended.status.success() { &mut tally.done } else { &mut tally.refused }) += 1;
+            let said = String::from_utf8_lossy(&ended.stderr);
+            if told
+                && !ended.status.success()
+                && !(said.contains("shared.json: changed meanwhile") && said.contains("help:"))
+            {
+                return Err(format!("refused without a reason: {said}").into());
+            }
+        }
+        Ok(())
+    }
+
+    /// One that reads first and writes last, over a study that was replaced meanwhile: whether it was refused, and the study kept.
+    fn late(&self) -> Result<bool, Box<dyn Error>> {
+        let grown = self.read("grown.json")?;
+        // when it has read depends on the machine
+        let mut wait = Duration::from_millis(20);
+        for _ in 0..12 {
+            fs::write(self.shared(), self.read("fitted.json")?)?;
+            let mut add = Command::new(&self.host_fit);
+            add.args(["add", "shared.json", "thermal_lag", "--from", "field.parquet", "--axis", "gx"]);
+            let slow = add.current_dir(&self.folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+            sleep(wait);
+            fs::write(self.shared(), &grown)?;
+            let ended = slow.wait_with_output()?;
+            if fs::read(self.shared())? != grown {
+                return Ok(false);
+            }
+            if String::from_utf8_lossy(&ended.stderr).contains("changed meanwhile")
+                && ended.status.code() == Some(1)
+            {
+                return Ok(true);
+            }
+            wait = wait.mul_f64(1.5);
+        }
+        Ok(false)
+    }
+}
+
+pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
+    eprintln!("several processes on one study");
+    let rounds = if bench.form == Form::Full { 200 } else { 20 };
+    let undo = |axis: &str| {
+        let mut command = Command::new(&bench.host_fit);
+        command.args(["undo", "shared.json", "--axis", axis]);
+        command
+    };
+    let careless = |axis: &str| {
+        let script =
+            r#"cp shared.json $1.json && "$0" undo $1.json --axis $1 && sleep 0.1 && mv $1.json shared.json"#;
+        let mut command = Command::new("sh");
+        command.args(["-c", script]).arg(&bench.host_fit).arg(axis);
+        command
+    };
+    let (mut tally, mut control) = (Tally::default(), Tally::default());
+    for _ in 0..rounds {
+        bench.round(undo, true, &mut tally)?;
+    }
+    for _ in 0..5 {
+        bench.round(careless, false, &mut control)?;
+    }
+    let refused_late = bench.late()?;
+    println!(
+        "\nThree processes took a step back in one study at once, {rounds} times: {} did, {} were refused (“changed meanwhile by \
+         another process; run the command again”), {} steps were lost. An `add` whose study was replaced while it estimated {}. \
+         Negative control: the same on copies, renamed over the study, lost {} of 15.",
+        tally.done,
+        tally.refused,
+        tally.lost,
+        if refused_late { "was refused" } else { "WAS NOT REFUSED" },
+        control.lost
+    );
+    Ok(tally.lost == 0 && refused_late && control.lost > 0)
+}
