@@ -1,10 +1,10 @@
 //! The whole path, from a recording to corrections, through public interfaces only.
 
 use fos_core::{Image, Predictor, u, y};
-use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{MODEL, study_of};
+use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
 use fos_simulate::{Simulation, simulate};
 use host_fit::export::image;
