@@ -46,18 +46,18 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(Image::parse(&image).is_ok());
         let _ = (rust_source(&study.model, &provenance), c_source(&study.model, "unit", "", &provenance));
     }
-    if study.growth.iter().all(|growth| growth.stairs.len() < 8) {
+    if study.refinements.iter().all(|growth| growth.steps.len() < 8) {
         grown(study);
     }
 });
 
 /// What is done with an axis that has grown.
 fn grown(mut study: Study) {
-    for growth in study.growth.clone() {
-        let ground = LOGS.ground(&LIBRARY);
+    for growth in study.refinements.clone() {
+        let refiner = LOGS.refiner(&LIBRARY);
         let _ = examine(&study, &growth, &LOGS, |_| {});
-        let _ = ground.diagnose(&growth).map(|_| ground.add_best(&growth, |_, _| {}));
-        let _ = ground.begin(&study, &growth.column, LOGS.named(ground.fitted_rows()));
+        let _ = refiner.diagnose(&growth).map(|_| refiner.add_best(&growth, |_, _| {}));
+        let _ = refiner.begin(&study, &growth.column, LOGS.named(refiner.fitted_rows()));
         while study.undo(&growth.column).is_ok() {
             assert!(study.model.axes.iter().any(|axis| axis.column == growth.column));
         }

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use fos_data::catch_panic::announce_no_contained_panic;
+use fos_data::catch_panic::announce_no_caught_panic;
 use fos_data::recording::{ColumnMap, LoadOptions, load, preview};
 use tempfile::TempDir;
 
 /// Before the first input: else a panic ends the fuzzer, contained or not.
 pub fn init() {
-    announce_no_contained_panic();
+    announce_no_caught_panic();
 }
 
 /// A folder in memory, where there is one.

@@ -7,7 +7,8 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{AxisComparison, CompareError, compare};
 use fos_diagnose::dependence::Trained;
-use fos_diagnose::refine::{Growth, Logs};
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use fos_fit::evaluate::Trace;
 use fos_fit::model::UnitModel;
@@ -31,7 +32,7 @@ pub struct Examination {
 /// As for [`compare`].
 pub fn examine(
     study: &Study,
-    growth: &Growth,
+    growth: &Refinement,
     logs: &Logs,
     progress: impl FnMut(&str),
 ) -> Result<Examination, CompareError> {
@@ -44,10 +45,12 @@ pub fn examine(
     let trained_rows = 0..study.data.trained_rows;
     let own_field = study.data.is(&logs.field);
     let trained = match &quiet {
-        Some((recording, rest)) => Some(Trained { recording, rest, rows: trained_rows }),
-        None => {
-            own_field.then_some(Trained { recording: &logs.field, rest: &field_rest, rows: trained_rows })
-        }
+        Some((recording, stillness)) => Some(Trained { recording, stillness, rows: trained_rows }),
+        None => own_field.then_some(Trained {
+            recording: &logs.field,
+            stillness: &field_rest,
+            rows: trained_rows,
+        }),
     };
     let rows = if own_field { study.data.trained_rows } else { 0 }..logs.field.n_rows();
     let (comparison, trace) =
@@ -62,7 +65,7 @@ pub fn examine(
 pub fn command_lines<'a>(
     fitted: &[Source],
     logs: &Logs,
-    axes: impl IntoIterator<Item = (&'a str, Option<&'a Growth>)>,
+    axes: impl IntoIterator<Item = (&'a str, Option<&'a Refinement>)>,
 ) -> Vec<String> {
     let path = |log: &Recording| quoted(&log.paths());
     let LoadOptions { columns, rate_hz, strict: _ } = &logs.read;
@@ -80,7 +83,7 @@ pub fn command_lines<'a>(
     for (column, growth) in axes {
         let on = format!("--axis {} --from {field}{quiet}{judge}{read}", quoted(column));
         lines.push(format!("host-fit diagnose unit.json {on}"));
-        for added in growth.into_iter().flat_map(Growth::added) {
+        for added in growth.into_iter().flat_map(Refinement::added) {
             lines.push(format!("host-fit add unit.json {} {on}", quoted(&added.effect.id)));
         }
     }

@@ -10,7 +10,7 @@ use fos_embedded::test_log::{HubLogHeader, HubLogRecord};
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use fos_fit::model::UnitModel;
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use fos_fit::signal::quantisation::quantisation;
 
 /// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little larger.
@@ -34,9 +34,9 @@ pub fn hub_log(
     image: &Image<'_>,
     model: &UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
 ) -> Result<(HubLogHeader, Vec<u8>), RecordingError> {
-    let feed = Feed::new(recording, model, &rest.still)?;
+    let playback = Playback::new(recording, model, &stillness.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
@@ -61,7 +61,7 @@ pub fn hub_log(
     };
     let mut skipped = 0_u32;
     for row in 0..recording.n_rows() {
-        skipped = skipped.saturating_add(feed.missing_before(row));
+        skipped = skipped.saturating_add(playback.missing_before(row));
         if accel.iter().chain(&gyro).any(|column| column.get(row).is_some_and(|value| value.is_nan())) {
             skipped = skipped.saturating_add(1);
             continue;
@@ -75,7 +75,7 @@ pub fn hub_log(
                 .map(|celsius| ((celsius - TEMPERATURE_ZERO_C) / TEMPERATURE_K).round() as i16),
             ..RawSample::default()
         };
-        let motion = match (image.stillness(), feed.is_still(row)) {
+        let motion = match (image.stillness(), playback.is_still(row)) {
             (Some(_), _) => None,
             (None, true) => Some(Motion::Still),
             (None, false) => Some(Motion::Moving),

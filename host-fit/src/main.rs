@@ -8,7 +8,7 @@ fn main() -> ExitCode {
     // a reader that has seen enough, as in `host-fit fit … | head`, ends the program quietly
     sigpipe::reset();
     give_memory_back();
-    fos_data::catch_panic::announce_no_contained_panic();
+    fos_data::catch_panic::announce_no_caught_panic();
     host_fit::cli::run()
 }
 

@@ -11,13 +11,13 @@ use crate::figures::compare::{
     Subject, Worst, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
-use crate::figures::staircase::{Foretold, Step, staircase};
+use crate::figures::staircase::{Predicted, Step, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
 use fos_data::file::{FileError, check_output, make_folder};
 use fos_data::recording::{Recording, pieces};
 use fos_diagnose::compare::{AxisComparison, Comparison};
 use fos_diagnose::effects::Band;
-use fos_diagnose::refine::Growth;
+use fos_diagnose::study::Refinement;
 use fos_fit::evaluate::{AxisTrace, Trace};
 use fos_fit::signal::allan::{allan_deviation, averaging_times};
 use fos_fit::signal::autocorrelation::autocorrelation;
@@ -78,23 +78,23 @@ pub fn write_all(
 /// # Errors
 ///
 /// The folder cannot be made, or a file in it cannot be written.
-pub fn write_staircase(folder: &Path, growth: &Growth) -> Result<(), PlotError> {
+pub fn write_staircase(folder: &Path, growth: &Refinement) -> Result<(), PlotError> {
     write(folder, &growth.column, &[(STAIRCASE, staircase_of(growth))])
 }
 
 /// The staircase of an axis that grew.
-pub fn staircase_of(growth: &Growth) -> Figure {
+pub fn staircase_of(growth: &Refinement) -> Figure {
     let mut steps: Vec<Step> = Vec::new();
-    for stair in &growth.stairs {
+    for stair in &growth.steps {
         let before = steps.last().map(|step| (step.slow, step.wide));
-        let foretold = stair.added.as_ref().zip(before).and_then(|(added, (slow, wide))| {
+        let predicted = stair.added.as_ref().zip(before).and_then(|(added, (slow, wide))| {
             let finding = &added.finding;
             let is_wide = finding.band == Band::Wide;
             let left = |drop: f64| if is_wide { wide } else { slow } * (1.0 - drop).max(0.0).sqrt();
-            let [low, high] = finding.expected_drop_ci;
-            (finding.expected_drop > 0.0).then(|| Foretold {
+            let [low, high] = finding.predicted_reduction_interval;
+            (finding.predicted_reduction > 0.0).then(|| Predicted {
                 wide: is_wide,
-                left: left(finding.expected_drop),
+                left: left(finding.predicted_reduction),
                 interval: [left(high), left(low)],
             })
         });
@@ -102,7 +102,7 @@ pub fn staircase_of(growth: &Growth) -> Figure {
             name: stair.errors.model.clone(),
             slow: stair.left.slow.sqrt(),
             wide: stair.left.wide.sqrt(),
-            foretold,
+            predicted,
             coast: stair.errors.coast.iter().map(|coast| (coast.horizon_s, coast.mse.sqrt())).collect(),
         });
     }

@@ -11,7 +11,7 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{KnownBy, Stillness};
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 
 /// Why an image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]
@@ -190,13 +190,13 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayE
 pub fn replay(
     image: &Image<'_>,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     axes: &[String],
 ) -> Result<Replay, ReplayError> {
     let n_axes = image.axes().count();
     let mut corrected = vec![Vec::with_capacity(recording.n_rows()); n_axes];
     let mut validity = vec![Vec::with_capacity(recording.n_rows()); n_axes];
-    let summary = run(image, recording, rest, axes, |axis, correction| {
+    let summary = run(image, recording, stillness, axes, |axis, correction| {
         corrected[axis].push(f64::from(correction.corrected));
         validity[axis].push(f64::from(correction.validity.bits()));
     })?;
@@ -208,39 +208,43 @@ pub fn replay(
 /// # Errors
 ///
 /// As for [`replay`].
-pub fn summary(image: &Image<'_>, recording: &Recording, rest: &Stillness) -> Result<Summary, ReplayError> {
-    run(image, recording, rest, &[], |_, _| {})
+pub fn summary(
+    image: &Image<'_>,
+    recording: &Recording,
+    stillness: &Stillness,
+) -> Result<Summary, ReplayError> {
+    run(image, recording, stillness, &[], |_, _| {})
 }
 
 /// `take` gets the correction of every axis, row by row.
 fn run(
     image: &Image<'_>,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     axes: &[String],
     mut take: impl FnMut(usize, &Correction<f32>),
 ) -> Result<Summary, ReplayError> {
     let model = model_of(image, axes)?;
-    let feed = Feed::new(recording, &model, &rest.still)?;
+    let playback = Playback::new(recording, &model, &stillness.still)?;
     let mut single: HostPredictor<f32> = image.predictor()?;
     let mut double: HostPredictor<f64> = image.predictor()?;
     let n_rows = recording.n_rows();
     let mut tallies = vec![Tally::default(); model.axes.len()];
     let mut digest = PredictorDigest::default();
-    let mut rests = Rests::of(&model, &feed);
+    let mut rests = Rests::of(&model, &playback);
     let mut tracked = 0;
     for row in 0..n_rows {
-        let singles = feed.step(&mut single, row);
+        let singles = playback.step(&mut single, row);
         digest.update(singles);
-        let doubles = feed.step(&mut double, row);
-        tracked += usize::from(feed.is_still(row));
+        let doubles = playback.step(&mut double, row);
+        tracked += usize::from(playback.is_still(row));
         if let Some(rests) = &mut rests {
-            rests.add(&feed, row, singles);
+            rests.add(&playback, row, singles);
         }
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
             take(axis, single);
             tallies[axis].add(single.innovation, double.innovation);
-            tallies[axis].valid += usize::from(feed.is_still(row) && is_valid(single));
+            tallies[axis].valid += usize::from(playback.is_still(row) && is_valid(single));
         }
     }
     if let Some(rests) = &rests {
@@ -248,13 +252,13 @@ fn run(
     }
     let mut summaries = Vec::new();
     for (index, (axis, tally)) in model.axes.iter().zip(&tallies).enumerate() {
-        let errors = errors(&model.only(index), recording, rest)?;
+        let errors = errors(&model.only(index), recording, stillness)?;
         summaries.push(AxisSummary { errors, ..tally.summary(&axis.column, tracked) });
     }
     Ok(Summary {
         rows: n_rows,
         tracked,
-        still_known_by: rest.known_by,
+        still_known_by: stillness.known_by,
         axes: summaries,
         gravity: rests.map(|rests| rests.total()),
         innovations_digest: digest.innovations(),
@@ -267,10 +271,10 @@ fn run(
 fn errors(
     alone: &UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
 ) -> Result<Option<ModelErrors>, ReplayError> {
-    let feed = Feed::new(recording, alone, &rest.still)?;
-    let left = trace::<f32>(alone, &feed, 0..recording.n_rows(), |_| {});
+    let playback = Playback::new(recording, alone, &stillness.still)?;
+    let left = trace::<f32>(alone, &playback, 0..recording.n_rows(), |_| {});
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
     let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
     // an accelerometer that lies in another pose throughout has none
@@ -301,20 +305,20 @@ impl RestTally {
 
 impl Rests {
     /// None if not all three accelerometers are in the model.
-    fn of(model: &UnitModel, feed: &Feed<'_>) -> Option<Self> {
+    fn of(model: &UnitModel, playback: &Playback<'_>) -> Option<Self> {
         let place = |wanted| model.axes.iter().position(|axis| axis.parameters.axis == wanted);
         let accelerometers = [place(Axis::Ax)?, place(Axis::Ay)?, place(Axis::Az)?];
-        let rests = feed.still_stretches(0..feed.n_rows()).into_iter();
+        let rests = playback.still_stretches(0..playback.n_rows()).into_iter();
         let rests = rests.map(|rows| RestTally { rows, away: 0, valid: [0; 3] }).collect();
         Some(Self { accelerometers, rests, at: 0 })
     }
 
-    fn add(&mut self, feed: &Feed<'_>, row: usize, corrections: &[Correction<f32>]) {
+    fn add(&mut self, playback: &Playback<'_>, row: usize, corrections: &[Correction<f32>]) {
         while self.rests.get(self.at).is_some_and(|rest| rest.rows.end <= row) {
             self.at += 1;
         }
         let Some(rest) = self.rests.get_mut(self.at).filter(|rest| rest.rows.contains(&row)) else { return };
-        let sample = feed.sample::<f32>(row);
+        let sample = playback.sample::<f32>(row);
         let measured = self.accelerometers.map(|axis| sample.sample().measured[axis]);
         let corrected = self.accelerometers.map(|axis| corrections[axis].corrected);
         rest.away += usize::from(leads_away(&measured, &corrected));
@@ -389,10 +393,10 @@ impl Tally {
 pub fn device_log(
     model: &UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
 ) -> Result<Vec<u8>, ReplayError> {
-    let feed = Feed::new(recording, model, &rest.still)?;
-    if feed.has_reference() {
+    let playback = Playback::new(recording, model, &stillness.still)?;
+    if playback.has_reference() {
         return Err(ReplayError::Reference);
     }
     // a predictor of the host has at most 6 axes and 16 inputs
@@ -401,10 +405,11 @@ pub fn device_log(
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
     for row in 0..recording.n_rows() {
-        let sample = feed.sample::<f32>(row);
-        let motion = if feed.is_still(row) { Motion::Still } else { Motion::Moving };
+        let sample = playback.sample::<f32>(row);
+        let motion = if playback.is_still(row) { Motion::Still } else { Motion::Moving };
         let Sample { measured, quantities } = sample.sample();
-        let record = PredictorLogRecord { skipped: feed.missing_before(row), motion, measured, quantities };
+        let record =
+            PredictorLogRecord { skipped: playback.missing_before(row), motion, measured, quantities };
         bytes.extend(record.encode());
     }
     Ok(bytes)

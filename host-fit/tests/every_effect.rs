@@ -6,11 +6,12 @@ use fos_data::column::Column;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::effects::{Band, Effect, Library, Search};
-use fos_diagnose::refine::{Ground, Growth, GrowthLogs};
+use fos_diagnose::refine::Refiner;
+use fos_diagnose::study::{LogSources, Refinement};
 use fos_fit::evaluate::trace;
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_fit::model::UnitModel;
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use host_fit::export::image;
 use host_fit::replay::model_of;
@@ -63,22 +64,22 @@ impl Logs {
     }
 
     /// The study's axis before anything is added.
-    fn begin(&self, ground: &Ground<'_>) -> Growth {
+    fn begin(&self, refiner: &Refiner<'_>) -> Refinement {
         let options = FitOptions::default();
         let fit =
             fit_axis(&self.quiet, &stillness::find(&self.quiet), &self.target, &options).expect("a fit");
         let source = |log: &Recording| log.sources[0].clone();
-        let logs = GrowthLogs {
+        let logs = LogSources {
             field: source(&self.field),
             quiet: Some(source(&self.quiet)),
             judged: Some(source(&self.later)),
-            fitted_rows: ground.fitted_rows(),
+            fitted_rows: refiner.fitted_rows(),
             read: LoadOptions::default(),
         };
-        Growth {
+        Refinement {
             column: self.target.clone(),
             logs,
-            stairs: vec![ground.first_stair(&fit.model).expect("a state")],
+            steps: vec![refiner.first_step(&fit.model).expect("a state")],
         }
     }
 
@@ -88,8 +89,8 @@ impl Logs {
         let columns: Vec<String> = model.axes.iter().map(|axis| axis.column.clone()).collect();
         let model = model_of(&Image::parse(&bytes).expect("whole"), &columns).expect("a model");
         let still = vec![true; self.later.n_rows()];
-        let feed = Feed::new(&self.later, &model, &still).expect("a feed");
-        let trace = trace::<f32>(&model, &feed, 0..self.later.n_rows(), |_| {}).expect("a trace");
+        let playback = Playback::new(&self.later, &model, &still).expect("a playback");
+        let trace = trace::<f32>(&model, &playback, 0..self.later.n_rows(), |_| {}).expect("a trace");
         // where it moved nobody knows the true value, unless it was logged
         let known = match self.later.channel(&Column::named(&self.target).reference()) {
             Ok(_) => still.clone(),
@@ -118,7 +119,7 @@ impl Logs {
 struct Outcome {
     id: String,
     named: Vec<String>,
-    foretold: [f64; 2],
+    predicted: [f64; 2],
     realised: f64,
     /// By how much the bias was off, before and after.
     bias: [Option<f64>; 2],
@@ -131,36 +132,36 @@ struct Outcome {
 
 fn outcome(effect: &Effect, seed: u64) -> Outcome {
     let (library, logs) = (Library::built_in(), Logs::of(&plan(&effect.id, seed)));
-    let ground = Ground::new(&logs.field, Some(&logs.quiet), Some(&logs.later), &library);
-    let growth = logs.begin(&ground);
-    let diagnosis = ground.diagnose(&growth).expect("a diagnosis");
-    let stair = ground.add(&growth, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));
+    let refiner = Refiner::new(&logs.field, Some(&logs.quiet), Some(&logs.later), &library);
+    let growth = logs.begin(&refiner);
+    let diagnosis = refiner.diagnose(&growth).expect("a diagnosis");
+    let stair = refiner.add(&growth, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));
     let of = match (effect.band, effect.search) {
         (Band::Wide, _) => Left::Samples,
         (_, Search::Step) => Left::AboutBias,
         _ => Left::Means,
     };
-    let before = logs.left_on_the_device(&growth.stairs[0].model, of);
+    let before = logs.left_on_the_device(&growth.steps[0].model, of);
     let added = stair.added.as_ref().expect("added");
     let wrong = (effect.search == Search::Step).then(|| {
         let mut model = stair.model.clone();
         model.axes[0].parameters.offset =
-            growth.stairs[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
+            growth.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
         logs.left_on_the_device(&model, of) / before
     });
     Outcome {
         id: effect.id.clone(),
         named: diagnosis.findings.iter().map(|finding| finding.effect.clone()).collect(),
-        foretold: added.finding.expected_drop_ci,
-        realised: added.realised_fall,
-        bias: [growth.stairs[0].left.bias, stair.left.bias],
+        predicted: added.finding.predicted_reduction_interval,
+        realised: added.measured_reduction,
+        bias: [growth.steps[0].left.bias, stair.left.bias],
         ratio: logs.left_on_the_device(&stair.model, of) / before,
-        one_step: stair.errors.one_step_mse / growth.stairs[0].errors.one_step_mse,
+        one_step: stair.errors.one_step_mse / growth.steps[0].errors.one_step_mse,
         wrong,
     }
 }
 
-/// `add bias_step` put the mean of the field log and the whole step into the offset: the error rose, "came true 0.0 %", and no test
+/// `add bias_step` put the mean of the field log and the whole step into the offset: the error rose, "measured 0.0 %", and no test
 /// had ever added one.
 #[test]
 fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
@@ -182,17 +183,17 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let step = library.get("bias_step").expect("there");
     runs.extend((1..=4).map(|seed| (step, seed)));
     let outcomes: Vec<Outcome> = runs.par_iter().map(|(effect, seed)| outcome(effect, *seed)).collect();
-    for Outcome { id, named, foretold, realised, bias, ratio, one_step, wrong } in &outcomes {
+    for Outcome { id, named, predicted, realised, bias, ratio, one_step, wrong } in &outcomes {
         println!(
-            "{id}: named {named:?}, foretold {:.3} … {:.3}, came true {realised:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, wrong {wrong:?}",
-            foretold[0], foretold[1]
+            "{id}: named {named:?}, predicted {:.3} … {:.3}, measured {realised:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, wrong {wrong:?}",
+            predicted[0], predicted[1]
         );
     }
     let slow = outcomes.iter().filter(|outcome| outcome.id != "spectral_line");
     let worst = slow.map(|outcome| outcome.ratio).fold(0.0, f64::max);
     for outcome in &outcomes {
-        assert!(outcome.ratio < 1.0 - 0.5 * outcome.foretold[0], "{}: {}", outcome.id, outcome.ratio);
-        assert!(outcome.realised > 0.5 * outcome.foretold[0], "{}: {}", outcome.id, outcome.realised);
+        assert!(outcome.ratio < 1.0 - 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.ratio);
+        assert!(outcome.realised > 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.realised);
     }
     let wrong: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.wrong).collect();
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();

@@ -99,11 +99,12 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
 /// The comparison of a fit, on the rows after it.
 fn compared(columns: Columns, options: &FitOptions) -> (Comparison, AxisFit) {
     let recording = recording(columns);
-    let rest = stillness::find(&recording);
-    let fit = fit_axis(&recording, &rest, "gx", options).expect("a fit");
+    let stillness = stillness::find(&recording);
+    let fit = fit_axis(&recording, &stillness, "gx", options).expect("a fit");
     let read = LoadOptions::default();
     let (_, comparison, _) =
-        study_of(&recording, &rest, vec![fit.clone()], options.clone(), read, |_| {}).expect("a comparison");
+        study_of(&recording, &stillness, vec![fit.clone()], options.clone(), read, |_| {})
+            .expect("a comparison");
     (comparison, fit)
 }
 

@@ -4,7 +4,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_fit::evaluate::{Trace, trace};
 use fos_fit::fit::{AxisFit, FitOptions, fit_axis};
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use fos_simulate::{Simulation, simulate};
 
 /// From here on nothing is new: threads run, the allocator has what it needs at once.
@@ -31,11 +31,12 @@ const JUDGED: usize = 1200;
 
 /// A model of one axis, and what it leaves of the error.
 fn fit(recording: &Recording) -> (AxisFit, Trace) {
-    let rest = stillness::find(recording);
-    let fitted = fit_axis(recording, &rest, "gx", &FitOptions::default()).expect("it can be fitted");
-    let feed = Feed::new(recording, &fitted.model, &rest.still).expect("it can be fed");
-    let left = trace::<f64>(&fitted.model, &feed, recording.n_rows() - JUDGED..recording.n_rows(), |_| {})
-        .expect("it can be run");
+    let stillness = stillness::find(recording);
+    let fitted = fit_axis(recording, &stillness, "gx", &FitOptions::default()).expect("it can be fitted");
+    let playback = Playback::new(recording, &fitted.model, &stillness.still).expect("it can be fed");
+    let left =
+        trace::<f64>(&fitted.model, &playback, recording.n_rows() - JUDGED..recording.n_rows(), |_| {})
+            .expect("it can be run");
     (fitted, left)
 }
 

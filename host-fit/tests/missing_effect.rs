@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fos_diagnose::batch::Answers;
 use fos_diagnose::detect::{Diagnosis, Verdict};
-use fos_diagnose::refine::Growth;
+use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use session::{done, fails};
 
@@ -23,8 +23,8 @@ fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
 const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
 const LATER: [&str; 2] = ["--judge", "unit/eval.parquet"];
 
-fn growth(folder: &Path) -> Growth {
-    Study::read(&folder.join("unit.json")).expect("a study").growth_of("gx_rads").expect("grown").clone()
+fn growth(folder: &Path) -> Refinement {
+    Study::read(&folder.join("unit.json")).expect("a study").refinement_of("gx_rads").expect("grown").clone()
 }
 
 #[test]
@@ -43,9 +43,9 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
     let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
-    let before = growth(folder).stairs[0].clone();
+    let before = growth(folder).steps[0].clone();
     assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
-    assert_eq!(growth(folder).stairs, std::slice::from_ref(&before));
+    assert_eq!(growth(folder).steps, std::slice::from_ref(&before));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.model, before.model, "the model is what it was");
     assert!(fails(folder, 1, &["undo", "unit.json"]).contains("nothing was added"));
@@ -57,9 +57,9 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     assert_eq!(added.effect.id, "thermal_lag");
     let tau_s = added.finding.params["tau_s"];
     assert!((tau_s / 60.0 - 1.0).abs() < 0.1, "{tau_s}");
-    let [low, high] = added.finding.expected_drop_ci;
-    assert!(added.realised_fall > 0.9 && low > 0.9 && high <= 1.0, "{}", added.realised_fall);
-    let [before, after] = &grown.stairs[..] else { panic!("two stairs") };
+    let [low, high] = added.finding.predicted_reduction_interval;
+    assert!(added.measured_reduction > 0.9 && low > 0.9 && high <= 1.0, "{}", added.measured_reduction);
+    let [before, after] = &grown.steps[..] else { panic!("two stairs") };
     assert!(after.errors.slow_error_coast < before.errors.slow_error_coast.map(|error| 0.2 * error));
     assert!(
         after.cost.instructions > before.cost.instructions && after.cost.ram_bytes > before.cost.ram_bytes
@@ -129,7 +129,7 @@ fn an_effect_of_ones_own_goes_through_the_same_door() {
     done(folder, &[&own[..], &FIELD, &LATER].concat());
     let grown = growth(folder);
     let added = grown.added().next().expect("added");
-    assert!(added.realised_fall > 0.5, "{}", added.realised_fall);
+    assert!(added.measured_reduction > 0.5, "{}", added.measured_reduction);
     // the study holds the effect: what was added is known without the file
     std::fs::remove_file(folder.join("own.toml")).expect("removed");
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
@@ -152,7 +152,7 @@ fn what_cannot_be_added_says_why() {
     }
     assert!(fails(folder, 1, &["add", "unit.json", "temp_linear"]).contains("--from"));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
-    assert!(study.growth.is_empty(), "nothing is half-added");
+    assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use fos_data::recording::{Boundary, ColumnMap, LoadOptions, Recording, Source, load};
-use fos_diagnose::detect::{Diagnosis, Question, Verdict, diagnose, held_against};
+use fos_diagnose::detect::{Diagnosis, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::Library;
 
 fn log(name: &str) -> Option<PathBuf> {
@@ -48,10 +48,10 @@ fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
         library: &library,
         given: &[],
     };
-    held_against(diagnose(&question).unwrap(), field, judged).unwrap()
+    with_measured_reduction(diagnose(&question).unwrap(), field, judged).unwrap()
 }
 
-/// The first finding on an axis of the tag, by its size and the fall that came true.
+/// The first finding on an axis of the tag, by its size and the fall that measured.
 fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
     let Some([field, judged]) = orientations() else { return };
     let diagnosis = diagnosed(&field, &judged, axis);
@@ -59,9 +59,9 @@ fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
     assert_eq!(first.effect, "temp_linear");
     assert_eq!(first.sizes[0].unit, unit);
     assert!(sizes.contains(&first.sizes[0].value), "{:?}", first.sizes);
-    let fall = first.realised_fall.unwrap();
+    let fall = first.measured_reduction.unwrap();
     // the sensitivity of the second orientation differs by up to 5 %, and with it the share of the error
-    assert!((fall - first.expected_drop).abs() < 0.1, "{fall} for {}", first.expected_drop);
+    assert!((fall - first.predicted_reduction).abs() < 0.1, "{fall} for {}", first.predicted_reduction);
 }
 
 #[test]
@@ -99,7 +99,9 @@ fn table_of_the_tag_in_both_directions() {
         [("orientation 1, judged on 2", &one, &two), ("orientation 2, judged on 1", &two, &one)]
     {
         println!("\n**Found in {heading}**\n");
-        println!("| axis | verdict | finding | score | size | parameter | fall foretold (90 %) | realised |");
+        println!(
+            "| axis | verdict | finding | score | size | parameter | predicted reduction (90 %) | realised |"
+        );
         println!("|---|---|---|---|---|---|---|---|");
         for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
             let diagnosis = diagnosed(field, judged, axis);
@@ -129,15 +131,15 @@ fn print_rows(diagnosis: &Diagnosis) {
             .collect();
         let params: Vec<String> =
             finding.params.iter().map(|(name, value)| format!("{name} {value:.1}")).collect();
-        let [low, high] = finding.expected_drop_ci.map(|share| 100.0 * share);
+        let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * share);
         println!(
             "| {target} | {verdict:?} | {} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
             finding.effect,
             finding.score,
             sizes.join(", "),
             params.join(", "),
-            100.0 * finding.expected_drop,
-            finding.realised_fall.map_or("–".to_owned(), |fall| format!("{:.1} %", 100.0 * fall))
+            100.0 * finding.predicted_reduction,
+            finding.measured_reduction.map_or("–".to_owned(), |fall| format!("{:.1} %", 100.0 * fall))
         );
     }
 }

@@ -7,7 +7,8 @@ use fos_data::interrupt::counted;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Ground, Growth, GrowthLogs};
+use fos_diagnose::refine::Refiner;
+use fos_diagnose::study::{LogSources, Refinement};
 use fos_fit::fit::{FitOptions, Search, Stop, fit_axis};
 use fos_fit::signal::{allan, noise_floor};
 use fos_testkit::series::every_kind;
@@ -92,19 +93,19 @@ impl Searches {
             drop(allan::allan_deviation(&[values], 0.02, &times));
         });
         if let Some(fit) = fitted {
-            let ground = Ground::new(&recording, None, None, &library);
+            let refiner = Refiner::new(&recording, None, None, &library);
             count("diagnosis and growth", &mut || {
-                let Ok(first) = ground.first_stair(&fit.model) else { return };
+                let Ok(first) = refiner.first_step(&fit.model) else { return };
                 let source = || Source::made_by("test");
-                let logs = GrowthLogs {
+                let logs = LogSources {
                     field: source(),
                     quiet: None,
                     judged: None,
-                    fitted_rows: ground.fitted_rows(),
+                    fitted_rows: refiner.fitted_rows(),
                     read: LoadOptions::default(),
                 };
-                let growth = Growth { column: "gx_rads".to_owned(), logs, stairs: vec![first] };
-                drop(ground.add_best(&growth, |_, _| {}));
+                let growth = Refinement { column: "gx_rads".to_owned(), logs, steps: vec![first] };
+                drop(refiner.add_best(&growth, |_, _| {}));
             });
         }
         found

@@ -31,8 +31,8 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         ("/data/trained_rows", json!(u32::MAX), "more rows than there are"),
         ("/data/columns", json!(["gx_rads=gyro:furlong"]), "furlong"),
         ("/growth/0/column", json!("gy_rads"), "no axis of the model"),
-        ("/growth/0/stairs", json!([]), "there is no stair"),
-        ("/growth/0/stairs/0/model/axes", json!([]), "stair 0: there is no axis"),
+        ("/growth/0/stairs", json!([]), "there is no step"),
+        ("/growth/0/stairs/0/model/axes", json!([]), "step 0: there is no axis"),
         (&format!("{stair}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
         (&format!("{stair}/added"), Value::Null, "each stair but the first"),
         (&format!("{stair}/added/effect/id"), json!("Thermal Lag"), "small letters"),
@@ -91,7 +91,7 @@ fn a_study_remembers_how_its_logs_are_read() {
     assert!(added.contains("temp_linear") && added.contains("bias_ramp"), "{added}");
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.data.read.columns.specs(), ["gx_rads=\"gyro:x\""]);
-    assert_eq!(study.growth[0].logs.read, study.data.read);
+    assert_eq!(study.refinements[0].logs.read, study.data.read);
     assert_eq!((study.data.read.rate_hz, study.data.read.strict), (Some(200.0), false));
 }
 

@@ -61,8 +61,9 @@ fn options() -> FitOptions {
 }
 
 fn fitted(recording: &Recording, options: &FitOptions) -> UnitModel {
-    let rest = stillness::find(recording);
-    let mut models = AXES.map(|axis| fit_axis(recording, &rest, axis, options).unwrap().model).into_iter();
+    let stillness = stillness::find(recording);
+    let mut models =
+        AXES.map(|axis| fit_axis(recording, &stillness, axis, options).unwrap().model).into_iter();
     let mut model = models.next().unwrap();
     models.for_each(|other| model.absorb(other));
     model
@@ -133,18 +134,18 @@ fn two_poses_are_refused_and_what_was_made_of_them_is_flagged() {
     let mut refused = 0;
     for degrees in [8.0_f64, 15.0, 40.0, 90.0, 180.0] {
         let two = recording(log(&[0.0, degrees.to_radians(), 0.0, degrees.to_radians()]));
-        let rest = stillness::find(&two);
+        let stillness = stillness::find(&two);
         for axis in &AXES[..3] {
-            let error = fit_axis(&two, &rest, axis, &options()).unwrap_err();
+            let error = fit_axis(&two, &stillness, axis, &options()).unwrap_err();
             let AxisError::TwoPoses { train_s, .. } = error else { panic!("{degrees}°, {axis}: {error}") };
             assert_eq!(train_s, HELD_S as u64, "{degrees}°, {axis}");
             assert!(error.to_string().contains("--train 30s"), "{error}");
             // and that is a way out
             let first = FitOptions { train: Train::Seconds(train_s as f64), ..options() };
-            fit_axis(&two, &rest, axis, &first).unwrap();
+            fit_axis(&two, &stillness, axis, &first).unwrap();
             refused += 1;
         }
-        fit_axis(&two, &rest, "gx", &options()).unwrap();
+        fit_axis(&two, &stillness, "gx", &options()).unwrap();
     }
 
     let columns = log(&[0.0, FRAC_PI_2, 0.0, FRAC_PI_2]);

@@ -11,14 +11,14 @@ import { HOST_FIT, IS_REAL, SLOW, add, assertAccessible, assertNoOverflow, atRes
 const workbench = bench();
 
 /** @param {import("playwright-core").Page} page @param {string} effect */
-async function assertFellAsForetold(page, effect) {
+async function assertFellAsPredicted(page, effect) {
   const cells = await page.locator(`[data-step="${effect}"] td`).allInnerTexts();
-  const [foretold, low, high] = numbersIn(cells[0] ?? "");
-  const [cameTrue] = numbersIn(cells[1] ?? "");
-  assert.ok(foretold && low && high && cameTrue, `${effect}: ${cells.join(" | ")}`);
-  assert.ok(low <= foretold && foretold <= high);
-  assert.ok(low <= cameTrue && cameTrue <= high, `${effect}: ${cameTrue} % came true of ${low} … ${high} %`);
-  assert.match(cells[1] ?? "", /as foretold/);
+  const [predicted, low, high] = numbersIn(cells[0] ?? "");
+  const [measured] = numbersIn(cells[1] ?? "");
+  assert.ok(predicted && low && high && measured, `${effect}: ${cells.join(" | ")}`);
+  assert.ok(low <= predicted && predicted <= high);
+  assert.ok(low <= measured && measured <= high, `${effect}: ${measured} % measured of ${low} … ${high} %`);
+  assert.match(cells[1] ?? "", /as predicted/);
   const slow = await page.locator("[data-step] td:nth-of-type(3)").allInnerTexts();
   const errors = slow.map((text) => numbersIn(text)[0]);
   for (let step = 1; step < errors.length; step += 1) assert.ok(Number(errors[step]) < Number(errors[step - 1]), `slow error: ${errors.join(", ")}`);
@@ -45,7 +45,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   assert.equal(await page.locator(".finding").first().getAttribute("data-effect"), "thermal_lag");
 
   await add(page, "thermal_lag");
-  await assertFellAsForetold(page, "thermal_lag");
+  await assertFellAsPredicted(page, "thermal_lag");
 
   await page.locator('[data-key="undo:1"]').click();
   await page.waitForSelector("[data-step]", { state: "detached", timeout: SLOW });
@@ -53,7 +53,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   assert.equal(await page.locator(".finding").first().getAttribute("data-effect"), "thermal_lag");
 
   await add(page, "thermal_lag");
-  await assertFellAsForetold(page, "thermal_lag");
+  await assertFellAsPredicted(page, "thermal_lag");
 
   await page.waitForSelector(".replay .digest", { timeout: SLOW });
   const digest = await page.locator(".replay .digest").innerText();
@@ -144,7 +144,7 @@ test("the same with keys alone", { timeout: 3 * SLOW }, async () => {
   await page.waitForSelector('[data-step="thermal_lag"]', { timeout: SLOW });
   await atRest(page);
   assert.notEqual(await page.evaluate(() => document.activeElement?.tagName), "BODY", "the focus is not lost");
-  await assertFellAsForetold(page, "thermal_lag");
+  await assertFellAsPredicted(page, "thermal_lag");
   await reach('[data-key="undo:1"]');
   await page.keyboard.press("Enter");
   await page.waitForSelector("[data-step]", { state: "detached", timeout: SLOW });

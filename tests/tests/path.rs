@@ -38,7 +38,7 @@ fn quadratic_plant(seed: u64) -> Vec<f64> {
 #[test]
 fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
     let recording = recording(vec![("az_mps2".into(), quadratic_plant(5))]);
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     // the plant's own units: offset and scale known, so that coefficients compare
     let options = FitOptions {
         offset: Some(9.81),
@@ -49,7 +49,7 @@ fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
         max_lag: 5,
         ..FitOptions::default()
     };
-    let fit = fit_axis(&recording, &rest, "az", &options).expect("fits");
+    let fit = fit_axis(&recording, &stillness, "az", &options).expect("fits");
     let terms = &fit.model.axes[0].stochastic;
     let truth = [(vec![y(1)], 1.2), (vec![y(2)], -0.5), (vec![y(1), y(2)], 0.015)];
     assert_eq!(terms.len(), truth.len(), "{terms:?}");
@@ -80,7 +80,7 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
         ("gx_rads".into(), r.iter().map(|r| 1e-3 * r).collect()),
         ("supply_v".into(), supply.clone()),
     ]);
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let options = FitOptions {
         max_lag: 3,
         inputs: vec!["supply_v".parse().expect("an input")],
@@ -90,13 +90,13 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
         scale: Some(1e-3),
         ..FitOptions::default()
     };
-    let fit = fit_axis(&recording, &rest, "gx", &options).expect("fits");
+    let fit = fit_axis(&recording, &stillness, "gx", &options).expect("fits");
     let mut found: Vec<_> = fit.model.axes[0].stochastic.iter().map(|term| term.factors.clone()).collect();
     found.sort();
     // u is centred on its mean, not on 3.3 V: of the product a little is left for r(n−1), which is there anyway
     assert_eq!(found, [vec![y(1)], vec![y(1), u(0, 1)], vec![u(0, 2)]]);
     let bytes = image(&fit.model, "simulated", "test").expect("exported");
-    let replayed = replay(&Image::parse(&bytes).expect("its own image"), &recording, &rest, &[]);
+    let replayed = replay(&Image::parse(&bytes).expect("its own image"), &recording, &stillness, &[]);
     let summary = replayed.expect("replayed").summary;
     assert!((summary.axes[0].innovation_rms_f64 / 0.5e-3 - 1.0).abs() < 0.02, "{summary:?}");
 }
@@ -106,16 +106,17 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let white: Vec<f64> = (0..60_000).map(|_| StandardNormal.sample(&mut random)).collect();
     let recording = recording(vec![("gx_rads".into(), white), ("gy_rads".into(), quadratic_plant(6))]);
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let options = FitOptions::default();
-    let fits = ["gx", "gy"].map(|axis| fit_axis(&recording, &rest, axis, &options).expect("fits"));
+    let fits = ["gx", "gy"].map(|axis| fit_axis(&recording, &stillness, axis, &options).expect("fits"));
     assert!(
         fits[0].model.axes[0].stochastic.is_empty(),
         "white noise has no terms: {:?}",
         fits[0].report.steps
     );
     let (study, comparison, _) =
-        study_of(&recording, &rest, fits.to_vec(), options, LoadOptions::default(), |_| {}).expect("judged");
+        study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
+            .expect("judged");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {
         let errors = comparison.axes[axis].errors.iter().find(|errors| errors.model == model);
@@ -133,7 +134,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
 fn simulated_unit() -> (Recording, Vec<u8>) {
     let log = simulate(&Simulation { duration_s: 300.0, seed: 3, ..Simulation::default() });
     let recording = recording(log.columns);
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let options = FitOptions {
         train: Train::Seconds(60.0),
         physical: vec!["temp_c".parse().expect("an input")],
@@ -142,7 +143,7 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
         ..FitOptions::default()
     };
     let mut fits = ["ax", "ay", "az", "gx", "gy", "gz"]
-        .map(|axis| fit_axis(&recording, &rest, axis, &options).expect("fits").model);
+        .map(|axis| fit_axis(&recording, &stillness, axis, &options).expect("fits").model);
     let (first, others) = fits.split_first_mut().expect("six");
     others.iter().for_each(|other| first.absorb(other.clone()));
     let bytes = image(first, "simulated", "test").expect("exported");
@@ -152,13 +153,13 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
 #[test]
 fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
     let (recording, bytes) = simulated_unit();
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let stored = Image::parse(&bytes).expect("its own image");
-    let host = replay(&stored, &recording, &rest, &[]).expect("replayed");
+    let host = replay(&stored, &recording, &stillness, &[]).expect("replayed");
     assert_eq!(host.summary.rows, recording.n_rows());
     assert!(host.summary.tracked > 0 && host.summary.tracked < recording.n_rows());
 
-    let log = device_log(&model_of(&stored, &[]).expect("named"), &recording, &rest).expect("a log");
+    let log = device_log(&model_of(&stored, &[]).expect("named"), &recording, &stillness).expect("a log");
     let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
     let header = PredictorLogHeader::decode(&log).expect("a header");
     let through = |predictor: &mut Predictor<f32, 6, 16, 64, 256>, log: &[u8]| {
@@ -186,9 +187,9 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
 #[test]
 fn rounding_the_model_to_f32_costs_next_to_nothing() {
     let (recording, bytes) = simulated_unit();
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let host =
-        replay(&Image::parse(&bytes).expect("its own image"), &recording, &rest, &[]).expect("replayed");
+        replay(&Image::parse(&bytes).expect("its own image"), &recording, &stillness, &[]).expect("replayed");
     for axis in &host.summary.axes {
         // 24 bits of a measured value of up to 9.8 m/s² are 1e-6: 5e-5 of a noise of 0.02 m/s²
         assert!(axis.largest_difference < 2e-4 * axis.innovation_rms_f64, "{axis:?}");
@@ -198,9 +199,9 @@ fn rounding_the_model_to_f32_costs_next_to_nothing() {
 #[test]
 fn training_takes_rows_at_rest_only() {
     let (recording, _) = simulated_unit();
-    let rest = stillness::find(&recording);
-    let rows = training_rows(&recording, &rest, Train::Seconds(60.0));
-    let still = rows.clone().filter(|row| rest.still[*row]).count() as f64;
+    let stillness = stillness::find(&recording);
+    let rows = training_rows(&recording, &stillness, Train::Seconds(60.0));
+    let still = rows.clone().filter(|row| stillness.still[*row]).count() as f64;
     assert!((still * recording.rate.period_s - 60.0).abs() < 0.01);
     assert!(rows.end < recording.n_rows());
 }

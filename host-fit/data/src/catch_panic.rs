@@ -12,7 +12,7 @@ thread_local! {
 /// # Errors
 ///
 /// What the library said when it panicked.
-pub(crate) fn contained<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
     INSIDE.set(outer);
@@ -24,8 +24,8 @@ pub(crate) fn contained<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// From now on a panic that is contained is not announced: the error that comes of it says what it said.
-pub fn announce_no_contained_panic() {
+/// From now on a panic that is caught is not announced: the error that comes of it says what it said.
+pub fn announce_no_caught_panic() {
     let announce = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
         if !INSIDE.get() {
@@ -40,9 +40,9 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_what_it_said() {
-        assert_eq!(contained(|| 7), Ok(7));
-        assert_eq!(contained(|| -> u8 { panic!("too {}", "long") }), Err("too long".to_owned()));
-        assert_eq!(contained(|| -> u8 { panic!("short") }), Err("short".to_owned()));
+        assert_eq!(catch_panic(|| 7), Ok(7));
+        assert_eq!(catch_panic(|| -> u8 { panic!("too {}", "long") }), Err("too long".to_owned()));
+        assert_eq!(catch_panic(|| -> u8 { panic!("short") }), Err("short".to_owned()));
         assert!(!INSIDE.get());
     }
 }

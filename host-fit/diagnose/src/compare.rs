@@ -12,7 +12,7 @@ use fos_data::stillness::Stillness;
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 
 /// Name of the model among its rivals.
@@ -81,13 +81,13 @@ pub fn compare(
     model: &UnitModel,
     lag_1: &[f64],
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
     mut progress: impl FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
-    let feed = Feed::new(recording, model, &rest.still)?;
-    if !rows.clone().any(|row| feed.is_still(row)) {
+    let playback = Playback::new(recording, model, &stillness.still)?;
+    if !rows.clone().any(|row| playback.is_still(row)) {
         return Err(CompareError::NothingLeft { trained: rows.start });
     }
     let mut floors: Vec<Option<NoiseFloor>> = Vec::new();
@@ -104,11 +104,11 @@ pub fn compare(
     // a trace may be as large as the log, and so may be what is looked at for dependences: one at a time
     for kind in Rival::ALL {
         progress(kind.name());
-        add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &feed, rows.clone(), |_| {})?);
+        add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?);
     }
     progress(MODEL);
-    let dependences = dependence(model, recording, rest, rows.clone(), trained)?;
-    let mut own = trace::<f64>(model, &feed, rows.clone(), |_| {})?;
+    let dependences = dependence(model, recording, stillness, rows.clone(), trained)?;
+    let mut own = trace::<f64>(model, &playback, rows.clone(), |_| {})?;
     add(MODEL, &own);
     for axis in &mut own.axes {
         // its error is in the comparison; nothing shows it row by row
@@ -146,22 +146,22 @@ pub fn compare(
 /// As for [`compare`].
 pub fn study_of(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     fits: Vec<AxisFit>,
     settings: FitOptions,
     read: LoadOptions,
     progress: impl FnMut(&str),
 ) -> Result<(Study, Comparison, Trace), CompareError> {
-    let trained_rows = fos_fit::fit::training_rows(recording, rest, settings.train).end;
+    let trained_rows = fos_fit::fit::training_rows(recording, stillness, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
     let mut model = models.remove(0);
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
     let rows = trained_rows..recording.n_rows();
-    let trained = Trained { recording, rest, rows: 0..trained_rows };
-    let (comparison, trace) = compare(&model, &lag_1, recording, rest, rows, Some(&trained), progress)?;
-    let still = rest.still.iter().filter(|still| **still).count();
+    let trained = Trained { recording, stillness, rows: 0..trained_rows };
+    let (comparison, trace) = compare(&model, &lag_1, recording, stillness, rows, Some(&trained), progress)?;
+    let still = stillness.still.iter().filter(|still| **still).count();
     let study = Study {
         schema: SCHEMA.to_owned(),
         tool: Tool::this(),
@@ -172,14 +172,14 @@ pub fn study_of(
             trained_rows,
             true_rate_hz: recording.rate.true_hz,
             segments: recording.segments.len(),
-            still_known_by: rest.known_by,
+            still_known_by: stillness.known_by,
             still_share: still as f64 / recording.n_rows() as f64,
         },
         settings,
         model,
         axes: reports,
         steps: steps_of(&comparison),
-        growth: Vec::new(),
+        refinements: Vec::new(),
     };
     Ok((study, comparison, trace))
 }

@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod candidates;
+pub mod cost;
 pub mod evaluate;
 pub mod export;
 pub mod fit;

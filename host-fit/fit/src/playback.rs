@@ -11,7 +11,7 @@ use crate::model::{HostPredictor, UnitModel};
 use fos_data::recording::{Boundary, Recording, RecordingError};
 
 /// A recording seen through the columns that a model needs. Rows are those of the recording.
-pub struct Feed<'a> {
+pub struct Playback<'a> {
     measured: Vec<&'a [f64]>,
     reference: Vec<Reference<'a>>,
     has_reference: bool,
@@ -50,7 +50,7 @@ enum Break {
 /// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
 const UNKNOWN_TICKS: u64 = 256;
 
-impl<'a> Feed<'a> {
+impl<'a> Playback<'a> {
     /// `still` tells for every row whether the true value is known.
     ///
     /// # Errors
@@ -91,15 +91,15 @@ impl<'a> Feed<'a> {
                 Some((segment.rows.start, before))
             })
             .collect();
-        let mut feed = Self { measured, reference, has_reference: false, quantities, still, breaks };
+        let mut playback = Self { measured, reference, has_reference: false, quantities, still, breaks };
         for (index, axis) in model.axes.iter().enumerate() {
             if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
-                feed.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
+                playback.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
             }
         }
-        feed.has_reference =
-            feed.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
-        Ok(feed)
+        playback.has_reference =
+            playback.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
+        Ok(playback)
     }
 
     /// Forgets the constant reference of an accelerometer wherever the unit lies still in another pose.

@@ -128,7 +128,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         .map(|(truth, found)| (found / truth - 1.0).abs() <= 0.3)
         .chain(frequencies.iter().map(|(truth, found)| (found - truth).abs() <= 0.02));
     let errors = taus.iter().map(|(truth, found)| (found / truth - 1.0).abs());
-    let shares = |o: &Outcome| Some(o.realised_fall.unwrap_or(0.0) / o.achievable_fall?);
+    let shares = |o: &Outcome| Some(o.measured_reduction.unwrap_or(0.0) / o.achievable_reduction?);
     let shared: Vec<f64> = outcomes
         .iter()
         .filter(|o| {
@@ -140,7 +140,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         .collect();
     let predictions = singles.iter().filter_map(|o| {
         let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
-        let realised = o.realised_fall?;
+        let realised = o.measured_reduction?;
         let counts = o.found.len() == 1 && found.effect != "bias_step" && found.expected.0 > 0.0;
         counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&realised))
     });
@@ -200,7 +200,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         rate(
             "corrections that make eval worse by over 2 %",
             Goal::AtMost(0.01, 0.0),
-            outcomes.iter().map(|o| o.realised_fall.is_some_and(|fall| fall < -0.02)),
+            outcomes.iter().map(|o| o.measured_reduction.is_some_and(|fall| fall < -0.02)),
         ),
         rate("predicted fall's 90 % interval holds", Goal::Within([0.80, 0.97], [0.87, 0.93]), predictions),
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::CalibrationError;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
-use fos_diagnose::detect::{DiagnoseError, Diagnosis, Reduced, Verdict, correction, diagnose};
+use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Verdict, correction, diagnose};
 use fos_diagnose::effects::Library;
 use fos_fit::noise::{Gls, NoiseLevels};
 use fos_fit::signal;
@@ -34,9 +34,11 @@ pub struct Outcome {
     /// The best leads.
     pub leads: Vec<String>,
     /// The fall on the evaluation log that the true regressors, fitted to the field log, reach.
-    pub achievable_fall: Option<f64>,
+    #[serde(rename = "achievable_fall")]
+    pub achievable_reduction: Option<f64>,
     /// The fall that the diagnosis' correction reached there.
-    pub realised_fall: Option<f64>,
+    #[serde(rename = "realised_fall")]
+    pub measured_reduction: Option<f64>,
     /// Time for the diagnosis, without simulating or reading, s.
     pub seconds: f64,
 }
@@ -65,7 +67,7 @@ pub struct FoundIn {
     pub parameter: Option<(String, f64)>,
     /// Score.
     pub score: f64,
-    /// Fall foretold, and its 90 % interval.
+    /// Predicted reduction, and its 90 % interval.
     pub expected: (f64, [f64; 2]),
     /// Rivals.
     pub confounded_with: Vec<String>,
@@ -120,7 +122,7 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
                 effect: finding.effect.clone(),
                 parameter: finding.params.iter().next().map(|(name, value)| (name.clone(), *value)),
                 score: finding.score,
-                expected: (finding.expected_drop, finding.expected_drop_ci),
+                expected: (finding.predicted_reduction, finding.predicted_reduction_interval),
                 confounded_with: finding.confounded_with.clone(),
                 separated: finding.separate.len() == finding.confounded_with.len(),
             })
@@ -131,8 +133,8 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
             .take(3)
             .map(|lead| format!("{} ({:.0})", lead.follows, lead.score))
             .collect(),
-        achievable_fall: falls.0,
-        realised_fall: falls.1,
+        achievable_reduction: falls.0,
+        measured_reduction: falls.1,
         seconds,
     })
 }
@@ -154,7 +156,7 @@ impl Corrected<'_> {
         noise: &AxisNoise,
         wide: bool,
     ) -> Result<(Option<f64>, Option<f64>), DiagnoseError> {
-        let (reduced, rows) = (Reduced::in_slow_blocks(self.eval, self.target)?, 0..self.eval.n_rows());
+        let (reduced, rows) = (ErrorInBlocks::in_slow_blocks(self.eval, self.target)?, 0..self.eval.n_rows());
         let variance = |left: &[f64]| match wide {
             true => reduced.wide_variance(left, &rows),
             false => reduced.slow_variance(left, &rows),
@@ -185,7 +187,7 @@ fn best_correction(
     noise: &AxisNoise,
     wide: bool,
 ) -> Result<Vec<f64>, DiagnoseError> {
-    let reduced = Reduced::of(field, target)?;
+    let reduced = ErrorInBlocks::of(field, target)?;
     let coefficients: Vec<f64> = if wide {
         // a line stands in locally white noise: plain least squares
         let known = |values: &[f64]| -> Vec<f64> {

@@ -10,7 +10,7 @@ use super::growing::{LogArguments, column_of, print_growth, read_logs};
 use super::output::{Failure, print_json, print_line, spinner};
 use crate::plots;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::GrowError;
+use fos_diagnose::refine::RefineError;
 use fos_diagnose::study::Study;
 
 /// Add a missing effect to the model of a study, and show the error after every step on data that were not fitted
@@ -51,10 +51,10 @@ impl Add {
         let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;
-        let ground = logs.ground(&library);
-        let named = logs.named(ground.fitted_rows());
+        let refiner = logs.refiner(&library);
+        let named = logs.named(refiner.fitted_rows());
         let bar = spinner("estimating and judging");
-        let mut growth = match study.growth_of(&column) {
+        let mut growth = match study.refinement_of(&column) {
             Some(growth) if growth.logs == named => growth.clone(),
             Some(growth) if growth.added().next().is_some() => {
                 return Err(format!(
@@ -63,15 +63,15 @@ impl Add {
                 )
                 .into());
             }
-            _ => ground.begin(&study, &column, named)?,
+            _ => refiner.begin(&study, &column, named)?,
         };
         match &self.effect {
             Some(effect) => {
-                let stair = ground.add(&growth, library.get(effect)?)?;
-                growth.stairs.push(stair);
+                let stair = refiner.add(&growth, library.get(effect)?)?;
+                growth.steps.push(stair);
             }
             None => {
-                let stairs = ground.add_best(&growth, |diagnosis, stair| {
+                let stairs = refiner.add_best(&growth, |diagnosis, stair| {
                     if !self.json {
                         bar.suspend(|| match stair {
                             Some(_) => print_line!("{}", diagnosis.sentence),
@@ -79,13 +79,13 @@ impl Add {
                         });
                     }
                 })?;
-                growth.stairs.extend(stairs);
+                growth.steps.extend(stairs);
             }
         }
         bar.finish_and_clear();
         study.keep(growth.clone());
         // an axis runs alone, and with the others may have outgrown a predictor
-        study.model.predictor::<f64>().map_err(GrowError::Model)?;
+        study.model.predictor::<f64>().map_err(RefineError::Model)?;
         if let Some(folder) = &self.figures {
             plots::check_staircase(folder, &column)?;
         }

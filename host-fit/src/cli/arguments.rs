@@ -111,7 +111,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 }
 
 /// What was read, in a few lines.
-pub(super) fn describe(recording: &Recording, rest: &Stillness) -> String {
+pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
     let rate = &recording.rate;
     let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
     format!(
@@ -123,13 +123,13 @@ pub(super) fn describe(recording: &Recording, rest: &Stillness) -> String {
         rate.true_hz,
         rate.stamps,
         rate.jitter_s,
-        quality(recording, rest),
+        quality(recording, stillness),
     )
 }
 
-fn quality(recording: &Recording, rest: &Stillness) -> String {
+fn quality(recording: &Recording, stillness: &Stillness) -> String {
     let mut report = recording.quality.to_string();
-    for oddity in recording.oddities(&rest.still) {
+    for oddity in recording.oddities(&stillness.still) {
         let line = if report.is_empty() { "" } else { "\n" };
         report += &format!("{line}caution: {oddity}");
     }

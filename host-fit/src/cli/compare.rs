@@ -61,7 +61,7 @@ impl Compare {
                 100.0 * (ratio - 1.0)
             ));
         }
-        let rest = stillness::find(&recording);
+        let stillness = stillness::find(&recording);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
         // where it still is what it was
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
@@ -69,8 +69,10 @@ impl Compare {
         let own = own.map(|own| (stillness::find(&own), own));
         let trained_rows = 0..study.data.trained_rows;
         let trained = match &own {
-            Some((rest, recording)) => Some(Trained { recording, rest, rows: trained_rows }),
-            None => same.then_some(Trained { recording: &recording, rest: &rest, rows: trained_rows }),
+            Some((stillness, recording)) => Some(Trained { recording, stillness, rows: trained_rows }),
+            None => {
+                same.then_some(Trained { recording: &recording, stillness: &stillness, rows: trained_rows })
+            }
         };
         let bar = progress(4, "judging");
         let judged = |model: &str| {
@@ -78,7 +80,7 @@ impl Compare {
             bar.inc(1);
         };
         let (comparison, trace) =
-            compare(&study.model, &study.lag_1(), &recording, &rest, rows, trained.as_ref(), judged)?;
+            compare(&study.model, &study.lag_1(), &recording, &stillness, rows, trained.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             plots::write_all(folder, &comparison, &trace, &recording)?;
@@ -86,7 +88,7 @@ impl Compare {
         if self.json {
             return print_json(&comparison);
         }
-        print_line!("{}", describe(&recording, &rest));
+        print_line!("{}", describe(&recording, &stillness));
         print_comparison(&comparison);
         if let Some(folder) = &self.figures {
             print_line!("\nfigures written to {}", folder.display());

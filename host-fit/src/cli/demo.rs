@@ -22,7 +22,7 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_fit::model::UnitModel;
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
@@ -79,7 +79,7 @@ impl Demo {
         let alone = study.axis_alone(AXIS)?;
         let field_rest = stillness::find(&field);
         let lag_1 = study.axes.iter().find(|report| report.column == AXIS).map_or(0.0, |report| report.lag_1);
-        let trained = Trained { recording: &quiet, rest: &quiet_rest, rows: 0..study.data.trained_rows };
+        let trained = Trained { recording: &quiet, stillness: &quiet_rest, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
             compare(&alone, &[lag_1], &field, &field_rest, 0..field.n_rows(), Some(&trained), |_| {})?;
         plots::write_all(&path("figures"), &comparison, &trace, &field)?;
@@ -115,15 +115,15 @@ impl Demo {
 
         let library = Library::built_in();
         let logs = Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() };
-        let ground = logs.ground(&library);
-        let mut growth = ground.begin(&study, AXIS, logs.named(ground.fitted_rows()))?;
+        let refiner = logs.refiner(&library);
+        let mut growth = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
         say!(self, "4. Diagnosed, and added one after the other until nothing is missing:");
         let mut found = Vec::new();
-        let stairs = ground.add_best(&growth, |diagnosis, _| {
+        let stairs = refiner.add_best(&growth, |diagnosis, _| {
             say!(self, "   - {}", diagnosis.sentence);
             found.extend(diagnosis.findings.first().cloned());
         })?;
-        growth.stairs.extend(stairs);
+        growth.steps.extend(stairs);
         study.keep(growth.clone());
         study.write(&file)?;
         plots::write_staircase(&path("figures"), &growth)?;
@@ -185,10 +185,10 @@ fn largest_difference(
     axis: usize,
     corrected: &[f64],
 ) -> Result<f64, Failure> {
-    let feed = Feed::new(log, model, still)?;
+    let playback = Playback::new(log, model, still)?;
     let mut predictor = model.predictor::<f64>()?;
     let differences = (0..log.n_rows()).map(|row| {
-        let own = feed.step(&mut predictor, row)[axis].corrected;
+        let own = playback.step(&mut predictor, row)[axis].corrected;
         (own - corrected[row]).abs()
     });
     Ok(differences.fold(0.0, f64::max))

@@ -9,7 +9,7 @@ use super::arguments::Reading;
 use super::growing::{LogArguments, column_of, read_logs};
 use super::numbers::{IN_UNIT, within};
 use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
-use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, held_against};
+use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study;
 
@@ -83,7 +83,7 @@ impl Diagnose {
                 given: &[],
             })?;
             Ok(match &judged {
-                Some(judged) => held_against(diagnosis, &field, judged)?,
+                Some(judged) => with_measured_reduction(diagnosis, &field, judged)?,
                 None => diagnosis,
             })
         };
@@ -94,12 +94,12 @@ impl Diagnose {
         let study = Study::read(&self.of)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &self.of, &column)?;
-        let ground = logs.ground(library);
-        let growth = match study.growth_of(&column) {
+        let refiner = logs.refiner(library);
+        let growth = match study.refinement_of(&column) {
             Some(growth) => growth.clone(),
-            None => ground.begin(&study, &column, logs.named(ground.fitted_rows()))?,
+            None => refiner.begin(&study, &column, logs.named(refiner.fitted_rows()))?,
         };
-        Ok(ground.diagnose(&growth)?)
+        Ok(refiner.diagnose(&growth)?)
     }
 }
 
@@ -113,7 +113,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     if !diagnosis.findings.is_empty() {
         print_line!();
         let mut rows =
-            table(&["  effect", "score", "size", "parameter", "fall foretold (90 %)", "came true"]);
+            table(&["  effect", "score", "size", "parameter", "predicted reduction (90 %)", "measured"]);
         for finding in &diagnosis.findings {
             rows.add_row(row(finding));
         }
@@ -169,12 +169,12 @@ fn row(finding: &Finding) -> Vec<String> {
             None => format!("{name} {}", number(*value)),
         })
         .collect();
-    let fall = match finding.expected_drop != 0.0 {
+    let fall = match finding.predicted_reduction != 0.0 {
         true => format!(
             "{:.1} % ({:.1} … {:.1})",
-            100.0 * finding.expected_drop,
-            100.0 * finding.expected_drop_ci[0],
-            100.0 * finding.expected_drop_ci[1]
+            100.0 * finding.predicted_reduction,
+            100.0 * finding.predicted_reduction_interval[0],
+            100.0 * finding.predicted_reduction_interval[1]
         ),
         false => "–".to_owned(),
     };
@@ -184,7 +184,7 @@ fn row(finding: &Finding) -> Vec<String> {
         sizes.join(", "),
         params.join(", "),
         fall,
-        finding.realised_fall.map_or_else(String::new, |fall| format!("{:.1} %", 100.0 * fall)),
+        finding.measured_reduction.map_or_else(String::new, |fall| format!("{:.1} %", 100.0 * fall)),
     ]
 }
 

@@ -128,20 +128,20 @@ impl Fit {
         let file = FileVersion::now(&self.output)?;
         let read = self.reading.options()?;
         let recording = read_all(&self.log, &read)?;
-        let rest = stillness::find(&recording);
+        let stillness = stillness::find(&recording);
         if !self.json {
-            print_line!("{}", describe(&recording, &rest));
+            print_line!("{}", describe(&recording, &stillness));
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
         let mut fits = Vec::new();
         for axis in &axes {
             bar.set_message(&format!("fitting {axis}"));
-            fits.push(fit_axis(&recording, &rest, axis, &options)?);
+            fits.push(fit_axis(&recording, &stillness, axis, &options)?);
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let (mut study, ..) = study_of(&recording, &rest, fits, options, read, |_| {})?;
+        let (mut study, ..) = study_of(&recording, &stillness, fits, options, read, |_| {})?;
         study.write(&file)?;
         if self.json {
             return print_json(&study);

@@ -9,7 +9,8 @@ use super::arguments::Reading;
 use super::error_table::error_table;
 use super::output::{Failure, number, print_line, sparkline, table};
 use fos_data::recording::{Source, load};
-use fos_diagnose::refine::{Growth, Logs, Stair};
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::{Refinement, RefinementStep};
 use fos_diagnose::study::{Study, load_again};
 use fos_fit::evaluate::ModelErrors;
 
@@ -35,7 +36,7 @@ pub(super) fn read_logs(
     file: &Path,
     column: &str,
 ) -> Result<Logs, Failure> {
-    let known = study.growth_of(column).map(|growth| &growth.logs);
+    let known = study.refinement_of(column).map(|growth| &growth.logs);
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
     let given = |path: &PathBuf| load(path, &read);
     let again = |source: &Source| load_again(source, file, &read);
@@ -83,8 +84,8 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
     }
 }
 
-/// The staircase: every step with what was foretold and what came true, what it costs, then all errors of all steps.
-pub(super) fn print_growth(growth: &Growth) {
+/// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all steps.
+pub(super) fn print_growth(growth: &Refinement) {
     let unit = Column::named(&growth.column).unit().label();
     let logs = &growth.logs;
     match &logs.judged {
@@ -101,8 +102,8 @@ pub(super) fn print_growth(growth: &Growth) {
     let header = [
         "  step",
         "size",
-        "fall foretold (90 %)",
-        "came true",
+        "predicted reduction (90 %)",
+        "measured",
         "slow left",
         "wide left",
         "bias off by",
@@ -111,11 +112,11 @@ pub(super) fn print_growth(growth: &Growth) {
         "instructions",
     ];
     let mut rows = table(&header);
-    for (index, stair) in growth.stairs.iter().enumerate() {
+    for (index, stair) in growth.steps.iter().enumerate() {
         rows.add_row(row(index, stair));
     }
     print_line!("{rows}");
-    let slow: Vec<f64> = growth.stairs.iter().map(|stair| stair.left.slow.sqrt()).collect();
+    let slow: Vec<f64> = growth.steps.iter().map(|stair| stair.left.slow.sqrt()).collect();
     if let [first, .., last] = slow[..] {
         print_line!(
             "  slow error, step by step: {}  {} to {} {unit}",
@@ -128,13 +129,13 @@ pub(super) fn print_growth(growth: &Growth) {
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves; bias: the mean there, where the log tells it"
     );
     print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
-    let errors: Vec<&ModelErrors> = growth.stairs.iter().map(|stair| &stair.errors).collect();
+    let errors: Vec<&ModelErrors> = growth.steps.iter().map(|stair| &stair.errors).collect();
     print_line!("{}", error_table(&errors));
 }
 
-fn row(index: usize, stair: &Stair) -> Vec<String> {
+fn row(index: usize, stair: &RefinementStep) -> Vec<String> {
     let percent = |value: f64| format!("{:.1} %", 100.0 * value);
-    let (name, size, foretold, realised) = match &stair.added {
+    let (name, size, predicted, realised) = match &stair.added {
         None => ("before".to_owned(), String::new(), String::new(), String::new()),
         Some(added) => {
             let finding = &added.finding;
@@ -144,18 +145,19 @@ fn row(index: usize, stair: &Stair) -> Vec<String> {
                 .map(|(name, value)| format!("{name} {}", number(*value)))
                 .chain(finding.sizes.iter().map(|size| format!("{} {}", number(size.value), size.unit)))
                 .collect();
-            let [low, high] = finding.expected_drop_ci;
-            let foretold =
-                format!("{} ({} … {})", percent(finding.expected_drop), percent(low), percent(high));
-            let holds = (low..=high).contains(&added.realised_fall);
-            let realised = format!("{}{}", percent(added.realised_fall), if holds { "" } else { " (!)" });
-            (format!("+ {}", added.effect.id), sizes.join(", "), foretold, realised)
+            let [low, high] = finding.predicted_reduction_interval;
+            let predicted =
+                format!("{} ({} … {})", percent(finding.predicted_reduction), percent(low), percent(high));
+            let holds = (low..=high).contains(&added.measured_reduction);
+            let realised =
+                format!("{}{}", percent(added.measured_reduction), if holds { "" } else { " (!)" });
+            (format!("+ {}", added.effect.id), sizes.join(", "), predicted, realised)
         }
     };
     vec![
         format!("  {index} {name}"),
         size,
-        foretold,
+        predicted,
         realised,
         number(stair.left.slow.sqrt()),
         number(stair.left.wide.sqrt()),

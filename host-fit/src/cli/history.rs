@@ -28,17 +28,17 @@ impl History {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let study = Study::read(&self.study)?;
         if let Some(folder) = &self.figures {
-            for growth in &study.growth {
+            for growth in &study.refinements {
                 plots::write_staircase(folder, growth)?;
             }
         }
         if self.json {
-            return print_json(&study.growth);
+            return print_json(&study.refinements);
         }
-        if study.growth.is_empty() {
+        if study.refinements.is_empty() {
             print_line!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
         }
-        study.growth.iter().for_each(print_growth);
+        study.refinements.iter().for_each(print_growth);
         Ok(())
     }
 }

@@ -45,15 +45,18 @@ impl Replay {
         let bytes = file::read(&self.image)?;
         let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
         let recording = self.reading.read(&self.log)?;
-        let rest = stillness::find(&recording);
+        let stillness = stillness::find(&recording);
         let spinner = spinner("replaying");
-        let replayed = replay(&image, &recording, &rest, &self.axes)?;
+        let replayed = replay(&image, &recording, &stillness, &self.axes)?;
         spinner.finish_and_clear();
         if let Some(path) = &self.device_log {
-            file::write_atomically(path, &device_log(&model_of(&image, &self.axes)?, &recording, &rest)?)?;
+            file::write_atomically(
+                path,
+                &device_log(&model_of(&image, &self.axes)?, &recording, &stillness)?,
+            )?;
         }
         if let Some(path) = &self.hub_log {
-            let (_, bytes) = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &rest)?;
+            let (_, bytes) = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &stillness)?;
             file::write_atomically(path, &bytes)?;
         }
         if let Some(path) = &self.output {

@@ -51,7 +51,7 @@ impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
         let study = Study::read(&self.study)?;
-        let grown: Vec<String> = study.growth.iter().map(|growth| growth.column.clone()).collect();
+        let grown: Vec<String> = study.refinements.iter().map(|growth| growth.column.clone()).collect();
         let columns = match (&self.axis, grown.is_empty()) {
             (None, false) => grown,
             (axis, _) => vec![column_of(&study, axis.as_deref())?],

@@ -71,16 +71,16 @@ impl Table {
             search: self.search,
         };
         let recording = self.reading.read(&self.log)?;
-        let rest = stillness::find(&recording);
+        let stillness = stillness::find(&recording);
         if !self.json {
-            print_line!("{}", describe(&recording, &rest));
+            print_line!("{}", describe(&recording, &stillness));
         }
         let mut comparisons = Vec::new();
         for axis in axes(&recording, &self.axis)? {
             let entries = 8 + self.degree;
             let bar = progress((entries * usize::from(self.max_order)) as u64, &axis);
             let series = recording.error_series(&axis)?;
-            let (comparison, split) = compare(&recording, &rest, &series, &settings, |_| bar.inc(1))?;
+            let (comparison, split) = compare(&recording, &stillness, &series, &settings, |_| bar.inc(1))?;
             bar.finish_and_clear();
             if let Some(folder) = &self.figures {
                 let figures = figures(&comparison, &recording, &series.values, &split);

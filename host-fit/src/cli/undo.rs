@@ -28,7 +28,7 @@ impl Undo {
         let column = column_of(&study, self.axis.as_deref())?;
         let effect = study.undo(&column)?;
         study.write(&file)?;
-        let growth = study.growth_of(&column);
+        let growth = study.refinement_of(&column);
         if self.json {
             return print_json(&growth);
         }

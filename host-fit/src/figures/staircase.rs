@@ -1,4 +1,4 @@
-//! The figure of a model that grows: the error after every step, foretold and come true.
+//! The figure of a model that grows: the error after every step, predicted and measured.
 
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 
@@ -11,15 +11,15 @@ pub struct Step {
     pub slow: f64,
     /// Root of the variance of the samples that is left.
     pub wide: f64,
-    /// What was foretold of the one or the other, with its interval.
-    pub foretold: Option<Foretold>,
+    /// What was predicted of the one or the other, with its interval.
+    pub predicted: Option<Predicted>,
     /// Root mean square error when coasting: horizon in s, error.
     pub coast: Vec<(f64, f64)>,
 }
 
-/// What was foretold of a step.
+/// What was predicted of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foretold {
+pub struct Predicted {
     /// Of the samples, else of the 1-s means.
     pub wide: bool,
     /// What should be left.
@@ -44,20 +44,20 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Step]) -> Figure {
     let x = || Axis { names: names.clone(), ..Axis::linear("") };
     let panel = |title: &str, label: &str, value: fn(&Step) -> f64, wide: bool| {
         let stairs = treads(steps.iter().map(value));
-        let foretold = steps.iter().enumerate().filter_map(|(at, step)| {
-            let foretold = step.foretold.filter(|foretold| foretold.wide == wide)?;
-            let [low, high] = foretold.interval;
-            Some((at as f64, foretold.left, low, high))
+        let predicted = steps.iter().enumerate().filter_map(|(at, step)| {
+            let predicted = step.predicted.filter(|predicted| predicted.wide == wide)?;
+            let [low, high] = predicted.interval;
+            Some((at as f64, predicted.left, low, high))
         });
-        // each step of its own: nothing was foretold in between
-        let foretold = foretold.map(|bar| Series {
-            label: "foretold, 90 %".into(),
+        // each step of its own: nothing was predicted in between
+        let predicted = predicted.map(|bar| Series {
+            label: "predicted, 90 %".into(),
             ink: Ink::Predicted,
             shape: Shape::Bars(vec![bar]),
         });
         let mut series =
-            vec![Series { label: "came true".into(), ink: Ink::Residual, shape: Shape::Line(stairs) }];
-        series.extend(foretold);
+            vec![Series { label: "measured".into(), ink: Ink::Residual, shape: Shape::Line(stairs) }];
+        series.extend(predicted);
         Panel { title: title.into(), x: x(), y: Axis::log(label), series, ..Panel::default() }
     };
     let horizons: Vec<f64> = steps.first().iter().flat_map(|step| step.coast.iter().map(|c| c.0)).collect();

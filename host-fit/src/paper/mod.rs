@@ -173,13 +173,13 @@ struct Prepared<'a> {
 /// The log is too short for three parts, or the axis stuck.
 pub fn compare(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     series: &ErrorSeries,
     settings: &Settings,
     mut progress: impl FnMut(&Cell),
 ) -> Result<(Comparison, Split), PaperError> {
     let rate_hz = recording.rate.true_hz;
-    let split = split::split(recording, rest, &series.values, settings)?;
+    let split = split::split(recording, stillness, &series.values, settings)?;
     let parts = |ranges: &[Range<usize>]| -> Vec<&[f64]> {
         ranges.iter().map(|range| &series.values[range.clone()]).collect()
     };

@@ -46,12 +46,12 @@ impl Split {
 /// Splits the known rows at rest: so long to train, so long to evaluate, the rest, at least as long as the second, to predict.
 pub(super) fn split(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     values: &[f64],
     settings: &Settings,
 ) -> Result<Split, SplitError> {
     let rate_hz = recording.rate.true_hz;
-    let stretches = recording.stretches_where(|row| rest.still[row] && values[row].is_finite());
+    let stretches = recording.stretches_where(|row| stillness.still[row] && values[row].is_finite());
     let total: usize = stretches.iter().map(ExactSizeIterator::len).sum();
     let train = (settings.train_s * rate_hz).round() as usize;
     let evaluate = (settings.evaluate_s * rate_hz).round() as usize;

@@ -23,11 +23,11 @@ fn recording() -> Recording {
 
 fn compared(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     axis: &str,
     settings: &Settings,
 ) -> Result<(Comparison, Split), PaperError> {
-    compare(recording, rest, &recording.error_series(axis).unwrap(), settings, |_| {})
+    compare(recording, stillness, &recording.error_series(axis).unwrap(), settings, |_| {})
 }
 
 fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
@@ -38,9 +38,9 @@ fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
 #[test]
 fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do_not() {
     let recording = recording();
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     for axis in ["ay", "gy"] {
-        let (comparison, split) = compared(&recording, &rest, axis, &settings()).unwrap();
+        let (comparison, split) = compared(&recording, &stillness, axis, &settings()).unwrap();
         assert_eq!(split.samples(), [36_000, 12_000, 72_000]);
         let at_ten = |entry| judged(&comparison, entry, 10).mse_same_target;
         let (linear, quadratic) = (at_ten(Entry::Fos(1)), at_ten(Entry::Fos(2)));
@@ -60,8 +60,8 @@ fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do
 #[test]
 fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
     let recording = recording();
-    let rest = stillness::find(&recording);
-    let (comparison, _) = compared(&recording, &rest, "ay", &settings()).unwrap();
+    let stillness = stillness::find(&recording);
+    let (comparison, _) = compared(&recording, &stillness, "ay", &settings()).unwrap();
     let fos = judged(&comparison, Entry::Fos(1), 10);
     let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
     assert_eq!(fos.terms, 10);
@@ -72,17 +72,17 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
 #[test]
 fn the_residuals_are_those_of_fos_core() {
     let recording = recording();
-    let rest = stillness::find(&recording);
-    let (comparison, split) = compared(&recording, &rest, "gy", &settings()).unwrap();
+    let stillness = stillness::find(&recording);
+    let (comparison, split) = compared(&recording, &stillness, "gy", &settings()).unwrap();
     let options = FitOptions {
         method: FitMethod::Linear(Method::Burg),
         train: Train::Seconds(180.0),
         ..FitOptions::default()
     };
-    let fit = fit_axis(&recording, &rest, "gy", &options).unwrap();
-    let feed = fos_fit::playback::Feed::new(&recording, &fit.model, &rest.still).unwrap();
+    let fit = fit_axis(&recording, &stillness, "gy", &options).unwrap();
+    let playback = fos_fit::playback::Playback::new(&recording, &fit.model, &stillness.still).unwrap();
     let rows = split.predict[0].clone();
-    let trace = fos_fit::evaluate::trace::<f64>(&fit.model, &feed, rows.clone(), |_| {}).unwrap();
+    let trace = fos_fit::evaluate::trace::<f64>(&fit.model, &playback, rows.clone(), |_| {}).unwrap();
     // the same rows: those with ten samples of the prediction part before them
     let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
     let mse = signal::mean(&[&squares]);
@@ -94,8 +94,8 @@ fn the_residuals_are_those_of_fos_core() {
 #[test]
 fn a_log_too_short_for_three_parts_is_refused() {
     let recording = recording();
-    let rest = stillness::find(&recording);
+    let stillness = stillness::find(&recording);
     let long = Settings { train_s: 500.0, ..settings() };
-    let refused = compared(&recording, &rest, "ay", &long).unwrap_err().to_string();
+    let refused = compared(&recording, &stillness, "ay", &long).unwrap_err().to_string();
     assert!(refused.contains("600 s at rest") && refused.contains("620 s"), "{refused}");
 }

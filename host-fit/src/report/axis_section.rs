@@ -10,7 +10,8 @@ use crate::plots::staircase_of;
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{GrowError, Growth, Logs};
+use fos_diagnose::refine::{Logs, RefineError};
+use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::monomial_text_named;
 
@@ -34,7 +35,7 @@ pub struct AxisSection {
     /// One for each finding of the diagnosis.
     pub offers: Vec<Offer>,
     /// Every step of the model, with its errors.
-    pub growth: Option<Growth>,
+    pub growth: Option<Refinement>,
     /// The same as a figure.
     pub staircase: Option<Figure>,
 }
@@ -83,7 +84,7 @@ impl AxisSection {
     }
 
     /// The axis of a study as it has grown, without comparison and diagnosis.
-    pub fn of(study: &Study, growth: &Growth) -> Self {
+    pub fn of(study: &Study, growth: &Refinement) -> Self {
         Self {
             model: ModelSummary::of(study, growth),
             staircase: Some(staircase_of(growth)),
@@ -104,17 +105,22 @@ impl AxisSection {
     /// # Errors
     ///
     /// A column is missing, or the log is too short.
-    pub fn diagnosed(mut self, growth: &Growth, logs: &Logs, library: &Library) -> Result<Self, GrowError> {
-        let ground = logs.ground(library);
-        let diagnosis = ground.diagnose(growth)?;
-        self.offers = offers(&ground, growth, &diagnosis, library, &logs.field)?;
+    pub fn diagnosed(
+        mut self,
+        growth: &Refinement,
+        logs: &Logs,
+        library: &Library,
+    ) -> Result<Self, RefineError> {
+        let refiner = logs.refiner(library);
+        let diagnosis = refiner.diagnose(growth)?;
+        self.offers = offers(&refiner, growth, &diagnosis, library, &logs.field)?;
         self.diagnosis = Some(diagnosis);
         Ok(self)
     }
 }
 
 impl ModelSummary {
-    fn of(study: &Study, growth: &Growth) -> Option<Self> {
+    fn of(study: &Study, growth: &Refinement) -> Option<Self> {
         let report = study.axes.iter().find(|report| report.column == growth.column)?;
         let model = &growth.last()?.model;
         let axis = model.axes.first()?;

@@ -49,15 +49,15 @@ pub struct ColumnSummary {
 impl LogSummary {
     /// Of a recording.
     pub fn of(log: &Recording) -> Self {
-        let rest = stillness::find(log);
-        let still = rest.still.iter().filter(|still| **still).count();
+        let stillness = stillness::find(log);
+        let still = stillness.still.iter().filter(|still| **still).count();
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
         let column =
             |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
-        let oddities = log.oddities(&rest.still).into_iter().map(|oddity| format!("caution: {oddity}"));
+        let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),
             sha256: log.sources.first().map_or_else(String::new, |source| source.sha256.clone()),
@@ -69,7 +69,7 @@ impl LogSummary {
             segments: log.segments.len(),
             missing: log.segments.iter().map(|segment| segment.missing_before).sum(),
             still_share: still as f64 / log.n_rows().max(1) as f64,
-            still_known_by: rest.known_by,
+            still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
             quality: quality.chain(oddities).collect(),
         }

@@ -18,7 +18,7 @@ use crate::figures::Figure;
 use crate::plots::View;
 use fos_diagnose::compare::CompareError;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{GrowError, Logs};
+use fos_diagnose::refine::{Logs, RefineError};
 use fos_diagnose::study::{Study, Tool};
 
 /// Why there is no report.
@@ -29,7 +29,7 @@ pub enum ReportError {
     Compare(Box<CompareError>),
     /// What is missing cannot be said.
     #[error(transparent)]
-    Grow(Box<GrowError>),
+    Grow(Box<RefineError>),
 }
 
 // boxed, as both carry names and paths: the way of a success is not to be as wide as that of an error
@@ -39,8 +39,8 @@ impl From<CompareError> for ReportError {
     }
 }
 
-impl From<GrowError> for ReportError {
-    fn from(error: GrowError) -> Self {
+impl From<RefineError> for ReportError {
+    fn from(error: RefineError) -> Self {
         Self::Grow(Box::new(error))
     }
 }
@@ -88,12 +88,12 @@ impl Report {
         library: &Library,
         mut progress: impl FnMut(&str),
     ) -> Result<Self, ReportError> {
-        let ground = logs.ground(library);
+        let refiner = logs.refiner(library);
         let mut axes = Vec::new();
         for column in columns {
-            let growth = match study.growth_of(column) {
+            let growth = match study.refinement_of(column) {
                 Some(growth) => growth.clone(),
-                None => ground.begin(study, column, logs.named(ground.fitted_rows()))?,
+                None => refiner.begin(study, column, logs.named(refiner.fitted_rows()))?,
             };
             progress(&format!("{column}: comparing"));
             let examination = examine(study, &growth, logs, |_| {})?;

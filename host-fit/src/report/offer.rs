@@ -9,7 +9,9 @@ use crate::figures::evidence::{evidence, line_evidence};
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
 use fos_diagnose::effects::{Band, Effect, Library};
-use fos_diagnose::refine::{Cost, Ground, GrowError, Growth};
+use fos_diagnose::refine::{RefineError, Refiner};
+use fos_diagnose::study::Refinement;
+use fos_fit::cost::Cost;
 use fos_fit::signal::spectrum::welch;
 
 /// An effect that was found, to be added or not.
@@ -78,46 +80,46 @@ impl Card {
 ///
 /// A column is missing.
 pub fn offers(
-    ground: &Ground<'_>,
-    growth: &Growth,
+    refiner: &Refiner<'_>,
+    growth: &Refinement,
     diagnosis: &Diagnosis,
     library: &Library,
     field: &Recording,
-) -> Result<Vec<Offer>, GrowError> {
+) -> Result<Vec<Offer>, RefineError> {
     let offer = |finding: &Finding| {
         let effect = library.get(&finding.effect)?;
-        let added = ground.can_add(&growth.column, effect);
-        let price = if added.is_ok() { ground.price(growth, finding)? } else { None };
+        let added = refiner.can_add(&growth.column, effect);
+        let price = if added.is_ok() { refiner.price(growth, finding)? } else { None };
         Ok(Offer {
             effect: finding.effect.clone(),
             can_be_added: added.is_ok() && !finding.correction.is_empty(),
             why_not: match added {
-                Err(GrowError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
+                Err(RefineError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
                 Err(other) => Some(other.to_string()),
                 Ok(()) if finding.correction.is_empty() => Some("nothing of it can be taken off".to_owned()),
                 Ok(()) => None,
             },
             card: Card::of(effect),
             cost: price,
-            evidence: picture(ground, growth, diagnosis, finding, effect, field)?,
+            evidence: picture(refiner, growth, diagnosis, finding, effect, field)?,
         })
     };
     diagnosis.findings.iter().map(offer).collect()
 }
 
 fn picture(
-    ground: &Ground<'_>,
-    growth: &Growth,
+    refiner: &Refiner<'_>,
+    growth: &Refinement,
     diagnosis: &Diagnosis,
     finding: &Finding,
     effect: &Effect,
     field: &Recording,
-) -> Result<Option<Figure>, GrowError> {
+) -> Result<Option<Figure>, RefineError> {
     let subject = Subject {
         channel: Column::named(&growth.column).label(),
         unit: Column::named(&growth.column).unit().label(),
     };
-    if let Some(found) = ground.evidence(growth, &diagnosis.findings, finding)? {
+    if let Some(found) = refiner.evidence(growth, &diagnosis.findings, finding)? {
         return Ok(Some(evidence(subject, &effect.name, &found, finding.shows_from_to_s)));
     }
     let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };

@@ -20,8 +20,9 @@ use fos_data::interrupt::{Interrupted, Stop, interruptible};
 use fos_data::stillness;
 use fos_diagnose::detect::Verdict;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Growth, Logs, Stair};
+use fos_diagnose::refine::Logs;
 use fos_diagnose::study::Study as StudyFile;
+use fos_diagnose::study::{Refinement, RefinementStep};
 
 /// A study that is open.
 pub(super) struct Study {
@@ -63,7 +64,7 @@ pub(super) struct KnownAxis {
     pub(super) fitted: Option<Arc<StudyFile>>,
     /// A fit has failed: it is not tried again unless somebody looks at the axis.
     pub(super) cannot_be_fitted: bool,
-    pub(super) growth: Option<Growth>,
+    pub(super) growth: Option<Refinement>,
     pub(super) examination: Option<Arc<Examination>>,
     /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
     pub(super) examined: bool,
@@ -109,14 +110,19 @@ struct AxisEntry {
 
 impl AxisEntry {
     fn of(axis: &KnownAxis) -> Self {
-        let stairs = axis.growth.as_ref().map_or(&[][..], |growth| &growth.stairs);
-        let slow = |stair: Option<&Stair>| stair.map(|stair| stair.left.slow.sqrt());
+        let stairs = axis.growth.as_ref().map_or(&[][..], |growth| &growth.steps);
+        let slow = |stair: Option<&RefinementStep>| stair.map(|stair| stair.left.slow.sqrt());
         Self {
             column: axis.section.column.clone(),
             label: axis.section.label.clone(),
             unit: axis.section.unit.clone(),
             sentence: axis.section.diagnosis.as_ref().map(|found| found.sentence.clone()),
-            added: axis.growth.iter().flat_map(Growth::added).map(|added| added.effect.id.clone()).collect(),
+            added: axis
+                .growth
+                .iter()
+                .flat_map(Refinement::added)
+                .map(|added| added.effect.id.clone())
+                .collect(),
             slow_before: slow(stairs.first()),
             slow_now: slow(stairs.last()),
         }
@@ -413,7 +419,7 @@ impl Snapshot {
     /// # Errors
     ///
     /// It is not fitted.
-    pub(super) fn fitted(&self, column: &str) -> Result<(&StudyFile, &Growth), String> {
+    pub(super) fn fitted(&self, column: &str) -> Result<(&StudyFile, &Refinement), String> {
         let known = self.axes.iter().find(|axis| axis.section.column == column);
         known
             .and_then(|axis| axis.fitted.as_deref().zip(axis.growth.as_ref()))

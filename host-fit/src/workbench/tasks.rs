@@ -14,7 +14,8 @@ use fos_data::recording::{LoadOptions, Recording, load};
 use fos_data::stillness;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Growth, Logs};
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::Refinement;
 use fos_fit::fit::{FitOptions, fit_axis};
 
 /// A piece of work on one study.
@@ -163,13 +164,13 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let logs = &known.read()?.logs;
     let own = logs.quiet.as_ref().unwrap_or(&logs.field);
-    let rest = stillness::find(own);
+    let stillness = stillness::find(own);
     let options = FitOptions::default();
-    let fitted = fit_axis(own, &rest, column, &options).map_err(in_text)?;
+    let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
     let (study, ..) =
-        study_of(own, &rest, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
-    let ground = logs.ground(library);
-    let growth = ground.begin(&study, column, logs.named(ground.fitted_rows())).map_err(in_text)?;
+        study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
+    let refiner = logs.refiner(library);
+    let growth = refiner.begin(&study, column, logs.named(refiner.fitted_rows())).map_err(in_text)?;
     let section = AxisSection::of(&study, &growth);
     Ok(change(column, move |axis| {
         (axis.fitted, axis.growth, axis.section) = (Some(Arc::new(study)), Some(growth), section);
@@ -201,10 +202,10 @@ fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change,
 
 fn add(column: &str, effect: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let (study, growth) = known.fitted(column)?;
-    let ground = known.read()?.logs.ground(library);
-    let stair = ground.add(growth, library.get(effect).map_err(in_text)?).map_err(in_text)?;
+    let refiner = known.read()?.logs.refiner(library);
+    let stair = refiner.add(growth, library.get(effect).map_err(in_text)?).map_err(in_text)?;
     let mut grown = growth.clone();
-    grown.stairs.push(stair);
+    grown.steps.push(stair);
     Ok(regrown(study, grown))
 }
 
@@ -212,12 +213,12 @@ fn undo(column: &str, keep: usize, known: &Snapshot) -> Result<Change, String> {
     let (study, growth) = known.fitted(column)?;
     let mut kept = growth.clone();
     // the first stair is the state before anything was added
-    kept.stairs.truncate(keep.saturating_add(1));
+    kept.steps.truncate(keep.saturating_add(1));
     Ok(regrown(study, kept))
 }
 
 /// An axis with another growth: what was known of the model before no longer holds.
-fn regrown(study: &fos_diagnose::study::Study, growth: Growth) -> Change {
+fn regrown(study: &fos_diagnose::study::Study, growth: Refinement) -> Change {
     let section = AxisSection::of(study, &growth);
     change(&growth.column.clone(), move |axis| {
         // the picture of the model before stays until the new one is there

@@ -279,8 +279,8 @@ fn of_study(bytes: &[u8]) -> Result<String, String> {
             errors(&mut outputs, &step.name, &axis.column, left);
         }
     }
-    for growth in &study.growth {
-        for stair in &growth.stairs {
+    for growth in &study.refinements {
+        for stair in &growth.steps {
             let added = stair.added.as_ref();
             let name = added.map_or("before", |added| &added.finding.effect);
             errors(&mut outputs, name, &growth.column, &stair.errors);
@@ -289,7 +289,7 @@ fn of_study(bytes: &[u8]) -> Result<String, String> {
                 let _ = writeln!(outputs, "{name}: coefficient {:?}", term.coefficient);
             }
             if let Some(added) = added {
-                let _ = writeln!(outputs, "{name}: realised fall {:?}", added.realised_fall);
+                let _ = writeln!(outputs, "{name}: realised fall {:?}", added.measured_reduction);
                 for part in &added.finding.correction {
                     let _ = writeln!(outputs, "{name}: {} times {:?}", part.regressor, part.coefficient);
                 }

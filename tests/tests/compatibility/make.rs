@@ -7,7 +7,8 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Ground, GrowthLogs};
+use fos_diagnose::refine::Refiner;
+use fos_diagnose::study::LogSources;
 use fos_diagnose::study::Study;
 use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, Motion};
@@ -197,23 +198,23 @@ fn written_study() -> Study {
     };
     let (quiet, field) =
         (recording("simulated quiet log", case.baseline), recording("simulated field log", case.field));
-    let rest = stillness::find(&quiet);
+    let stillness = stillness::find(&quiet);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
-    let fit = fit_axis(&quiet, &rest, "gx", &options).expect("fits");
+    let fit = fit_axis(&quiet, &stillness, "gx", &options).expect("fits");
     let (mut study, ..) =
-        study_of(&quiet, &rest, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
+        study_of(&quiet, &stillness, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
     let library = Library::built_in();
-    let ground = Ground::new(&field, Some(&quiet), None, &library);
-    let logs = GrowthLogs {
+    let refiner = Refiner::new(&field, Some(&quiet), None, &library);
+    let logs = LogSources {
         field: field.sources[0].clone(),
         quiet: Some(quiet.sources[0].clone()),
         judged: None,
-        fitted_rows: ground.fitted_rows(),
+        fitted_rows: refiner.fitted_rows(),
         read: LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() },
     };
-    let mut growth = ground.begin(&study, "gx_rads", logs).expect("begun");
-    let stair = ground.add(&growth, library.get("thermal_lag").expect("an effect")).expect("added");
-    growth.stairs.push(stair);
+    let mut growth = refiner.begin(&study, "gx_rads", logs).expect("begun");
+    let stair = refiner.add(&growth, library.get("thermal_lag").expect("an effect")).expect("added");
+    growth.steps.push(stair);
     study.keep(growth);
     study
 }

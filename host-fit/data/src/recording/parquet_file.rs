@@ -16,7 +16,7 @@ use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::parquet_input::Ending;
 use super::table::{Column, Table, check_names, column_name, must_be_numeric};
-use crate::catch_panic::contained;
+use crate::catch_panic::catch_panic;
 
 /// Cells decoded at once: enough to be quick, little beside the data.
 const BATCH_CELLS: usize = 65_536;
@@ -161,7 +161,8 @@ fn not_unpacked(codec: Compression) -> Option<&'static str> {
 
 /// Calls the library, which panics on some of what a damaged file says, such as that a column begins before the file.
 fn library<T>(call: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
-    contained(call).unwrap_or_else(|said| Err(ParquetError::General(format!("the file is damaged ({said})"))))
+    catch_panic(call)
+        .unwrap_or_else(|said| Err(ParquetError::General(format!("the file is damaged ({said})"))))
 }
 
 /// How to read a column; `None` if it holds nothing that is a number.

@@ -31,7 +31,7 @@ use fos_data::recording::{Channel, Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
-use fos_fit::playback::Feed;
+use fos_fit::playback::Playback;
 use lag::Grid;
 use likelihood::Remainder;
 
@@ -93,7 +93,7 @@ pub struct Trained<'a> {
     /// The recording.
     pub recording: &'a Recording,
     /// Where it is still.
-    pub rest: &'a Stillness,
+    pub stillness: &'a Stillness,
     /// The rows.
     pub rows: Range<usize>,
 }
@@ -107,18 +107,18 @@ pub struct Trained<'a> {
 pub fn dependence(
     model: &UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
 ) -> Result<Vec<Option<Dependence>>, DependenceError> {
-    let left = remainders(model, recording, rest)?;
+    let left = remainders(model, recording, stillness)?;
     let is_same = |trained: &&Trained<'_>| {
-        std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.rest, rest)
+        std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.stillness, stillness)
     };
     // most often the rows that were fitted are of the same log, and one is as large as its axes
     let of_another = trained.filter(|trained| !is_same(trained));
     let of_another =
-        of_another.map(|trained| remainders(model, trained.recording, trained.rest)).transpose()?;
+        of_another.map(|trained| remainders(model, trained.recording, trained.stillness)).transpose()?;
     let axes = model.axes.iter().enumerate().map(|(axis, fitted)| {
         let learnt_from = trained.map(|trained| {
             let left = of_another.as_ref().unwrap_or(&left);
@@ -145,7 +145,7 @@ pub enum DependenceError {
 fn remainders(
     model: &UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
 ) -> Result<Vec<Vec<f64>>, DependenceError> {
     let mut physical = model.clone();
     for axis in &mut physical.axes {
@@ -153,12 +153,12 @@ fn remainders(
         axis.parameters.constant = 0.0;
     }
     physical.drop_unused();
-    let feed = Feed::new(recording, &physical, &rest.still)?;
+    let playback = Playback::new(recording, &physical, &stillness.still)?;
     let mut predictor: HostPredictor<f64> = physical.predictor()?;
     let mut left = vec![Vec::with_capacity(recording.n_rows()); physical.axes.len()];
     for row in 0..recording.n_rows() {
         // without a stochastic part the innovation is the remainder
-        for (left, correction) in left.iter_mut().zip(feed.step(&mut predictor, row)) {
+        for (left, correction) in left.iter_mut().zip(playback.step(&mut predictor, row)) {
             left.push(correction.innovation.unwrap_or(f64::NAN));
         }
     }

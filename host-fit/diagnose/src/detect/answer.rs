@@ -65,12 +65,14 @@ pub struct Finding {
     /// The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
     pub score: f64,
     /// Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide).
-    pub expected_drop: f64,
+    #[serde(rename = "expected_drop")]
+    pub predicted_reduction: f64,
     /// Its 90 % interval.
-    pub expected_drop_ci: [f64; 2],
-    /// The fall that came true on the log that was given to judge on, those before it in the model.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub realised_fall: Option<f64>,
+    #[serde(rename = "expected_drop_ci")]
+    pub predicted_reduction_interval: [f64; 2],
+    /// The reduction that was measured on the log that was given to judge on, those before it in the model.
+    #[serde(rename = "realised_fall", default, skip_serializing_if = "Option::is_none")]
+    pub measured_reduction: Option<f64>,
     /// Effects that this log cannot tell from it.
     pub confounded_with: Vec<String>,
     /// The experiments that separate them.

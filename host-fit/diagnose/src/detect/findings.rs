@@ -9,12 +9,12 @@ use super::answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
 };
 use super::correction::step_share;
-use super::fall::{Estimate, Fall, Falls, SlowEffect};
+use super::error_in_blocks::ErrorInBlocks;
 use super::faults::Fault;
 use super::limits;
 use super::lines::{self, Line};
 use super::open::Lead;
-use super::reduced::Reduced;
+use super::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
 use super::shape::Misshape;
 use super::slow::{ExtraNoise, Found, SlowResult};
 use super::{DiagnoseError, LeftOver, Question, is_bias_known};
@@ -36,7 +36,7 @@ const OUTWEIGHS: f64 = 5.0;
 pub(super) struct Assembly<'a> {
     pub(super) question: &'a Question<'a>,
     pub(super) column: &'a str,
-    pub(super) reduced: &'a Reduced,
+    pub(super) reduced: &'a ErrorInBlocks,
     pub(super) given: &'a [Vec<f64>],
     pub(super) faults: &'a [Fault],
     pub(super) lines: &'a [Line],
@@ -206,8 +206,8 @@ impl Assembly<'_> {
                         (0.5 * (a * a - 4.0 * line.amplitude_error.powi(2)) / variance).clamp(0.0, 1.0)
                     };
                     let error = TWO_SIDED_90 * line.amplitude_error + SPREAD_OF_VARIANCE * line.amplitude;
-                    finding.expected_drop = square(line.amplitude);
-                    finding.expected_drop_ci =
+                    finding.predicted_reduction = square(line.amplitude);
+                    finding.predicted_reduction_interval =
                         [square(line.amplitude - error), square(line.amplitude + error)];
                 }
                 Ok(finding)
@@ -297,8 +297,8 @@ impl Assembly<'_> {
                 params,
                 sizes,
                 gain: found.gain,
-                expected_drop: fall.median,
-                expected_drop_ci: fall.interval,
+                predicted_reduction: fall.median,
+                predicted_reduction_interval: fall.interval,
                 separate: self.separations(&effect.id, &confounded_with),
                 confounded_with,
                 shows_against: found
@@ -336,14 +336,14 @@ impl Assembly<'_> {
         &self,
         order: &[&Found],
         limits: &[BTreeMap<String, [f64; 2]>],
-    ) -> Result<Vec<Fall>, DiagnoseError> {
+    ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
         let judged = self.question.judged.filter(|judged| {
             let inputs = Inputs::new(judged);
             let is_known = |regressor| inputs.logged(regressor).as_ref() == Some(regressor);
             order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let mut blocks = Reduced::in_slow_blocks(log, self.column)?.blocks;
+        let mut blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?.blocks;
         blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();
@@ -376,7 +376,8 @@ impl Assembly<'_> {
             regressors: &regressors,
             prior: &self.slow.prior,
         };
-        let falls = Falls { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
+        let falls =
+            PredictedReductions { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
         Ok((0..effects.len()).map(|at| falls.of(&effects[at], &effects[at + 1..])).collect())
     }
 }
@@ -395,9 +396,9 @@ fn bare(effect: &Effect, score: f64) -> Finding {
         sizes: Vec::new(),
         gain: score,
         score,
-        expected_drop: 0.0,
-        expected_drop_ci: [0.0; 2],
-        realised_fall: None,
+        predicted_reduction: 0.0,
+        predicted_reduction_interval: [0.0; 2],
+        measured_reduction: None,
         confounded_with: Vec::new(),
         separate: Vec::new(),
         shows_against: None,
@@ -460,8 +461,10 @@ pub(super) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
             let params: Vec<String> =
                 finding.params.iter().map(|(name, value)| format!("{name} = {value:.4}")).collect();
             let params = if params.is_empty() { String::new() } else { format!(" ({})", params.join(", ")) };
-            let drop = match finding.expected_drop > 0.0 {
-                true => format!("; with it the error should fall by {:.1} %", 100.0 * finding.expected_drop),
+            let drop = match finding.predicted_reduction > 0.0 {
+                true => {
+                    format!("; with it the error should fall by {:.1} %", 100.0 * finding.predicted_reduction)
+                }
                 false if findings.len() > 1 && finding.band == Band::Slow => {
                     ", which alone helps little: the others are still missing".to_owned()
                 }

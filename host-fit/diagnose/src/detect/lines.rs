@@ -10,7 +10,7 @@ use std::ops::Range;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::reduced::Reduced;
+use super::error_in_blocks::ErrorInBlocks;
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 
@@ -75,7 +75,7 @@ struct Series {
 }
 
 /// Lines in the spectrum of what a log was reduced to.
-pub(super) fn of(reduced: &Reduced, recording: &Recording) -> Vec<Line> {
+pub(super) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
     find(recording, reduced.blocks.known(), &reduced.error)
 }
 
@@ -140,7 +140,7 @@ fn merged(found: Vec<Line>) -> Vec<Line> {
 }
 
 /// Whether another axis has the same line, at least a tenth as strong: then it is motion.
-pub(crate) fn is_shared(recording: &Recording, other: &Reduced, line: &Line) -> bool {
+pub(crate) fn is_shared(recording: &Recording, other: &ErrorInBlocks, line: &Line) -> bool {
     let slow = Slow::blocks(recording, other.blocks.known());
     let series = Series::new(recording, &slow, &other.error);
     Periodogram::of(&series).is_some_and(|periodogram| {

@@ -7,15 +7,15 @@
 mod answer;
 mod cleaned;
 mod correction;
-mod fall;
+mod error_in_blocks;
 mod faults;
 mod findings;
-mod held;
 mod hypothesis;
 mod limits;
 mod lines;
+mod measured_reduction;
 mod open;
-mod reduced;
+mod predicted_reduction;
 mod shape;
 mod slow;
 mod testable;
@@ -33,7 +33,7 @@ pub use answer::{
 };
 pub(crate) use correction::{as_after_steps, is_step, step_time};
 pub use correction::{correction, is_fast};
-pub use held::held_against;
+pub use measured_reduction::with_measured_reduction;
 pub use open::Lead;
 
 use crate::effects::{Band, Effect, Inputs, Library, Search};
@@ -42,11 +42,11 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::noise::{Fitted, LevelPrior, NoiseLevels, Regression};
 
 use cleaned::Cleaned;
+pub use error_in_blocks::ErrorInBlocks;
 use faults::{Converter, Fault};
 use findings::Assembly;
 use hypothesis::Hypotheses;
 use lines::Line;
-pub use reduced::Reduced;
 use shape::Misshape;
 use slow::{ExtraNoise, SlowResult, SlowSearch};
 use testable::{Testable, lacking};
@@ -146,7 +146,7 @@ struct Prepared {
     column: String,
     faults: Vec<Fault>,
     testable: Testable,
-    reduced: Reduced,
+    reduced: ErrorInBlocks,
     prior: LevelPrior,
     given: Vec<Vec<f64>>,
     /// The axis measures shaking, and no reference says what of it.
@@ -163,12 +163,12 @@ impl Prepared {
         let faults = faults::find(field, question.quiet, &column, &converter);
         let inputs = Inputs::new(field);
         let testable = Testable::of(question, &inputs, &column)?;
-        let reduced = Reduced::where_known(field, &column, &faults, &testable.known)?;
+        let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
         if reduced.blocks.len() < MIN_BLOCKS {
             let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
             return Err(DiagnoseError::TooShort { column, blocks, length_s });
         }
-        let quiet = question.quiet.map(|quiet| Reduced::new(quiet, &column, &[])).transpose()?;
+        let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
             && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
         let prior = prior(question, &reduced, quiet.as_ref());
@@ -323,7 +323,7 @@ const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
 fn lines(
     question: &Question<'_>,
     column: &str,
-    reduced: &Reduced,
+    reduced: &ErrorInBlocks,
     shaken: bool,
 ) -> Result<Vec<Line>, DiagnoseError> {
     let mut lines = lines::of(reduced, question.field);
@@ -331,7 +331,7 @@ fn lines(
         lines.retain(|line| line.duty >= lines::STEADY);
         for other in ["ax_mps2", "ay_mps2", "az_mps2"].into_iter().filter(|other| *other != column) {
             if question.field.channel(other).is_ok() {
-                let other = Reduced::new(question.field, other, &[])?;
+                let other = ErrorInBlocks::new(question.field, other, &[])?;
                 lines.retain(|line| !lines::is_shared(question.field, &other, line));
             }
         }
@@ -341,7 +341,7 @@ fn lines(
 
 /// The whitened residual but for the tenth of the blocks in which the effects that were found change most: there they leave
 /// what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no jump.
-fn away_from_effects(reduced: &Reduced, slow: &SlowResult) -> Vec<f64> {
+fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
     let residual = &slow.fitted.gls.residual;
     if slow.found.is_empty() {
         return residual.clone();
@@ -361,7 +361,7 @@ fn away_from_effects(reduced: &Reduced, slow: &SlowResult) -> Vec<f64> {
 }
 
 /// What is known of the noise before the field log is looked at.
-fn prior(question: &Question<'_>, field: &Reduced, quiet: Option<&Reduced>) -> LevelPrior {
+fn prior(question: &Question<'_>, field: &ErrorInBlocks, quiet: Option<&ErrorInBlocks>) -> LevelPrior {
     let quiet = quiet.filter(|quiet| quiet.blocks.len() >= MIN_BLOCKS);
     let start = match (&question.sheet, quiet) {
         (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
@@ -399,7 +399,7 @@ const INSTEAD: f64 = 10.0;
 fn left_over(
     question: &Question<'_>,
     column: &str,
-    reduced: &Reduced,
+    reduced: &ErrorInBlocks,
     given: &[Vec<f64>],
     slow: &SlowResult,
     (sound, shaken): (bool, bool),

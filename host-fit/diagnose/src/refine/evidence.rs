@@ -1,8 +1,12 @@
 //! What speaks for an effect, for the eye: the error that it should explain, and what it explains of it.
 
-use super::{Cost, Ground, GrowError, Growth, terms};
-use crate::detect::{Finding, Reduced, correction};
+use super::error::RefineError;
+use super::refiner::Refiner;
+use super::terms;
+use crate::detect::{ErrorInBlocks, Finding, correction};
 use crate::effects::Band;
+use crate::study::Refinement;
+use fos_fit::cost::Cost;
 use fos_fit::signal::centred;
 
 /// Blocks of an evidence, about: as many as a picture can show.
@@ -35,28 +39,28 @@ pub struct Against {
     pub values: Vec<f64>,
 }
 
-impl Ground<'_> {
-    /// What speaks for one of the `findings` of a diagnosis of `growth`; none for an effect that no block shows.
+impl Refiner<'_> {
+    /// What speaks for one of the `findings` of a diagnosis of `refinement`; none for an effect that no block shows.
     ///
     /// # Errors
     ///
     /// A column is missing.
     pub fn evidence(
         &self,
-        growth: &Growth,
+        refinement: &Refinement,
         findings: &[Finding],
         finding: &Finding,
-    ) -> Result<Option<Evidence>, GrowError> {
+    ) -> Result<Option<Evidence>, RefineError> {
         if finding.band != Band::Slow || finding.correction.is_empty() {
             return Ok(None);
         }
         let field = &*self.field;
-        let mut others: Vec<Finding> = growth.added().map(|added| added.finding.clone()).collect();
+        let mut others: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         others.extend(findings.iter().filter(|other| *other != finding).cloned());
-        let without = self.without_base(growth, &others)?;
+        let without = self.without_base(refinement, &others)?;
         let seconds = field.n_rows() as f64 * field.rate.period_s;
         let length_s = (seconds / BLOCKS).max(SHORTEST_S);
-        let reduced = Reduced::in_blocks_of(&without, &growth.column, &[], length_s)?;
+        let reduced = ErrorInBlocks::in_blocks_of(&without, &refinement.column, &[], length_s)?;
         let blocks = &reduced.blocks;
         let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
         let against = match &finding.shows_against {
@@ -76,13 +80,15 @@ impl Ground<'_> {
         }))
     }
 
-    /// What the model of `growth` would cost more on the device with `finding`.
+    /// What the model of `refinement` would cost more on the device with `finding`.
     ///
     /// # Errors
     ///
     /// A column is missing.
-    pub fn price(&self, growth: &Growth, finding: &Finding) -> Result<Option<Cost>, GrowError> {
-        let Some(last) = growth.last().filter(|_| !finding.correction.is_empty()) else { return Ok(None) };
+    pub fn price(&self, refinement: &Refinement, finding: &Finding) -> Result<Option<Cost>, RefineError> {
+        let Some(last) = refinement.last().filter(|_| !finding.correction.is_empty()) else {
+            return Ok(None);
+        };
         let mut grown = last.model.clone();
         terms::add(&mut grown, std::slice::from_ref(finding), &self.field)?;
         Ok(Some(Cost::of(&grown).beyond(&last.cost)))

@@ -1,7 +1,8 @@
 //! The logs that an axis grows on, as read.
 
-use super::{Ground, GrowthLogs};
+use super::refiner::Refiner;
 use crate::effects::Library;
+use crate::study::LogSources;
 use fos_data::recording::{LoadOptions, Recording, Source};
 
 /// The logs that effects are estimated from and judged on, and how they were read.
@@ -19,16 +20,16 @@ pub struct Logs {
 
 impl Logs {
     /// What an axis grows on.
-    pub fn ground<'a>(&'a self, library: &'a Library) -> Ground<'a> {
-        Ground::new(&self.field, self.quiet.as_ref(), self.judged.as_ref(), library)
+    pub fn refiner<'a>(&'a self, library: &'a Library) -> Refiner<'a> {
+        Refiner::new(&self.field, self.quiet.as_ref(), self.judged.as_ref(), library)
     }
 
     /// As a study remembers them; `fitted_rows` of the field log are estimated from.
-    pub fn named(&self, fitted_rows: usize) -> GrowthLogs {
+    pub fn named(&self, fitted_rows: usize) -> LogSources {
         let source = |recording: &Recording| {
             recording.sources.first().cloned().unwrap_or_else(|| Source::made_by("nothing"))
         };
-        GrowthLogs {
+        LogSources {
             field: source(&self.field),
             quiet: self.quiet.as_ref().map(source),
             judged: self.judged.as_ref().map(source),

@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use fos_core::{Channel, Factor, Source, Term};
 
 use super::Study;
+use super::refinement::{Added, Refinement};
 use crate::detect::{Finding, step_time};
 use crate::effects::Regressor;
-use crate::refine::{Added, Growth};
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 impl Study {
@@ -29,12 +29,12 @@ impl Study {
             return Err("data: fitted to more rows than there are".to_owned());
         }
         let mut grown = HashSet::new();
-        for growth in &self.growth {
-            let column = growth.column.as_str();
+        for refinement in &self.refinements {
+            let column = refinement.column.as_str();
             if !columns.contains(&column) || !grown.insert(column) {
-                return Err(format!("growth: {column:?} is no axis of the model, or stands there twice"));
+                return Err(format!("refinement: {column:?} is no axis of the model, or stands there twice"));
             }
-            check_growth(growth).map_err(|wrong| format!("growth of {column}: {wrong}"))?;
+            check_growth(refinement).map_err(|wrong| format!("refinement of {column}: {wrong}"))?;
         }
         Ok(())
     }
@@ -85,20 +85,20 @@ fn check_model(model: &UnitModel) -> Result<(), String> {
     Ok(())
 }
 
-fn check_growth(growth: &Growth) -> Result<(), String> {
-    if growth.stairs.is_empty() {
-        return Err("there is no stair".to_owned());
+fn check_growth(refinement: &Refinement) -> Result<(), String> {
+    if refinement.steps.is_empty() {
+        return Err("there is no step".to_owned());
     }
-    for (number, stair) in growth.stairs.iter().enumerate() {
-        let at = |wrong: String| format!("stair {number}: {wrong}");
-        check_model(&stair.model).map_err(at)?;
-        if !matches!(&stair.model.axes[..], [axis] if axis.column == growth.column) {
+    for (number, step) in refinement.steps.iter().enumerate() {
+        let at = |wrong: String| format!("step {number}: {wrong}");
+        check_model(&step.model).map_err(at)?;
+        if !matches!(&step.model.axes[..], [axis] if axis.column == refinement.column) {
             return Err(at("the model is not of this axis alone".to_owned()));
         }
-        match &stair.added {
+        match &step.added {
             Some(added) if number > 0 => check_added(added).map_err(at)?,
             None if number == 0 => {}
-            _ => return Err(at("an effect is added by each stair but the first".to_owned())),
+            _ => return Err(at("an effect is added by each step but the first".to_owned())),
         }
     }
     Ok(())

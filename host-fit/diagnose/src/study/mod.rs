@@ -1,15 +1,18 @@
 //! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
 
+mod axes;
 mod check;
 mod logs;
+mod refinement;
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+pub use axes::StudyAxisError;
 pub use logs::{LogAgainError, load_again};
+pub use refinement::{Added, Left, LogSources, Refinement, RefinementStep};
 
-use crate::refine::Growth;
 use fos_data::file::compare_and_swap::{CompareAndSwapError, FileVersion};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{LoadOptions, Recording, Source};
@@ -41,8 +44,8 @@ pub struct Study {
     /// The plain rivals and every state of the model, in order, with its errors on data that were not fitted.
     pub steps: Vec<StudyStep>,
     /// The axes that effects were added to.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub growth: Vec<Growth>,
+    #[serde(rename = "growth", default, skip_serializing_if = "Vec::is_empty")]
+    pub refinements: Vec<Refinement>,
 }
 
 /// The program that wrote a study.

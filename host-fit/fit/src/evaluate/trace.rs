@@ -5,7 +5,7 @@ use std::ops::Range;
 use fos_core::{ModelError, Real};
 
 use crate::model::{HostPredictor, UnitModel};
-use crate::playback::Feed;
+use crate::playback::Playback;
 use fos_data::interrupt;
 use fos_data::recording::pieces;
 
@@ -52,23 +52,23 @@ pub struct AxisTrace {
     pub cautions: usize,
 }
 
-/// Runs `model` over the recording behind `feed`: from its first row, to warm up, and keeps what is left in `rows`.
+/// Runs `model` over the recording behind `playback`: from its first row, to warm up, and keeps what is left in `rows`.
 ///
 /// # Errors
 ///
 /// What fos-core finds wrong with the model.
 pub fn trace<R: Real>(
     model: &UnitModel,
-    feed: &Feed<'_>,
+    playback: &Playback<'_>,
     rows: Range<usize>,
     mut progress: impl FnMut(usize),
 ) -> Result<Trace, ModelError> {
     let mut predictor: HostPredictor<R> = model.predictor()?;
-    let stretches = feed.still_stretches(rows.clone());
+    let stretches = playback.still_stretches(rows.clone());
     let origins = Origins::new(&stretches, model.period_s);
     let mut axes = vec![AxisTrace::with_rows(rows.len()); model.axes.len()];
     for row in 0..rows.start {
-        let _ = feed.step(&mut predictor, row);
+        let _ = playback.step(&mut predictor, row);
     }
     let mut whole = predictor.clone();
     let mut block: Option<(HostPredictor<R>, Range<usize>)> = None;
@@ -84,10 +84,10 @@ pub fn trace<R: Real>(
         if let Some(reach) = origins.reach(row) {
             let mut coasting = predictor.clone();
             for ahead in 0..reach {
-                let corrections = feed.coast(&mut coasting, row + ahead);
+                let corrections = playback.coast(&mut coasting, row + ahead);
                 if let Some(horizon) = origins.horizon_of(ahead + 1) {
                     for (axis, correction) in corrections.iter().enumerate() {
-                        let left = feed.error(axis, row + ahead) - correction.predicted.to_f64();
+                        let left = playback.error(axis, row + ahead) - correction.predicted.to_f64();
                         if left.is_finite() {
                             axes[axis].horizons[horizon].push(left * left);
                         }
@@ -101,18 +101,18 @@ pub fn trace<R: Real>(
         if let Some((coasting, span)) = &mut block
             && span.contains(&row)
         {
-            for (axis, correction) in feed.coast(coasting, row).iter().enumerate() {
-                axes[axis].coast[at] = feed.error(axis, row) - correction.predicted.to_f64();
+            for (axis, correction) in playback.coast(coasting, row).iter().enumerate() {
+                axes[axis].coast[at] = playback.error(axis, row) - correction.predicted.to_f64();
             }
         }
-        feed.catch_up(&mut whole, row);
-        for (axis, correction) in feed.coast(&mut whole, row).iter().enumerate() {
-            if feed.is_still(row) {
-                axes[axis].coast_whole[at] = feed.error(axis, row) - correction.predicted.to_f64();
-                axes[axis].measured[at] = feed.error(axis, row);
+        playback.catch_up(&mut whole, row);
+        for (axis, correction) in playback.coast(&mut whole, row).iter().enumerate() {
+            if playback.is_still(row) {
+                axes[axis].coast_whole[at] = playback.error(axis, row) - correction.predicted.to_f64();
+                axes[axis].measured[at] = playback.error(axis, row);
             }
         }
-        for (axis, correction) in feed.step(&mut predictor, row).iter().enumerate() {
+        for (axis, correction) in playback.step(&mut predictor, row).iter().enumerate() {
             use fos_core::Validity;
             let harmless = Validity::WARMING_UP | Validity::OWN_HISTORY | Validity::COASTING_TOO_LONG;
             if correction.validity | harmless != harmless {

@@ -15,7 +15,7 @@ use super::stochastic::{self, AxisReport, LeftOut};
 use crate::candidates::{CandidatesError, MAX_CANDIDATES};
 use crate::evaluate;
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
-use crate::playback::Feed;
+use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use fos_data::pose::{self, Pose};
 use fos_data::recording::{Recording, RecordingError, Reference};
@@ -171,14 +171,14 @@ pub struct AxisFit {
 }
 
 /// The first rows of the recording that hold the training part.
-pub fn training_rows(recording: &Recording, rest: &Stillness, train: Train) -> Range<usize> {
-    let still_rows = rest.still.iter().filter(|still| **still).count();
+pub fn training_rows(recording: &Recording, stillness: &Stillness, train: Train) -> Range<usize> {
+    let still_rows = stillness.still.iter().filter(|still| **still).count();
     let wanted = match train {
         Train::Share(share) => (share * still_rows as f64).round() as usize,
         Train::Seconds(seconds) => (seconds / recording.rate.period_s).round() as usize,
     };
     let mut seen = 0;
-    let end = rest.still.iter().position(|still| {
+    let end = stillness.still.iter().position(|still| {
         seen += usize::from(*still);
         seen > wanted
     });
@@ -192,19 +192,19 @@ pub fn training_rows(recording: &Recording, rest: &Stillness, train: Train) -> R
 /// A column is missing, the training part is too short or constant, or the candidates cannot be told apart.
 pub fn fit_axis(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     axis: &str,
     options: &FitOptions,
 ) -> Result<AxisFit, AxisError> {
     let column = recording.axis(axis)?.name.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
-    let training = training_rows(recording, rest, options.train);
-    let (cleaned, spikes) = recording.without_spikes(&column, training.clone(), &rest.still);
+    let training = training_rows(recording, stillness, options.train);
+    let (cleaned, spikes) = recording.without_spikes(&column, training.clone(), &stillness.still);
     let recording = cleaned.as_ref();
     let series = recording.error_series(&column)?;
     let known: Vec<f64> = training
         .clone()
-        .filter(|row| rest.still[*row])
+        .filter(|row| stillness.still[*row])
         .map(|row| series.values[row])
         .filter(|value| value.is_finite())
         .collect();
@@ -218,13 +218,13 @@ pub fn fit_axis(
         });
     }
     if series.reference == Reference::Constant {
-        check_pose(recording, rest, &column, training.clone())?;
+        check_pose(recording, stillness, &column, training.clone())?;
     }
-    let mut model = start(recording, rest, (&column, &series.reference), &training, &known, options)?;
-    let feed = Feed::new(recording, &model, &rest.still)?;
+    let mut model = start(recording, stillness, (&column, &series.reference), &training, &known, options)?;
+    let playback = Playback::new(recording, &model, &stillness.still)?;
 
     let of_column = |source| AxisError::Search { column: column.clone(), source };
-    let mut regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+    let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     let mut left_out = Vec::new();
     if !options.physical.is_empty() {
@@ -232,7 +232,7 @@ pub fn fit_axis(
         let part = physical::fit(&regressors, &inputs).map_err(of_column)?;
         model.axes[0].physical = part.terms;
         left_out = part.left_out.into_iter().map(|term| LeftOut::of(term, &model)).collect();
-        regressors = Regressors::of(&model, &feed, training.end).map_err(model_error)?;
+        regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
         if options.offset.is_none() {
             take_off_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
         }
@@ -251,19 +251,19 @@ pub fn fit_axis(
     };
     set_ranges(&mut model, &regressors);
     model.drop_unused();
-    let feed = Feed::new(recording, &model, &rest.still)?;
-    set_statistics(&mut model, &feed, training).map_err(model_error)?;
+    let playback = Playback::new(recording, &model, &stillness.still)?;
+    set_statistics(&mut model, &playback, training).map_err(model_error)?;
     Ok(AxisFit { model, report })
 }
 
 /// Whether an accelerometer that is trained without a reference lies in one pose.
 fn check_pose(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     column: &str,
     training: Range<usize>,
 ) -> Result<(), AxisError> {
-    let mut used = rest.still.clone();
+    let mut used = stillness.still.clone();
     used[training.end..].fill(false);
     let [first, second] = &pose::first_two(recording, &pose::columns_of(recording, column), &used)[..] else {
         return Ok(());
@@ -282,7 +282,7 @@ fn check_pose(
 /// The model before anything is fitted: offset, scale, inputs.
 fn start(
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     (column, reference): (&str, &Reference),
     training: &Range<usize>,
     known: &[f64],
@@ -317,7 +317,7 @@ fn start(
     let mut model = UnitModel {
         period_s: recording.rate.period_s,
         fitted_on: options.fitted_on,
-        stillness: rest.limits.and_then(|_| stillness::limits(recording, training)),
+        stillness: stillness.limits.and_then(|_| stillness::limits(recording, training)),
         quantities: Vec::new(),
         inputs: Vec::new(),
         axes: vec![FittedAxis {
@@ -329,7 +329,7 @@ fn start(
         }],
     };
     for spec in options.physical.iter().chain(&options.inputs) {
-        let input = logged_input(&mut model, recording, rest, training, spec)?;
+        let input = logged_input(&mut model, recording, stillness, training, spec)?;
         model.inputs.push(input);
     }
     let longest_s = known.len() as f64 * recording.rate.period_s / 5.0;
@@ -352,7 +352,7 @@ fn start(
 fn logged_input(
     model: &mut UnitModel,
     recording: &Recording,
-    rest: &Stillness,
+    stillness: &Stillness,
     training: &Range<usize>,
     spec: &InputSpec,
 ) -> Result<NamedInput, AxisError> {
@@ -363,7 +363,7 @@ fn logged_input(
             // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant that is
             // nothing but its error
             let held = recording.held(channel);
-            let rows = training.clone().filter(|row| rest.still[*row] && held[*row].is_finite());
+            let rows = training.clone().filter(|row| stillness.still[*row] && held[*row].is_finite());
             let finite: Vec<f64> = rows.map(|row| held[row]).collect();
             let deviation = signal::variance(&[&finite]).sqrt();
             let Some(first) = finite.first() else {
@@ -411,10 +411,14 @@ fn stuck_after(recording: &Recording, column: &str, training: &Range<usize>) -> 
 }
 
 /// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.
-fn set_statistics(model: &mut UnitModel, feed: &Feed<'_>, training: Range<usize>) -> Result<(), ModelError> {
+fn set_statistics(
+    model: &mut UnitModel,
+    playback: &Playback<'_>,
+    training: Range<usize>,
+) -> Result<(), ModelError> {
     // long enough that nothing fades while it is found out
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
-    let trace = evaluate::trace::<f64>(model, feed, training, |_| {})?;
+    let trace = evaluate::trace::<f64>(model, playback, training, |_| {})?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
     let parameters = &mut model.axes[0].parameters;
     let scale = parameters.scale;

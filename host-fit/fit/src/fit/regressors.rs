@@ -6,7 +6,7 @@ use std::ops::Range;
 use fos_core::ModelError;
 
 use crate::model::{HostPredictor, UnitModel};
-use crate::playback::Feed;
+use crate::playback::Playback;
 use fos_data::recording::runs;
 
 /// Remainder and inputs over some rows, scaled; NaN where the remainder is not known.
@@ -26,21 +26,22 @@ impl Regressors {
     /// # Errors
     ///
     /// What fos-core finds wrong with the model.
-    pub fn of(model: &UnitModel, feed: &Feed<'_>, n_rows: usize) -> Result<Self, ModelError> {
+    pub fn of(model: &UnitModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
         let mut predictor: HostPredictor<f64> = model.predictor()?;
         let scale = model.axes[0].parameters.scale;
         let mut remainder = Vec::with_capacity(n_rows);
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
         for row in 0..n_rows {
             // without a stochastic part the innovation is the remainder; it is not known before the inputs are
-            let innovation = feed.step(&mut predictor, row)[0].innovation.filter(|_| feed.knows_inputs(row));
+            let innovation =
+                playback.step(&mut predictor, row)[0].innovation.filter(|_| playback.knows_inputs(row));
             remainder.push(innovation.map_or(f64::NAN, |innovation| innovation / scale));
             for (index, column) in inputs.iter_mut().enumerate() {
                 column.push(predictor.input(index).unwrap_or(f64::NAN));
             }
         }
         let known = |stretch| runs(stretch, |row| remainder[row].is_finite());
-        let stretches = feed.still_stretches(0..n_rows).into_iter().flat_map(known).collect();
+        let stretches = playback.still_stretches(0..n_rows).into_iter().flat_map(known).collect();
         Ok(Self { remainder, inputs, stretches })
     }
 

@@ -12,7 +12,7 @@ mod blocks;
 mod gls;
 mod levels;
 mod model;
-mod quiet;
+mod prior;
 
 #[cfg(test)]
 mod gls_tests;

@@ -1,5 +1,5 @@
 // @ts-check
-// Part 4: the staircase. What was foretold of every step, what came true, and the way back.
+// Part 4: the staircase. The predicted reduction of every step, the measured one, and the way back.
 
 import { el, icon, replace } from "../dom.js";
 import { capitalised, count, fileName, interval, isNumber, number, percent, prefixed, seconds } from "../format.js";
@@ -17,7 +17,7 @@ const HORIZONS = [1, 10, 60];
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function fallsPart(context) {
   const body = el("div", {});
-  const element = section(4, "The error falls", "Did the error fall by what was foretold, on data that nothing was fitted to?", body);
+  const element = section(4, "The error falls", "Did the error fall as predicted, on data that nothing was fitted to?", body);
   let drawn = "";
   return {
     element,
@@ -40,7 +40,7 @@ export function fallsPart(context) {
 
 /** @param {Scene} scene */
 function emptyCard({ state, axis }) {
-  const text = state.job ? `${capitalised(state.job.what)} …` : axis?.diagnosis?.verdict === "missing" ? "Nothing has been added yet. Add an effect above, and the error after it stands here beside what was foretold." : "Nothing has been added to this axis.";
+  const text = state.job ? `${capitalised(state.job.what)} …` : axis?.diagnosis?.verdict === "missing" ? "Nothing has been added yet. Add an effect above, and the error after it stands here beside what was predicted." : "Nothing has been added to this axis.";
   return el("div", { class: "card" }, el("p", { class: "empty" }, text));
 }
 
@@ -86,7 +86,7 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
       { "data-step": added?.effect.id ?? "before" },
       el("th", { scope: "row" }, el("span", { class: "step-number" }, at), added ? capitalised(added.finding.name) : "Before", added ? undo(at) : null),
       el("td", {}, added ? [el("b", {}, percent(added.finding.expected_drop)), el("br"), el("span", { class: "note" }, interval(added.finding.expected_drop_ci, (value) => percent(value)))] : null),
-      el("td", {}, added ? cameTrue(added.realised_fall, added.finding.expected_drop_ci) : null),
+      el("td", {}, added ? measured(added.realised_fall, added.finding.expected_drop_ci) : null),
       [root(left.slow), root(left.wide), root(errors.one_step_mse), ...HORIZONS.map((horizon) => coast(stair, horizon)), count(cost.terms), count(cost.ram_bytes), count(cost.instructions)].map((text) => el("td", { class: "right" }, text)),
     );
   };
@@ -103,15 +103,15 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
         "thead",
         {},
         el("tr", {}, head("Step", { rowspan: 2 }), head("Fall", { colspan: 2, scope: "colgroup" }), head(`Error left${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`Rms${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" })),
-        el("tr", {}, head("foretold (90 %)"), head("came true"), ["slow", "wide", "one step", ...HORIZONS.map((horizon) => `coast ${horizon} s`), "terms", "RAM, bytes", "instructions"].map((text) => head(text, { class: "right" }))),
+        el("tr", {}, head("predicted (90 %)"), head("measured"), ["slow", "wide", "one step", ...HORIZONS.map((horizon) => `coast ${horizon} s`), "terms", "RAM, bytes", "instructions"].map((text) => head(text, { class: "right" }))),
       ),
       el("tbody", {}, stairs.map(row)),
     ),
   );
 }
 
-/** @param {number} fall @param {[number, number]} foretold */
-function cameTrue(fall, [low, high]) {
+/** @param {number} fall @param {[number, number]} predicted */
+function measured(fall, [low, high]) {
   const held = fall >= low && fall <= high;
-  return [el("b", {}, percent(fall)), el("br"), el("span", { class: `held ${held ? "yes" : "no"}` }, icon(held ? "held" : "not_held"), held ? "as foretold" : fall > high ? "more than foretold" : "less than foretold")];
+  return [el("b", {}, percent(fall)), el("br"), el("span", { class: `held ${held ? "yes" : "no"}` }, icon(held ? "held" : "not_held"), held ? "as predicted" : fall > high ? "more than predicted" : "less than predicted")];
 }

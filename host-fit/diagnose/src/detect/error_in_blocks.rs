@@ -17,7 +17,7 @@ const AT_REST: f64 = 0.5;
 
 /// A log reduced.
 #[derive(Debug, Clone)]
-pub struct Reduced {
+pub struct ErrorInBlocks {
     /// The error of the axis, one value per row, in its unit.
     pub error: Vec<f64>,
     /// Blocks of the rows that count.
@@ -28,7 +28,7 @@ pub struct Reduced {
     pub clipped_through: bool,
 }
 
-impl Reduced {
+impl ErrorInBlocks {
     /// Reduces `column` of a recording in which nothing is known to be wrong.
     ///
     /// # Errors

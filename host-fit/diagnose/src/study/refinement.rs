@@ -1,28 +1,29 @@
-//! What a study remembers of growing an axis: the logs, and every step of the staircase.
+//! What a study remembers of refining an axis: the logs, and every step.
 
 use serde::{Deserialize, Serialize};
 
-use super::cost::Cost;
 use crate::detect::Finding;
 use crate::effects::Effect;
 use fos_data::recording::{LoadOptions, Source};
+use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
 use fos_fit::model::UnitModel;
 
 /// An axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Growth {
+pub struct Refinement {
     /// The axis, by its column.
     pub column: String,
     /// The logs behind it.
-    pub logs: GrowthLogs,
+    pub logs: LogSources,
     /// The model before anything was added, then after each effect.
-    pub stairs: Vec<Stair>,
+    #[serde(rename = "stairs")]
+    pub steps: Vec<RefinementStep>,
 }
 
 /// The logs that effects were estimated from and judged on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct GrowthLogs {
+pub struct LogSources {
     /// The log with the hidden effect.
     pub field: Source,
     /// A quiet log that the noise was learnt from.
@@ -38,7 +39,7 @@ pub struct GrowthLogs {
 
 /// A state of the model, and its errors on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stair {
+pub struct RefinementStep {
     /// What was added; none in the state before.
     pub added: Option<Added>,
     /// The axis alone.
@@ -56,10 +57,11 @@ pub struct Stair {
 pub struct Added {
     /// The effect itself: the study can be read without the file it came from.
     pub effect: Effect,
-    /// What it was found to be, with the fall that was foretold.
+    /// What it was found to be, with the reduction that is predicted.
     pub finding: Finding,
-    /// The fall that came true, in the band of the effect.
-    pub realised_fall: f64,
+    /// The reduction that was measured, in the band of the effect.
+    #[serde(rename = "realised_fall")]
+    pub measured_reduction: f64,
 }
 
 /// What the physical part leaves of the error, in the square of the axis' unit.
@@ -75,14 +77,14 @@ pub struct Left {
     pub bias: Option<f64>,
 }
 
-impl Growth {
+impl Refinement {
     /// The effects that were added, in order.
     pub fn added(&self) -> impl Iterator<Item = &Added> {
-        self.stairs.iter().filter_map(|stair| stair.added.as_ref())
+        self.steps.iter().filter_map(|step| step.added.as_ref())
     }
 
     /// The state as it is now.
-    pub fn last(&self) -> Option<&Stair> {
-        self.stairs.last()
+    pub fn last(&self) -> Option<&RefinementStep> {
+        self.steps.last()
     }
 }

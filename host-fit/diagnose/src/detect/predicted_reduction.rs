@@ -18,7 +18,7 @@ const SEED: u64 = 0x0f05;
 
 /// Share of the variance of block means that goes with a correction: median, 5 % and 95 % quantile.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fall {
+pub(super) struct PredictedReduction {
     pub(super) median: f64,
     pub(super) interval: [f64; 2],
 }
@@ -68,16 +68,16 @@ impl SlowEffect {
 }
 
 /// What is known of the log that is to be judged.
-pub(super) struct Falls<'a> {
+pub(super) struct PredictedReductions<'a> {
     pub(super) blocks: &'a Blocks,
     /// The regression that says what is known of the noise levels.
     pub(super) regression: &'a Regression<'a>,
     pub(super) fitted: &'a Fitted,
 }
 
-impl Falls<'_> {
+impl PredictedReductions<'_> {
     /// The fall that goes with `effect`, those of `later` findings still in the error.
-    pub(super) fn of(&self, effect: &SlowEffect, later: &[SlowEffect]) -> Fall {
+    pub(super) fn of(&self, effect: &SlowEffect, later: &[SlowEffect]) -> PredictedReduction {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         let (n, k) = (self.blocks.len(), effect.coefficients.len());
         let mut missing = vec![0.0; n];
@@ -107,6 +107,6 @@ impl Falls<'_> {
             .collect();
         falls.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
-        Fall { median: at(0.5), interval: [at(0.05), at(0.95)] }
+        PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)] }
     }
 }

@@ -1,29 +1,29 @@
 //! What was found in one log, held against another: what makes the error worse there is no law.
 
 use super::answer::{Diagnosis, Finding, Verdict};
+use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{outweighed, sentence};
 use super::open::Lead;
-use super::reduced::Reduced;
 use super::{DiagnoseError, correction, is_bias_known, is_step};
 use crate::effects::Band;
 use fos_data::recording::Recording;
 
-/// Adds to every finding the fall of the error that came true on `judged`, those before it in the model. A slow effect that
+/// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect that
 /// was sure to help and makes the error worse there becomes a lead.
 ///
 /// # Errors
 ///
 /// A column is missing.
-pub fn held_against(
+pub fn with_measured_reduction(
     mut diagnosis: Diagnosis,
     field: &Recording,
     judged: &Recording,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let reduced = Reduced::in_slow_blocks(judged, &diagnosis.target)?;
-    let own = Reduced::in_slow_blocks(field, &diagnosis.target)?;
+    let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
+    let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
     let rows = 0..judged.n_rows();
     let left_of =
-        |reduced: &Reduced, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
+        |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
             let taken = correction(findings, field, log)?;
             Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
         };
@@ -41,7 +41,7 @@ pub fn held_against(
     };
     let mut held: Vec<Finding> = Vec::new();
     for mut finding in std::mem::take(&mut diagnosis.findings) {
-        if finding.correction.is_empty() || finding.expected_drop <= 0.0 {
+        if finding.correction.is_empty() || finding.predicted_reduction <= 0.0 {
             held.push(finding);
             continue;
         }
@@ -53,8 +53,8 @@ pub fn held_against(
         let mut with = held.clone();
         with.push(finding.clone());
         let fall = 1.0 - left(&with, &finding)? / before;
-        finding.realised_fall = Some(fall);
-        if finding.band == Band::Slow && fall < 0.0 && finding.expected_drop_ci[0] > 0.0 {
+        finding.measured_reduction = Some(fall);
+        if finding.band == Band::Slow && fall < 0.0 && finding.predicted_reduction_interval[0] > 0.0 {
             diagnosis.leads.push(Lead {
                 follows: format!(
                     "{} in this log, but with it the error on the judged log rises by {:.0} %",
@@ -63,7 +63,7 @@ pub fn held_against(
                 ),
                 gain: finding.gain,
                 score: finding.score,
-                share: finding.expected_drop,
+                share: finding.predicted_reduction,
             });
         } else {
             held.push(finding);

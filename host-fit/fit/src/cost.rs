@@ -5,7 +5,7 @@ use std::mem::size_of;
 use fos_core::Predictor;
 use serde::{Deserialize, Serialize};
 
-use fos_fit::model::UnitModel;
+use crate::model::UnitModel;
 
 /// Instructions a sample on the emulated Cortex-M4F for a factor of a term and for an input, as `.ci/device cost` counts them
 /// (README, "Cost").

@@ -1,0 +1,38 @@
+//! Why an effect cannot be added.
+
+use fos_core::ModelError;
+use fos_data::recording::RecordingError;
+
+use crate::detect::DiagnoseError;
+use crate::effects::EffectError;
+use crate::study::StudyAxisError;
+
+/// Why an effect cannot be added.
+#[derive(Debug, thiserror::Error)]
+pub enum RefineError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The effect cannot be estimated.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// The effect is not known.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// fos-core refuses the model.
+    #[error(
+        "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too (`host-fit undo`), or fit fewer axes together"
+    )]
+    Model(#[from] ModelError),
+    /// The study has no such axis, or nothing was added to it.
+    #[error(transparent)]
+    Study(#[from] StudyAxisError),
+    /// It is there already.
+    #[error(
+        "{0} is in the model already\nhelp: `host-fit history STUDY` shows what was added, `host-fit undo STUDY` takes the last back"
+    )]
+    Twice(String),
+    /// There is nothing to take off.
+    #[error("{0}: nothing of it can be taken off sample by sample\nhelp: {1}")]
+    NothingToTakeOff(String, &'static str),
+}

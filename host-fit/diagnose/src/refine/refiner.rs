@@ -1,0 +1,415 @@
+//! An axis with its logs: what is missing from its model, an effect more in it, and what that gains.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use fos_data::column::Column;
+use fos_data::recording::Recording;
+use fos_data::stillness::{self, KnownBy};
+use fos_fit::cost::Cost;
+use fos_fit::evaluate::{ModelErrors, trace};
+use fos_fit::fit::regressors::Regressors;
+use fos_fit::model::{FittedAxis, Plain, UnitModel};
+use fos_fit::playback::Playback;
+use fos_fit::signal;
+
+use super::error::RefineError;
+use super::terms;
+use crate::detect::{
+    Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction, diagnose,
+    estimate, is_bias_known, is_step,
+};
+use crate::effects::{Band, Effect, Library, Search};
+use crate::study::{Added, Left, LogSources, Refinement, RefinementStep, Study, StudyAxisError};
+
+/// Share of the field log that effects are estimated from where no other log is there to judge on.
+pub const FITTED_SHARE: f64 = 0.6;
+
+/// Most effects that are added one after the other without being asked.
+const MOST: usize = 6;
+
+/// The logs that an axis grows on.
+#[derive(Debug)]
+pub struct Refiner<'a> {
+    /// The rows that effects are estimated from.
+    pub(super) field: Cow<'a, Recording>,
+    /// A quiet log.
+    quiet: Option<&'a Recording>,
+    /// The log that errors are of, and the rows of it that were not fitted.
+    judged: &'a Recording,
+    judged_rows: Range<usize>,
+    library: &'a Library,
+}
+
+impl<'a> Refiner<'a> {
+    /// `judged` is a log of its own; without one the last part of `field` is kept back.
+    pub fn new(
+        field: &'a Recording,
+        quiet: Option<&'a Recording>,
+        judged: Option<&'a Recording>,
+        library: &'a Library,
+    ) -> Self {
+        let cut = (FITTED_SHARE * field.n_rows() as f64) as usize;
+        match judged {
+            Some(judged) => {
+                let judged_rows = 0..judged.n_rows();
+                Self { field: Cow::Borrowed(field), quiet, judged, judged_rows, library }
+            }
+            None => Self {
+                field: Cow::Owned(field.first_rows(cut)),
+                quiet,
+                judged: field,
+                judged_rows: cut..field.n_rows(),
+                library,
+            },
+        }
+    }
+
+    /// Rows that effects are estimated from.
+    pub fn fitted_rows(&self) -> usize {
+        self.field.n_rows()
+    }
+
+    /// The state before anything is added: the axis of the study as it was fitted, its bias that of the field log.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, or fos-core refuses the model.
+    pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
+        let left = self.left(model, &[])?;
+        let field = self.measured(&model.axes[0].column);
+        self.step(self.settled(model.clone(), &field)?, None, left)
+    }
+
+    /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis, a column is missing, or fos-core refuses the model.
+    pub fn begin(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
+        let steps = vec![self.first_step(&study.axis_alone(column)?)?];
+        Ok(Refinement { column: column.to_owned(), logs, steps })
+    }
+
+    /// Whether an effect leaves anything to subtract on this axis.
+    ///
+    /// # Errors
+    ///
+    /// What to do instead.
+    pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
+        if effect.search == Search::Step && !is_bias_known(&self.field, column) {
+            let help = "at rest an accelerometer shows gravity beside its bias, and a step of the one cannot be told from the other in a later log; with the true values (`ref_…`) it can";
+            return Err(RefineError::NothingToTakeOff(effect.id.clone(), help));
+        }
+        can_be_added(effect)
+    }
+
+    /// What is missing from the model as it is after `refinement`.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing, or the log is too short.
+    pub fn diagnose(&self, refinement: &Refinement) -> Result<Diagnosis, RefineError> {
+        let wide = refinement.added().filter(|added| added.finding.band == Band::Wide);
+        let wide: Vec<Finding> = wide.map(|added| added.finding.clone()).collect();
+        let field = self.without_base(refinement, &wide)?;
+        let given = refinement.added().filter(|added| added.finding.band != Band::Wide).map(|added| Given {
+            effect: added.effect.id.clone(),
+            value: added.finding.params.values().next().copied(),
+        });
+        let given: Vec<Given> = given.collect();
+        let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
+        Ok(diagnose(&question)?)
+    }
+
+    /// The model of `refinement` and `effect`, all effects estimated anew together, and together with what the diagnosis finds
+    /// beside them: an effect that is still missing must not colour those that are there.
+    ///
+    /// # Errors
+    ///
+    /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short.
+    pub fn add(&self, refinement: &Refinement, effect: &Effect) -> Result<RefinementStep, RefineError> {
+        self.can_add(&refinement.column, effect)?;
+        self.add_beside(refinement, effect, &self.diagnose(refinement)?)
+    }
+
+    fn add_beside(
+        &self,
+        refinement: &Refinement,
+        effect: &Effect,
+        diagnosis: &Diagnosis,
+    ) -> Result<RefinementStep, RefineError> {
+        let mut library = self.library.clone();
+        let mut wanted: Vec<String> = Vec::new();
+        for added in refinement.added() {
+            library.add(added.effect.clone());
+            wanted.push(added.effect.id.clone());
+        }
+        // lines and steps there may be several of
+        let repeats = added_again(effect);
+        if wanted.contains(&effect.id) && !repeats {
+            return Err(RefineError::Twice(effect.id.clone()));
+        }
+        wanted.push(effect.id.clone());
+        let in_model = wanted.len();
+        let found = diagnosis.findings.iter().filter(|finding| finding.band == Band::Slow);
+        wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
+        let field = self.without_base(refinement, &[])?;
+        let mut findings = estimate(&self.question(&field, &refinement.column, &library), &wanted)?;
+        findings.truncate(in_model);
+        let [first, ..] = &refinement.steps[..] else {
+            return Err(StudyAxisError::NothingAdded(refinement.column.clone()).into());
+        };
+        let mut model = first.model.clone();
+        terms::add(&mut model, &findings, &self.field)?;
+        let field = self.measured(&refinement.column);
+        let model = self.settled(model, &as_after_steps(&findings, &refinement.column, &field)?)?;
+        let Some(finding) = findings.last().cloned() else {
+            return Err(RefineError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
+        };
+        let before = refinement.last().map_or(first.left, |last| last.left);
+        let after = self.left(&first.model, &findings)?;
+        let measured_reduction = match finding.band {
+            Band::Wide => 1.0 - after.wide / before.wide,
+            // a constant in every later log: no variance tells of it
+            _ if is_step(&finding) => match (before.bias, after.bias) {
+                (Some(was), Some(is)) => 1.0 - (after.slow + is * is) / (before.slow + was * was),
+                _ => 0.0,
+            },
+            _ => 1.0 - after.slow / before.slow,
+        };
+        let added = Added { effect: effect.clone(), finding, measured_reduction };
+        self.step(model, Some(added), after)
+    }
+
+    /// Adds what a diagnosis finds, the effect first that should help most, until nothing is worth adding; the steps that were added. `progress` is told each.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Refiner::diagnose`] and [`Refiner::add`].
+    pub fn add_best(
+        &self,
+        refinement: &Refinement,
+        mut progress: impl FnMut(&Diagnosis, Option<&RefinementStep>),
+    ) -> Result<Vec<RefinementStep>, RefineError> {
+        let mut refinement = refinement.clone();
+        let mut steps = Vec::new();
+        // ends after MOST: each step fell on rows that were not fitted, but the next is estimated anew with all before it
+        while steps.len() < MOST {
+            let diagnosis = self.diagnose(&refinement)?;
+            let worth_adding = diagnosis.findings.iter().filter(|finding| {
+                let effect = self.library.get(&finding.effect);
+                let can_be_added =
+                    effect.is_ok_and(|effect| self.can_add(&refinement.column, effect).is_ok());
+                !finding.correction.is_empty() && can_be_added
+            });
+            // two effects may cancel in part: the one that helps most alone comes first
+            let best = worth_adding.max_by(|a, b| {
+                let rank = |finding: &Finding| (finding.band == Band::Slow, finding.predicted_reduction);
+                rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
+            });
+            let Some(best) = best.filter(|_| diagnosis.verdict != Verdict::NothingMissing) else {
+                progress(&diagnosis, None);
+                break;
+            };
+            let step = self.add_beside(&refinement, self.library.get(&best.effect)?, &diagnosis)?;
+            progress(&diagnosis, Some(&step));
+            // on data that were not fitted it did not help: not worth its cost
+            if step.added.as_ref().is_some_and(|added| added.measured_reduction <= 0.0) {
+                break;
+            }
+            refinement.steps.push(step.clone());
+            steps.push(step);
+        }
+        Ok(steps)
+    }
+
+    fn question<'q>(&'q self, field: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
+        Question {
+            field,
+            quiet: self.quiet,
+            judged: Some(self.judged),
+            target: column,
+            sheet: None,
+            full_scale: None,
+            lsb: None,
+            library,
+            given: &[],
+        }
+    }
+
+    /// The field log without what the model had before it grew, and without `found`.
+    pub(super) fn without_base(
+        &self,
+        refinement: &Refinement,
+        found: &[Finding],
+    ) -> Result<Recording, RefineError> {
+        let mut values = self.field.channel(&refinement.column)?.values.to_vec();
+        if let Some(first) = refinement.steps.first() {
+            let base = self.physical(&first.model, &self.field)?;
+            values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
+        }
+        let taken = correction(found, &self.field, &self.field)?;
+        values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
+        Ok(self.field.with_values(&refinement.column, values))
+    }
+
+    /// The physical part of an axis, in its unit, one value per row of `log`.
+    fn physical(&self, model: &UnitModel, log: &Recording) -> Result<Vec<f64>, RefineError> {
+        if model.axes[0].physical.is_empty() {
+            return Ok(vec![0.0; log.n_rows()]);
+        }
+        let known = known_rows(log, &model.axes[0].column);
+        let playback = Playback::new(log, model, &known)?;
+        let mut alone = model.clone();
+        alone.axes[0].stochastic.clear();
+        alone.axes[0].parameters.constant = 0.0;
+        let mut predictor = alone.predictor::<f64>()?;
+        let offset = alone.axes[0].parameters.offset;
+        let predicted = (0..log.n_rows()).map(|row| {
+            playback.catch_up(&mut predictor, row);
+            playback.coast(&mut predictor, row)[0].predicted - offset
+        });
+        Ok(predicted.collect())
+    }
+
+    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is the
+    /// field log as it is in later logs, without the steps that happened in it.
+    fn settled(&self, mut model: UnitModel, log: &Recording) -> Result<UnitModel, RefineError> {
+        let column = model.axes[0].column.clone();
+        let (level, is_bias_known) = self.level(&model, log, 0..log.n_rows())?;
+        let parameters = &mut model.axes[0].parameters;
+        match is_bias_known {
+            true => parameters.offset = level,
+            false => (parameters.reference, parameters.offset) = (level, 0.0),
+        }
+        let known = known_rows(log, &column);
+        let playback = Playback::new(log, &model, &known)?;
+        let mut alone = model.clone();
+        alone.axes[0].stochastic.clear();
+        let regressors = Regressors::of(&alone, &playback, log.n_rows())?;
+        let FittedAxis { parameters, plain, .. } = &mut model.axes[0];
+        let range = &mut parameters.range;
+        for value in regressors.known(&regressors.remainder) {
+            (range.low, range.high) = (range.low.min(value), range.high.max(value));
+        }
+        *plain = Some(self.plain(&column)?);
+        Ok(model)
+    }
+
+    /// The field log without samples of an axis that are no measurements.
+    fn measured(&self, column: &str) -> Cow<'_, Recording> {
+        self.field.without_spikes(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
+    }
+
+    /// What a rival has seen: the field log as it was.
+    fn plain(&self, column: &str) -> Result<Plain, RefineError> {
+        let (error, known) = (self.field.error_series(column)?, known_rows(&self.field, column));
+        let rows = self.field.stretches_where(|row| known[row] && error.values[row].is_finite());
+        let stretches: Vec<&[f64]> = rows.into_iter().map(|rows| &error.values[rows]).collect();
+        Ok(Plain::of(&stretches.concat(), &stretches))
+    }
+
+    /// Mean of measured − reference − p over the known rows among `rows`, and whether that is the bias.
+    fn level(
+        &self,
+        model: &UnitModel,
+        log: &Recording,
+        rows: Range<usize>,
+    ) -> Result<(f64, bool), RefineError> {
+        let axis = &model.axes[0];
+        let error = log.error_series(&axis.column)?;
+        let physical = self.physical(model, log)?;
+        let known = known_rows(log, &axis.column);
+        let left = rows.filter(|row| known[*row]).map(|row| error.values[row] - physical[row]);
+        let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
+        Ok((signal::mean(&[&left]), is_bias_known(log, &axis.column)))
+    }
+
+    /// What the model before it grew and the findings leave of the error on the judged rows.
+    fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
+        let column = &base.axes[0].column;
+        let of = |log: &Recording| -> Result<(ErrorInBlocks, Vec<f64>), RefineError> {
+            let reduced = ErrorInBlocks::in_slow_blocks(log, column)?;
+            let mut left = reduced.error.clone();
+            let base = self.physical(base, log)?;
+            left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
+            let taken = correction(findings, &self.field, log)?;
+            left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
+            Ok((reduced, left))
+        };
+        let (field, left_of_field) = of(&self.field)?;
+        let (reduced, left) = of(self.judged)?;
+        let rows = &self.judged_rows;
+        let moved = || {
+            let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
+            reduced.slow_mean(&left, rows) - bias
+        };
+        Ok(Left {
+            slow: reduced.slow_variance(&left, rows),
+            wide: reduced.wide_variance(&left, rows),
+            bias: is_bias_known(self.judged, column).then(moved),
+        })
+    }
+
+    fn step(
+        &self,
+        model: UnitModel,
+        added: Option<Added>,
+        left: Left,
+    ) -> Result<RefinementStep, RefineError> {
+        let column = model.axes[0].column.clone();
+        let known = known_rows(self.judged, &column);
+        let mut judged = model.clone();
+        let (level, is_bias_known) = self.level(&model, self.judged, self.judged_rows.clone())?;
+        if !is_bias_known {
+            // another pose has another constant
+            (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
+        }
+        let playback = Playback::new(self.judged, &judged, &known)?;
+        let trace = trace::<f64>(&judged, &playback, self.judged_rows.clone(), |_| {})?;
+        let name = match &added {
+            None => "before".to_owned(),
+            Some(added) => format!("+ {}", added.effect.id),
+        };
+        let errors = ModelErrors::of(&trace, 0, &name, &column, None);
+        let cost = Cost::of(&model);
+        Ok(RefinementStep { added, model, errors, left, cost })
+    }
+}
+
+/// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they do in
+/// a diagnosis.
+fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
+    if let Ok(reference) = log.channel(&Column::named(column).reference()) {
+        return reference.values.iter().map(|value| value.is_finite()).collect();
+    }
+    let stillness = stillness::find(log);
+    let at_rest = stillness.still.iter().filter(|still| **still).count();
+    match stillness.known_by {
+        KnownBy::Detector if at_rest < log.n_rows() / 2 => vec![true; log.n_rows()],
+        _ => stillness.still,
+    }
+}
+
+/// Whether there can be several of it in one model.
+fn added_again(effect: &Effect) -> bool {
+    matches!(effect.id.as_str(), "spectral_line" | "bias_step")
+}
+
+/// Effects that leave nothing to subtract are told apart by what to do instead.
+///
+/// # Errors
+///
+/// What to do instead.
+fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
+    let help = match effect.band {
+        Band::Data => "repair the data: another full scale, a faster bus, a finer output",
+        Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",
+        Band::Wide if effect.id != "spectral_line" => {
+            "a filter in front of the model, or another output rate"
+        }
+        _ => return Ok(()),
+    };
+    Err(RefineError::NothingToTakeOff(effect.id.clone(), help))
+}

@@ -1,0 +1,81 @@
+//! The axes of a study that effects were added to, and the way back.
+
+use fos_fit::model::UnitModel;
+
+use super::Study;
+use super::refinement::Refinement;
+
+/// Why a study does not do to an axis what is asked.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyAxisError {
+    /// It has no such axis.
+    #[error("the study has no axis {column}; it has {}\nhelp: --axis names one of them", .axes.join(", "))]
+    NoAxis {
+        /// What was asked for.
+        column: String,
+        /// What there is.
+        axes: Vec<String>,
+    },
+    /// Nothing was added.
+    #[error("nothing was added to {0}\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect")]
+    NothingAdded(String),
+}
+
+impl Study {
+    /// The refinement of an axis, if any.
+    pub fn refinement_of(&self, column: &str) -> Option<&Refinement> {
+        self.refinements.iter().find(|refinement| refinement.column == column)
+    }
+
+    /// The axis of the study alone, as it was before it grew.
+    ///
+    /// # Errors
+    ///
+    /// There is none.
+    pub fn axis_alone(&self, column: &str) -> Result<UnitModel, StudyAxisError> {
+        let index = self.model.axes.iter().position(|axis| axis.column == column);
+        index.map(|index| self.model.only(index)).ok_or_else(|| StudyAxisError::NoAxis {
+            column: column.to_owned(),
+            axes: self.model.axes.iter().map(|axis| axis.column.clone()).collect(),
+        })
+    }
+
+    /// Keeps `refinement`, and puts its last state into the model.
+    pub fn keep(&mut self, refinement: Refinement) {
+        if let Some(last) = refinement.last() {
+            self.replace(&refinement.column, last.model.clone());
+        }
+        match self.refinements.iter_mut().find(|other| other.column == refinement.column) {
+            Some(known) => *known = refinement,
+            None => self.refinements.push(refinement),
+        }
+    }
+
+    /// Takes the last effect that was added to `column` back; its identifier.
+    ///
+    /// # Errors
+    ///
+    /// Nothing was added.
+    pub fn undo(&mut self, column: &str) -> Result<String, StudyAxisError> {
+        let nothing = || StudyAxisError::NothingAdded(column.to_owned());
+        let refinement =
+            self.refinements.iter_mut().find(|refinement| refinement.column == column).ok_or_else(nothing)?;
+        let added = refinement.last().and_then(|step| step.added.as_ref()).ok_or_else(nothing)?;
+        let effect = added.effect.id.clone();
+        refinement.steps.pop();
+        let refinement = refinement.clone();
+        self.keep(refinement);
+        Ok(effect)
+    }
+
+    fn replace(&mut self, column: &str, model: UnitModel) {
+        let axes = (0..self.model.axes.len()).map(|index| {
+            if self.model.axes[index].column == column { model.clone() } else { self.model.only(index) }
+        });
+        let mut axes = axes.collect::<Vec<_>>().into_iter();
+        if let Some(mut unit) = axes.next() {
+            axes.for_each(|axis| unit.absorb(axis));
+            self.model = unit;
+        }
+    }
+}
