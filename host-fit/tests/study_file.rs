@@ -34,7 +34,7 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         ("/growth/0/stairs", json!([]), "there is no step"),
         ("/growth/0/stairs/0/model/axes", json!([]), "step 0: there is no axis"),
         (&format!("{stair}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
-        (&format!("{stair}/added"), Value::Null, "each stair but the first"),
+        (&format!("{stair}/added"), Value::Null, "each step but the first"),
         (&format!("{stair}/added/effect/id"), json!("Thermal Lag"), "small letters"),
         (&format!("{stair}/added/finding/effect"), json!("bias_ramp"), "what was found is"),
         (&format!("{stair}/added/finding/correction/0/regressor"), json!("temp_c:lowpas(3)"), "lowpas"),
