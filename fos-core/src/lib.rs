@@ -1,7 +1,6 @@
-//! Evaluates fitted models of inertial sensor error sample by sample, and takes the error out.
+#![doc = include_str!("../README.md")]
 //!
-//! `no_std`, no heap, no `unsafe`, no panic. The host runs the same source in f64 and f32, so what was judged is
-//! what ships.
+//! # What is here
 //!
 //! - [`Model`]: inputs, terms, scaling of up to six axes; immutable. [`Image`] is its stored form.
 //! - [`Predictor`]: one step per sample. It [tracks](Predictor::track) while the unit is known to be still and

@@ -1,4 +1,6 @@
-//! The device side.
+#![doc = include_str!("../README.md")]
+//!
+//! # What is here
 //!
 //! - [`sample_source`]: complete samples from a six-axis sensor, and what went wrong on the way; two real parts behind the
 //!   features `bmi323` and `lsm6dsv16x`.
