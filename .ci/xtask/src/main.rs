@@ -6,6 +6,7 @@ mod form;
 mod memory;
 mod modules;
 mod statistics;
+mod supply;
 mod workspace;
 
 use std::error::Error;
@@ -19,7 +20,8 @@ cargo xtask COMMAND
   modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
   files short|full             what host-fit writes is there whole, whatever happens meanwhile
   memory short|full            how much memory a log of a working day takes
-  statistics short|full        how often the diagnosis is right: README, docs/calibration.md";
+  statistics short|full        how often the diagnosis is right: README, docs/calibration.md
+  supply short|full            what comes into the build: licences, sources, features, the Rust version";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -51,6 +53,7 @@ fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
         "files" => files::run(form, &root),
         "memory" => memory::run(form, &root),
         "statistics" => statistics::run(form, &root),
+        "supply" => supply::run(form, &root),
         _ => Err(USAGE.into()),
     }
 }

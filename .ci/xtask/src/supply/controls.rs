@@ -1,0 +1,154 @@
+//! What cargo-deny must refuse.
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::workspace::output;
+
+/// A package of a workspace of its own.
+fn package(place: &Path, [name, version, licence]: [&str; 3], more: &str) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(place.join("src"))?;
+    fs::write(place.join("src/lib.rs"), "")?;
+    let manifest = format!(
+        "[package]\nname = \"{name}\"\nversion = \"{version}\"\nedition = \"2021\"\nlicense = \"{licence}\"\npublish = false\n"
+    );
+    Ok(fs::write(place.join("Cargo.toml"), manifest + more)?)
+}
+
+/// One with these dependencies; the crates that they name lie in folders below.
+pub(crate) fn scratch(
+    place: &Path,
+    dependencies: &str,
+    crates: &[(&str, [&str; 3])],
+) -> Result<PathBuf, Box<dyn Error>> {
+    let folders: Vec<&str> = crates.iter().map(|(folder, _)| *folder).collect();
+    package(
+        place,
+        ["scratch", "0.1.0", "MIT"],
+        &format!("[dependencies]\n{dependencies}\n[workspace]\nexclude = {folders:?}\n"),
+    )?;
+    for (folder, described) in crates {
+        package(&place.join(folder), *described, "")?;
+    }
+    Ok(place.to_owned())
+}
+
+fn commit(folder: &Path) -> Result<(), Box<dyn Error>> {
+    for arguments in [&["init", "--quiet"][..], &["add", "."], &["commit", "--quiet", "--message", "control"]]
+    {
+        let mut git = Command::new("git");
+        git.args(["-c", "user.name=control", "-c", "user.email=control@localhost"]).args(arguments);
+        output(git.current_dir(folder))?;
+    }
+    Ok(())
+}
+
+/// A workspace, and the check that must refuse it; none if it is sound.
+pub(crate) type Control = (PathBuf, Option<&'static str>);
+
+pub(crate) fn workspaces(folder: &Path) -> Result<Vec<Control>, Box<dyn Error>> {
+    let a = "a = { path = \"a\" }";
+    let two = format!("{a}\nb = {{ path = \"b\", package = \"a\" }}");
+    let elsewhere = scratch(&folder.join("elsewhere"), "", &[])?;
+    commit(&elsewhere)?;
+    let git = format!("b = {{ git = \"file://{}\", package = \"scratch\" }}", elsewhere.display());
+    let workspaces = vec![
+        (scratch(&folder.join("sound"), a, &[("a", ["a", "1.0.0", "MIT OR GPL-3.0-only"])])?, None),
+        (
+            scratch(&folder.join("licence"), a, &[("a", ["a", "1.0.0", "MIT AND GPL-3.0-only"])])?,
+            Some("licenses"),
+        ),
+        (
+            scratch(
+                &folder.join("duplicate"),
+                &two,
+                &[("a", ["a", "1.0.0", "MIT"]), ("b", ["a", "2.0.0", "MIT"])],
+            )?,
+            Some("bans"),
+        ),
+        (scratch(&folder.join("source"), &git, &[])?, Some("sources")),
+    ];
+    // cargo-deny itself fetches nothing
+    for (workspace, _) in &workspaces {
+        output(Command::new("cargo").args(["fetch", "--quiet"]).current_dir(workspace))?;
+    }
+    Ok(workspaces)
+}
+
+/// As cargo-deny names the folder of the database, after its address.
+const DATABASE: &str = "advisory-db-3157b0e258782691";
+const MADE_UP: &str = r#"```toml
+[advisory]
+id = "RUSTSEC-2020-0001"
+package = "crc"
+date = "2020-01-01"
+[versions]
+patched = []
+```
+
+# A made-up advisory
+
+It must be found.
+"#;
+
+fn advisories_in(
+    program: &Path,
+    databases: &Path,
+    folder: &Path,
+    root: &Path,
+    fetch: bool,
+) -> Result<Output, Box<dyn Error>> {
+    let config = folder.join("deny.toml");
+    let rules = fs::read_to_string(root.join("deny.toml"))?;
+    fs::write(
+        &config,
+        rules.replace(
+            "[advisories]",
+            &format!("[advisories]\ndb-path = {:?}", databases.display().to_string()),
+        ),
+    )?;
+    let mut command = Command::new(program);
+    if !fetch {
+        command.arg("--offline");
+    }
+    Ok(command
+        .arg("--config")
+        .arg(config)
+        .args(["--log-level", "error", "check", "advisories"])
+        .current_dir(root)
+        .output()?)
+}
+
+/// What is known against these crates, in words. The database is the one that cargo-deny fetches, or a copy of what it fetched before
+/// ($CARGO_HOME/advisory-dbs) in the folder $FOS_ADVISORY_DB.
+pub(crate) fn advisories(program: &Path, folder: &Path, root: &Path) -> Result<String, Box<dyn Error>> {
+    let made_up = folder.join("made-up").join(DATABASE);
+    fs::create_dir_all(made_up.join("crates/crc"))?;
+    fs::write(made_up.join("crates/crc/RUSTSEC-2020-0001.md"), MADE_UP)?;
+    commit(&made_up)?;
+    let text = |done: &Output| String::from_utf8_lossy(&done.stderr).trim().to_owned();
+    let said = advisories_in(program, &folder.join("made-up"), folder, root, false)?;
+    if said.status.success() || !text(&said).contains("RUSTSEC-2020-0001") {
+        return Err(format!("a made-up advisory is not found: {}", text(&said)).into());
+    }
+    let (done, by) = match env::var_os("FOS_ADVISORY_DB") {
+        Some(copy) => {
+            (advisories_in(program, Path::new(&copy), folder, root, false)?, "the copy in `FOS_ADVISORY_DB`")
+        }
+        None => (
+            advisories_in(program, &folder.join("fetched"), folder, root, true)?,
+            "the database as of this run",
+        ),
+    };
+    if text(&done).contains("failed to fetch advisory database") {
+        return Ok("skipped: advisories (no advisory database can be reached)".into());
+    }
+    if done.status.success() {
+        Ok(format!("Advisories: none against these crates, by {by}."))
+    } else {
+        Err(text(&done).into())
+    }
+}

@@ -1,0 +1,117 @@
+//! cargo-deny, and what it last judged.
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use super::{Findings, controls, judged};
+use crate::form::{Form, target_folder};
+
+/// Licences, duplicates and sources; with `full` advisories.
+pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
+    let Some(program) = cargo_deny(form, root) else {
+        let news = judged::news(root)?;
+        findings
+            .problems
+            .extend(news.iter().map(|one| format!("cargo-deny has not judged {one}: .ci/trust supply")));
+        findings
+            .report
+            .push(format!("Nothing has come in since cargo-deny accepted all of it (`{}`).", judged::RECORD));
+        if judged::passes_one_more(root)? {
+            findings.problems.push("a crate more than were judged is not seen".into());
+        }
+        findings.controls.push("a crate more than were judged");
+        if form == Form::Full {
+            findings.report.push("skipped: cargo-deny (it is not there and could not be installed)".into());
+            if env::var("CI").is_ok_and(|is| is == "true") {
+                findings.problems.push("cargo-deny could not be installed".into());
+            }
+        }
+        return Ok(());
+    };
+    let config = root.join("deny.toml");
+    for workspace in [root.to_owned(), root.join("fuzz")] {
+        let done = check(&program, &workspace, &config, &["licenses", "bans", "sources"])?;
+        if !done.status.success() {
+            findings.problems.push(String::from_utf8_lossy(&done.stderr).into());
+        }
+    }
+    let folder = tempfile::tempdir()?;
+    // of a single crate not every licence is used
+    let lenient = folder.path().join("deny-control.toml");
+    let strict = r#"unused-allowed-license = "deny""#;
+    fs::write(&lenient, fs::read_to_string(&config)?.replace(strict, r#"unused-allowed-license = "allow""#))?;
+    for (workspace, wanted) in controls::workspaces(folder.path())? {
+        for name in ["licenses", "bans", "sources"] {
+            let refused = !check(&program, &workspace, &lenient, &[name])?.status.success();
+            if refused != (wanted == Some(name)) {
+                findings.problems.push(format!(
+                    "cargo-deny judges the control {}: {name}: {refused}",
+                    workspace.display()
+                ));
+            }
+        }
+    }
+    findings.controls.push("a crate under `MIT AND GPL-3.0-only`, two versions of a crate, a git source (a sound workspace was not)");
+    let version = Command::new(&program).arg("--version").output()?;
+    let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
+    findings
+        .report
+        .push(format!("`{version}` refuses none of these crates, and of the controls each by its check."));
+    if form == Form::Full {
+        let said = controls::advisories(&program, folder.path(), root)?;
+        findings.controls.push("a made-up advisory");
+        if said.starts_with("skipped") {
+            eprintln!("{said}");
+        }
+        findings.report.push(said);
+        if findings.problems.is_empty() {
+            judged::write(root)?;
+        }
+    }
+    Ok(())
+}
+
+/// Where cargo-deny is, in `full` after installing it; none if it cannot be had.
+fn cargo_deny(form: Form, root: &Path) -> Option<PathBuf> {
+    let ours = target_folder(root).join("cargo-deny");
+    let runs = |program: &Path| {
+        Command::new(program).arg("--version").output().is_ok_and(|done| done.status.success())
+    };
+    let places = [PathBuf::from("cargo-deny"), ours.join("bin/cargo-deny")];
+    let found = || places.iter().find(|program| runs(program)).cloned();
+    if form == Form::Full && found().is_none() {
+        eprintln!("installing cargo-deny: some minutes");
+        let install = [
+            "install",
+            "cargo-deny",
+            "--version",
+            "^0.20",
+            "--locked",
+            "--quiet",
+            "--profile",
+            "dev",
+            "--root",
+        ];
+        let mut command = Command::new("cargo");
+        command
+            .args(install)
+            .arg(&ours)
+            .env("CARGO_TARGET_DIR", ours.join("build"))
+            .env("CARGO_PROFILE_DEV_DEBUG", "false");
+        if let Err(error) = command.status() {
+            eprintln!("{error}");
+        }
+        // what it was built from is of no more use
+        let _ = fs::remove_dir_all(ours.join("build"));
+    }
+    found()
+}
+
+fn check(program: &Path, workspace: &Path, config: &Path, checks: &[&str]) -> Result<Output, Box<dyn Error>> {
+    let mut command = Command::new(program);
+    command.arg("--offline").arg("--config").arg(config).args(["--log-level", "error", "check"]).args(checks);
+    Ok(command.current_dir(workspace).output()?)
+}
