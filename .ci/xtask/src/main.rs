@@ -1,5 +1,6 @@
 //! `cargo xtask COMMAND`: checks of the workspace itself, as the gate and people run them.
 
+mod corpus;
 mod crates;
 mod files;
 mod form;
@@ -10,6 +11,7 @@ mod supply;
 mod workspace;
 
 use std::error::Error;
+use std::path::Path;
 use std::process::ExitCode;
 
 use form::Form;
@@ -18,6 +20,7 @@ const USAGE: &str = "\
 cargo xtask COMMAND
 
   modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
+  corpus CONTROL FOLDER        the inputs of a merge by libFuzzer that are kept in the repository
   files short|full             what host-fit writes is there whole, whatever happens meanwhile
   memory short|full            how much memory a log of a working day takes
   statistics short|full        how often the diagnosis is right: README, docs/calibration.md
@@ -45,6 +48,7 @@ fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
         ["modules"] => return modules::run(modules::Print::Summary, &root),
         ["modules", "--arrows"] => return modules::run(modules::Print::Arrows, &root),
         ["modules", "--dot"] => return modules::run(modules::Print::Dot, &root),
+        ["corpus", control, folder] => return corpus::run(control, Path::new(folder)),
         [command, "short"] => (*command, Form::Short),
         [command, "full"] => (*command, Form::Full),
         _ => return Err(USAGE.into()),

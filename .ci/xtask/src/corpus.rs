@@ -1,0 +1,112 @@
+//! `cargo xtask corpus CONTROL FOLDER`: of the inputs that libFuzzer has gone through to merge them, those for the repository.
+//!
+//! CONTROL is what `-merge_control_file` wrote. Taken are, one after the other, the inputs that reach most edges that none before
+//! reaches, the smaller one of two, until [`SHARE`] of all edges that were reached is: the last of the rest reach an edge or two
+//! each, which a fuzzer finds again in minutes. They are copied into FOLDER, in the place of what is there.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+/// Of the edges that all inputs together reach.
+const SHARE: f64 = 0.97;
+
+/// An input that was run.
+#[derive(Debug, PartialEq)]
+struct Input {
+    path: String,
+    /// Bytes.
+    size: u64,
+    edges: BTreeSet<u64>,
+}
+
+/// The inputs of a control file: their number, that of the first folder, their paths; then of each `STARTED index size` and
+/// `COV index edge…`.
+fn inputs(control: &str) -> Result<Vec<Input>, Box<dyn Error>> {
+    let mut lines = control.lines();
+    let count: usize = lines.next().ok_or("an empty control file")?.trim().parse()?;
+    let mut inputs: Vec<Input> = lines
+        .by_ref()
+        .skip(1)
+        .take(count)
+        .map(|path| Input { path: path.to_owned(), size: 0, edges: BTreeSet::new() })
+        .collect();
+    for line in lines {
+        let mut words = line.split_whitespace();
+        let what = words.next().unwrap_or_default();
+        let numbers: Vec<u64> = words.map(str::parse).collect::<Result<_, _>>()?;
+        if let [index, rest @ ..] = &numbers[..]
+            && let Some(input) = inputs.get_mut(usize::try_from(*index)?)
+        {
+            match (what, rest) {
+                ("STARTED", [size]) => input.size = *size,
+                ("COV", edges) => input.edges.extend(edges),
+                _ => {}
+            }
+        }
+    }
+    Ok(inputs)
+}
+
+/// Those to keep.
+fn taken(mut inputs: Vec<Input>) -> Vec<Input> {
+    let all: BTreeSet<u64> = inputs.iter().flat_map(|input| &input.edges).copied().collect();
+    let (mut reached, mut taken) = (BTreeSet::new(), Vec::new());
+    while (reached.len() as f64) < SHARE * all.len() as f64 {
+        let news = |input: &Input| input.edges.difference(&reached).count();
+        let best =
+            (0..inputs.len()).max_by_key(|&at| (news(&inputs[at]), std::cmp::Reverse(inputs[at].size)));
+        let Some(best) = best else { break };
+        let input = inputs.swap_remove(best);
+        reached.extend(&input.edges);
+        taken.push(input);
+    }
+    taken
+}
+
+pub(crate) fn run(control: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let inputs = inputs(&fs::read_to_string(control)?)?;
+    let (before, taken) = (inputs.len(), taken(inputs));
+    if taken.is_empty() {
+        return Err(format!("{control}: no input reaches anything").into());
+    }
+    let beside = folder.with_extension("new");
+    fs::create_dir_all(&beside)?;
+    for input in &taken {
+        let name = Path::new(&input.path).file_name().ok_or("an input without a name")?;
+        fs::copy(&input.path, beside.join(name))?;
+    }
+    fs::remove_dir_all(folder)?;
+    fs::rename(&beside, folder)?;
+    let bytes: u64 = taken.iter().map(|input| input.size).sum();
+    println!("{}: {} of {before} inputs, {bytes} bytes", folder.display(), taken.len());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(path: &str, size: u64, edges: impl IntoIterator<Item = u64>) -> Input {
+        Input { path: path.to_owned(), size, edges: edges.into_iter().collect() }
+    }
+
+    #[test]
+    fn a_control_file_has_paths_sizes_and_edges() {
+        let control = "2\n0\nc/a\nc/b\nSTARTED 0 12\nFT 0 7 9\nCOV 0 1 2\nSTARTED 1 30\nFT 1\nCOV 1 3\n";
+        assert_eq!(inputs(control).unwrap(), [input("c/a", 12, [1, 2]), input("c/b", 30, [3])]);
+    }
+
+    #[test]
+    fn the_smallest_of_those_that_reach_most_are_taken_first_and_the_last_edges_left() {
+        let inputs = vec![
+            input("large", 90, 0..60),
+            input("small", 10, 0..60),
+            input("rest", 50, 50..99),
+            input("one", 1, [99]),
+        ];
+        let taken: Vec<String> = taken(inputs).into_iter().map(|input| input.path).collect();
+        assert_eq!(taken, ["small", "rest"]);
+    }
+}
