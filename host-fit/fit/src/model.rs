@@ -6,8 +6,6 @@ use fos_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::candidates::Monomial;
-use crate::fit::Refit;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
 /// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
@@ -98,19 +96,6 @@ pub struct FittedTerm {
     pub standard_error: Option<f64>,
     /// The factors.
     pub factors: Vec<Factor>,
-}
-
-impl FittedTerm {
-    /// The terms of a fit, with their standard errors.
-    pub fn of(monomials: &[Monomial], refit: &Refit) -> Vec<Self> {
-        let solved = refit.coefficients.iter().zip(&refit.coefficient_errors);
-        let term = |(factors, (coefficient, error)): (&Monomial, (&f64, &f64))| Self {
-            coefficient: *coefficient,
-            standard_error: Some(*error),
-            factors: factors.clone(),
-        };
-        monomials.iter().zip(solved).map(term).collect()
-    }
 }
 
 impl UnitModel {

@@ -1,14 +1,32 @@
-//! Errors that chance has a part in, and those of no library: their course in one log.
+//! The error of a planted effect in one log: its regressors, or its course where chance has a part in it or no library has it.
 
 use super::coloured::GaussMarkov;
 use super::effect::{Effect, Outside};
-use super::plant::Shape;
-use super::random::{Random, between, chance, normal, sign};
-use super::regressors::NamedSeries;
+use super::random::{Random, Stream, between, chance, normal, random, sign};
+use super::regressors::{NamedSeries, regressors};
+use super::shape::Shape;
 use super::world::World;
 
+/// Number of the evaluation among the logs of a case.
+const EVAL: u64 = 2;
+
+impl Shape {
+    /// The columns of its error in a log: 1 the field, 2 the evaluation.
+    pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<NamedSeries> {
+        let found = regressors(self.effect, self.parameter, world, self.target, &self.anchor);
+        if self.effect == Effect::BiasStep && log == EVAL {
+            // the shock is over: the offset that it left stays
+            return found.into_iter().map(|(name, values)| (name, vec![1.0; values.len()])).collect();
+        }
+        if found.is_empty() {
+            return course(self, world, &mut random(seed, Stream::Course(log, self.number)));
+        }
+        found
+    }
+}
+
 /// Columns whose weighted sum is the error; of size one.
-pub(super) fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<NamedSeries> {
+fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<NamedSeries> {
     let (n, dt) = (world.len(), world.period_s);
     let parameter = shape.parameter;
     let duration_s = n as f64 * dt;

@@ -3,10 +3,13 @@
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use super::part::DEGREE;
+use super::part::GRAVITY;
 use super::random::{Random, between, chance, direction, log_between, normal, sign};
-use super::setup::UP;
 use super::thermal::raised_cosine;
 use super::world::World;
+
+/// Gravity as an accelerometer at rest shows it, in the axes of the earth (up is +z), m/s².
+pub(super) const UP: [f64; 3] = [0.0, 0.0, GRAVITY];
 
 /// Duration of a turn of the rig, s.
 const TURN_S: f64 = 2.5;

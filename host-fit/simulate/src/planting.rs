@@ -6,15 +6,15 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use serde::Serialize;
 
-use super::case::{Draft, draft};
 use super::coloured::AxisNoise;
+use super::draft::{Draft, draft};
 use super::effect::{Band, Effect, Outside};
 use super::plan::{CasePlan, PlanError};
-use super::plant::Shape;
 use super::random::{Random, Stream, between, chance, random};
 use super::recorder::Faults;
 use super::regressors::NamedSeries;
 use super::rivals::{Best, CELL, Rivals};
+use super::shape::Shape;
 use super::strength::{Blocks, Whitener, level_size, noise_amplitude, solve};
 use super::world::World;
 

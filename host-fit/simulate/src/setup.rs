@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
 use super::motion::{self, Attitude};
-use super::part::GRAVITY;
 use super::random::{Random, between, chance, log_between, normal, sign};
 use super::thermal::{Ambient, Thermal};
 use super::world::World;
@@ -143,7 +142,12 @@ impl Scene {
             Setup::Shaker => motion::shake(&mut world, &pose, n, random),
             Setup::RateTable => motion::turn_table(&mut world, self.table_axis, n, random),
             Setup::PoseRig if self.path == Path::FieldAlongForce => {
-                motion::pose(&mut world, Some(UP.map(|force| self.field_parallel * force)), n, random);
+                motion::pose(
+                    &mut world,
+                    Some(motion::UP.map(|force| self.field_parallel * force)),
+                    n,
+                    random,
+                );
             }
             Setup::PoseRig => {
                 motion::pose(&mut world, None, n, random);
@@ -229,6 +233,3 @@ impl Setup {
         }
     }
 }
-
-/// Gravity as an accelerometer at rest shows it, in the axes of the earth (up is +z), m/s².
-pub(super) const UP: [f64; 3] = [0.0, 0.0, GRAVITY];

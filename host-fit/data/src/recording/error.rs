@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::column_map::MapError;
-use super::load::RATES_HZ;
 use super::quality::BadRow;
+use super::rate::RATES_HZ;
 use crate::file::FileError;
 
 /// Why a log could not be loaded, used or written.

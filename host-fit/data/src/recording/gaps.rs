@@ -1,9 +1,8 @@
-//! Finds samples that are missing, from time stamps alone. The rule is told at [`Segment`].
+//! Finds samples that are missing, from time stamps alone. The rule is told at [`Segment`](super::Segment).
 
 use std::ops::Range;
 
-use serde::Serialize;
-
+use super::grid::{Boundary, Grid, Mark, Segment};
 use super::rate::{FirstLook, MAD_TO_SD, Stamps, median};
 
 /// Waits shorter than this are not looked at, periods. With jitter of sd 0.2 T, 0.4 % of single missing samples
@@ -35,101 +34,9 @@ const ROWS_BURSTS: (f64, f64) = (64.0, 4096.0);
 const ENVELOPE_SHARE: f64 = 0.25;
 const BURSTS_AT_END: f64 = 10.0;
 
-/// Over more missing samples than this the count is not exact (a period known to 1e-4 is one sample off), and the
-/// two sides are not used together to measure the period.
-const EXACT_MISSING: u64 = 5_000;
-
 /// Most samples that one gap is said to miss, 150 years at 200 Hz: beyond it the stamps are nonsense, and ticks must
 /// not overflow.
 const MOST_MISSING: f64 = 1e12;
-
-/// A stretch of rows without gaps.
-///
-/// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
-/// later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait
-/// between two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before
-/// it by more than half a period: round(rise / T) samples are missing.
-///
-/// - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
-///   scatter, and not beyond the next wait that scatter cannot explain (another gap).
-/// - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts or
-///   eight times the wait, until a slow host has caught up (64 to 4096 rows). The age of the freshest sample at a
-///   poll drifts as the two clocks slip, which lifts the envelope by up to half a period within one window: here
-///   the rise must exceed 0.75 T. Rows with stamps that run backward are not part of the envelope.
-///
-/// In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
-/// all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
-///
-/// A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
-/// longest wait between the last row that is too early to come after the gap and the first that is not late.
-///
-/// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
-/// it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
-/// Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Segment {
-    /// Its rows.
-    pub rows: Range<usize>,
-    /// Place of its first row on the regular sample grid; the first row of the recording is 0.
-    pub tick: u64,
-    /// Samples missing between the segment before and this one.
-    pub missing_before: u64,
-    /// Why it starts here.
-    pub boundary: Boundary,
-}
-
-/// Why a segment starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Boundary {
-    /// The recording starts.
-    Start,
-    /// Samples are missing.
-    Gap,
-    /// The `segment` column changes.
-    SegmentColumn,
-    /// Time goes back; it is not known how many samples are missing (`missing_before` is 0).
-    ClockBack,
-    /// Another recording starts.
-    Recording,
-}
-
-/// A boundary known without looking at stamps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mark {
-    /// First row after it.
-    pub(super) row: usize,
-    pub(super) boundary: Boundary,
-    /// Samples known to be missing.
-    pub(super) missing: u64,
-}
-
-/// The rows of a recording on the regular sample grid.
-#[derive(Clone, Debug)]
-pub(super) struct Grid {
-    pub(super) segments: Vec<Segment>,
-    pub(super) clock_back: u64,
-}
-
-impl Grid {
-    /// Grid index of every row.
-    pub(super) fn ticks(&self) -> Vec<u64> {
-        self.segments.iter().flat_map(|s| (0..s.rows.len() as u64).map(move |i| s.tick + i)).collect()
-    }
-
-    /// Stretches over which rows can be counted: short gaps are counted exactly, other boundaries are not.
-    pub(super) fn unbroken(&self) -> Vec<Range<usize>> {
-        let mut stretches: Vec<Range<usize>> = Vec::new();
-        for segment in &self.segments {
-            let counted = segment.boundary == Boundary::Gap && segment.missing_before <= EXACT_MISSING;
-            match stretches.last_mut() {
-                Some(last) if counted => last.end = segment.rows.end,
-                _ => stretches.push(segment.rows.clone()),
-            }
-        }
-        stretches
-    }
-}
 
 /// Finds all boundaries. `marks` are in order of rows, one per row.
 pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {

@@ -3,7 +3,6 @@
 use crate::column::AXES;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
-use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::channel::Channel;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
-use super::gaps::{Boundary, Grid, Mark, Segment};
+use super::grid::{Boundary, Grid, Mark, Segment};
 use super::gzip::Members;
+use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
@@ -28,9 +28,6 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 /// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
 /// clock of the log is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
-
-/// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
-pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are not in the
 /// order of time.

@@ -1,8 +1,10 @@
 //! The true sample rate, from time stamps that jitter, arrive in bursts and miss samples.
 
+use std::ops::RangeInclusive;
+
 use serde::Serialize;
 
-use super::gaps::Grid;
+use super::grid::Grid;
 pub(super) use crate::statistics::median;
 
 /// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
@@ -20,6 +22,9 @@ const SCATTER_BLOCK: usize = 64;
 
 /// Longest reach in rows of the first estimate of the period.
 const FIRST_REACH: usize = 4096;
+
+/// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
+pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
 /// The sample rate of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -3,7 +3,7 @@
 use fos_data::column::Column;
 use std::borrow::Cow;
 
-use super::{DiagnoseError, Question};
+use super::question::{DiagnoseError, Question};
 use fos_data::recording::{Oddity, Recording};
 use fos_data::stillness;
 

@@ -11,13 +11,14 @@ use super::answer::{
 use super::correction::step_share;
 use super::error_in_blocks::ErrorInBlocks;
 use super::faults::Fault;
+use super::left_over::LeftOver;
 use super::limits;
 use super::lines::{self, Line};
 use super::open::Lead;
 use super::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
+use super::question::{DiagnoseError, Question, is_bias_known};
 use super::shape::Misshape;
 use super::slow::{ExtraNoise, Found, SlowResult};
-use super::{DiagnoseError, LeftOver, Question, is_bias_known};
 use crate::effects::{Band, Effect, Inputs, Search, SizeUnit};
 use fos_data::recording::Recording;
 use fos_fit::noise::Regression;

@@ -1,10 +1,11 @@
 //! What was found in one log, held against another: what makes the error worse there is no law.
 
 use super::answer::{Diagnosis, Finding, Verdict};
+use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{outweighed, sentence};
 use super::open::Lead;
-use super::{DiagnoseError, correction, is_bias_known, is_step};
+use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
 use fos_data::recording::Recording;
 

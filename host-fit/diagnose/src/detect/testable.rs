@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::answer::Untested;
-use super::{DiagnoseError, Question};
+use super::question::{DiagnoseError, Question};
 use crate::effects::{Effect, Inputs, Regressor, Search};
 
 /// The slow effects that a log can be asked for.

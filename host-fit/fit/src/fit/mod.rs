@@ -2,8 +2,8 @@
 
 pub mod autoregression;
 pub mod axis;
-mod burg;
-mod covariance;
+mod axis_error;
+mod axis_report;
 pub mod exchange;
 pub mod fos;
 mod householder;
@@ -16,7 +16,6 @@ pub mod regressors;
 mod stochastic;
 pub mod stop;
 pub mod textbook;
-mod yule_walker;
 
 use std::ops::Range;
 use std::str::FromStr;
@@ -27,12 +26,13 @@ use thiserror::Error;
 use crate::candidates::{Candidates, Monomial};
 use crate::moments::{GramError, Moments, Rows, SignalsError};
 pub use autoregression::{Autoregression, AutoregressionError};
-pub use axis::{AxisError, AxisFit, fit_axis, training_rows};
+pub use axis::{AxisFit, fit_axis, training_rows};
+pub use axis_error::AxisError;
+pub use axis_report::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use exchange::Tie;
 pub use fos::{Selection, Step};
 pub use options::{FitOptions, InputSpec, Method, Stop, Train};
 pub use refit::{Refit, RefitError};
-pub use stochastic::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use stop::{NoiseRule, StopRule, Stopped};
 
 /// A model chosen and fitted: what was selected, and its least-squares coefficients.

@@ -5,11 +5,13 @@ use std::ops::Range;
 use fos_core::{u, y};
 
 use super::FitError;
+use super::axis_report::LeftOut;
 use super::refit;
 use super::regressors::Regressors;
 use super::stop::NoiseRule;
 use crate::candidates::Monomial;
 use crate::model::FittedTerm;
+use crate::model::UnitModel;
 use crate::moments::Rows;
 
 /// Orders of the autoregression that whitens the physical part's errors, and the rounds that it takes.
@@ -79,7 +81,7 @@ fn coefficients(regressors: &Regressors, inputs: &[u8]) -> Result<(Vec<FittedTer
         let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
         let solution = refit::refit(&columns, &rows, &monomials)?;
         if round == WHITENING_ROUNDS {
-            return Ok((FittedTerm::of(&monomials, &solution), solution.rows));
+            return Ok((solution.terms(&monomials), solution.rows));
         }
         round += 1;
         let residual: Vec<f64> = (0..regressors.remainder.len())
@@ -109,4 +111,13 @@ fn whiten(column: &[f64], stretches: &[Range<usize>], colour: &[f64]) -> Vec<f64
         }
     }
     whitened
+}
+
+impl UnknownTerm {
+    /// As a study keeps it, with the name of its input.
+    pub(super) fn left_out_of(self, model: &UnitModel) -> LeftOut {
+        let Self { input, coefficient, standard_error } = self;
+        let input = model.inputs.get(usize::from(input)).map_or_else(String::new, |named| named.name.clone());
+        LeftOut { input, coefficient, standard_error }
+    }
 }

@@ -2,7 +2,7 @@
 
 use fos_core::u;
 
-use super::axis::AxisError;
+use super::axis_error::AxisError;
 use super::options::{FitOptions, Method};
 use crate::candidates::{Candidates, CandidatesError, MAX_CANDIDATES};
 

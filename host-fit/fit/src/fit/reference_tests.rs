@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
+use super::autoregression::{burg, yule_walker};
 use super::*;
 use crate::moments::Product;
 use fos_testkit::reference::{self, assert_all_close, number, numbers};
@@ -364,7 +365,7 @@ fn autoregressions_agree_with_hand_sized_cases() {
             "reflection_to_polynomial" => {
                 let mut coefficients = Vec::new();
                 for gamma in numbers(&case["reflection"]) {
-                    autoregression::step_up(&mut coefficients, gamma);
+                    autoregression::polynomial::step_up(&mut coefficients, gamma);
                 }
                 for (a, printed) in coefficients.iter().zip(&numbers(&case["polynomial"])[1..]) {
                     assert!((-a - printed).abs() <= tolerance, "{a} for {printed}");

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::least_squares::{self, System};
 use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG, Monomial, is_candidate, monomial_text};
+use crate::model::FittedTerm;
 use crate::moments::{Product, Rows, SignalsError};
 
 /// A least-squares fit of given terms.
@@ -30,6 +31,19 @@ pub struct Refit {
     pub condition: f64,
     /// Rows used, n.
     pub rows: usize,
+}
+
+impl Refit {
+    /// The terms that were fitted, `monomials`, with their coefficients and standard errors.
+    pub fn terms(&self, monomials: &[Monomial]) -> Vec<FittedTerm> {
+        let solved = self.coefficients.iter().zip(&self.coefficient_errors);
+        let term = |(factors, (coefficient, error)): (&Monomial, (&f64, &f64))| FittedTerm {
+            coefficient: *coefficient,
+            standard_error: Some(*error),
+            factors: factors.clone(),
+        };
+        monomials.iter().zip(solved).map(term).collect()
+    }
 }
 
 /// Why terms could not be fitted.

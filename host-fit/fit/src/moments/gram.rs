@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-use super::Moments;
-use super::layout::Average;
+use super::layout::{Average, Layout};
 use crate::candidates::{Candidates, Monomial, monomial_text};
 
 /// Averages over the rows, written ⟨·⟩: of products of candidates p_i, and of candidates and target y.
@@ -30,15 +29,20 @@ pub enum GramError {
 }
 
 impl Gram {
-    pub(super) fn new(moments: &Moments, pool: &Candidates) -> Result<Self, GramError> {
-        if moments.rows == 0 {
+    /// From the sums over so many `rows` of the products in `layout`.
+    pub(super) fn new(
+        rows: usize,
+        layout: &Layout,
+        sums: &[f64],
+        pool: &Candidates,
+    ) -> Result<Self, GramError> {
+        if rows == 0 {
             return Err(GramError::NoRows);
         }
-        let layout = &moments.layout;
         let place =
             |p: &Monomial| layout.pool.position(p).ok_or_else(|| GramError::NotCovered(monomial_text(p)));
         let places = pool.monomials().iter().map(place).collect::<Result<Vec<usize>, _>>()?;
-        let average = |average| moments.sums[layout.product(average)] / moments.rows as f64;
+        let average = |average| sums[layout.product(average)] / rows as f64;
         let size = places.len();
         let mut products = vec![0.0; size * size];
         for (i, &p) in places.iter().enumerate() {
@@ -49,7 +53,7 @@ impl Gram {
             }
         }
         Ok(Self {
-            rows: moments.rows,
+            rows,
             means: places.iter().map(|&p| average(Average::Mean(p))).collect(),
             products,
             target_products: places.iter().map(|&p| average(Average::WithTarget(p))).collect(),

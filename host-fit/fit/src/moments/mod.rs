@@ -131,7 +131,7 @@ impl Moments {
     /// # Errors
     /// No rows, or a candidate the moments were not made for.
     pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
-        Gram::new(self, pool)
+        Gram::new(self.rows, &self.layout, &self.sums, pool)
     }
 
     /// # Panics

@@ -13,8 +13,8 @@ use std::ops::Range;
 
 use fos_core::y;
 
-use super::autoregression::{Autoregression, AutoregressionError, Method, TRUSTED};
-use super::least_squares::{self, System};
+use super::result::{Autoregression, AutoregressionError, Method, TRUSTED};
+use crate::fit::least_squares::{self, System};
 use crate::moments::Product;
 
 pub(super) fn estimate(stretches: &[&[f64]], order: usize) -> Result<Autoregression, AutoregressionError> {

@@ -12,12 +12,16 @@
 
 use nalgebra::DMatrix;
 
-use super::autoregression::{Autoregression, AutoregressionError, Method, TRUSTED, inner_product, step_up};
+use super::polynomial::{inner_product, step_up};
+use super::result::{Autoregression, AutoregressionError, Method, TRUSTED};
 
 /// Rounding error of an R(k) relative to R(0): sums in eight parts of some 10⁵ products each, and the recursion's own.
 const ROUNDING: f64 = 1e-14;
 
-pub(super) fn estimate(stretches: &[&[f64]], order: usize) -> Result<Autoregression, AutoregressionError> {
+pub(in crate::fit) fn estimate(
+    stretches: &[&[f64]],
+    order: usize,
+) -> Result<Autoregression, AutoregressionError> {
     let samples: usize = stretches.iter().map(|stretch| stretch.len()).sum();
     let lagged = |lag: usize| {
         let of_stretch = |stretch: &&[f64]| match stretch.get(lag..) {
@@ -31,7 +35,7 @@ pub(super) fn estimate(stretches: &[&[f64]], order: usize) -> Result<Autoregress
 }
 
 /// The autoregression whose autocorrelation is R(0) … R(p).
-pub(super) fn levinson_durbin(autocorrelation: &[f64]) -> Result<Autoregression, AutoregressionError> {
+pub(in crate::fit) fn levinson_durbin(autocorrelation: &[f64]) -> Result<Autoregression, AutoregressionError> {
     let order = autocorrelation.len() - 1;
     let refused = |order| AutoregressionError::IllConditioned { method: Method::YuleWalker, order };
     let mut innovation_variance = autocorrelation[0];

@@ -12,9 +12,10 @@
 
 use nalgebra::ComplexField;
 
-use super::autoregression::{Autoregression, AutoregressionError, Method, TRUSTED, inner_product, step_up};
+use super::polynomial::{inner_product, step_up};
+use super::result::{Autoregression, AutoregressionError, Method, TRUSTED};
 
-pub(super) fn estimate<T: ComplexField<RealField = f64>>(
+pub(in crate::fit) fn estimate<T: ComplexField<RealField = f64>>(
     stretches: &[&[T]],
     order: usize,
 ) -> Result<Autoregression<T>, AutoregressionError> {

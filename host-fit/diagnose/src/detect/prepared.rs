@@ -1,0 +1,110 @@
+//! What a diagnosis begins with: the log in blocks, the faults in it, what is known of the noise, what the model has already.
+
+use std::rc::Rc;
+
+use fos_data::column::Column;
+use fos_fit::noise::LevelPrior;
+
+use super::error_in_blocks::ErrorInBlocks;
+use super::faults::{self, Converter, Fault};
+use super::hypothesis::Hypotheses;
+use super::question::{DiagnoseError, Given, MIN_BLOCKS, Question};
+use super::slow::SlowSearch;
+use super::testable::Testable;
+use crate::effects::{Effect, Inputs};
+
+/// Coarse steps above this many standard deviations of the noise hide every slow effect in the stairs they make.
+const STAIRS: f64 = 2.5;
+
+/// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
+const SHAKEN: f64 = 1.5;
+
+/// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as much.
+const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
+
+/// What a diagnosis begins with: the log reduced, what is known of the noise, what the model has already.
+pub(super) struct Prepared {
+    pub(super) column: String,
+    pub(super) faults: Vec<Fault>,
+    pub(super) testable: Testable,
+    pub(super) reduced: ErrorInBlocks,
+    pub(super) prior: LevelPrior,
+    pub(super) given: Vec<Vec<f64>>,
+    /// The axis measures shaking, and no reference says what of it.
+    pub(super) shaken: bool,
+    /// Standard deviation of the noise without coarse steps: of the quiet log, where there is one.
+    pub(super) fast_deviation: f64,
+}
+
+impl Prepared {
+    pub(super) fn new(question: &Question<'_>) -> Result<Self, DiagnoseError> {
+        let Question { field, target, library, .. } = *question;
+        let column = field.axis(target)?.name.clone();
+        let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
+        let faults = faults::find(field, question.quiet, &column, &converter);
+        let inputs = Inputs::new(field);
+        let testable = Testable::of(question, &inputs, &column)?;
+        let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
+        if reduced.blocks.len() < MIN_BLOCKS {
+            let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
+            return Err(DiagnoseError::TooShort { column, blocks, length_s });
+        }
+        let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
+        let shaken = Column::named(&column).is_specific_force()
+            && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
+        let prior = prior(question, &reduced, quiet.as_ref());
+        // shaking adds to the noise of block means what no quiet log tells of
+        let (prior, reduced) = match shaken {
+            true => (prior.widened(SHAKING), reduced.shaken()),
+            false => (prior, reduced),
+        };
+        let mut given = vec![vec![1.0; reduced.blocks.len()]];
+        let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
+        for Given { effect, value } in question.given {
+            let effect = Rc::new(library.get(effect)?.clone());
+            given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
+        }
+        let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
+        Ok(Self { column, faults, testable, reduced, prior, given, shaken, fast_deviation })
+    }
+
+    pub(super) fn search<'s>(
+        &'s self,
+        hypotheses: &'s Hypotheses<'s>,
+        effects: &'s [Rc<Effect>],
+    ) -> SlowSearch<'s> {
+        SlowSearch {
+            blocks: &self.reduced.blocks,
+            y: &self.reduced.means,
+            given: &self.given,
+            hypotheses,
+            effects,
+            prior: self.prior,
+        }
+    }
+
+    /// Whether slow effects drown in the stairs that a converter makes.
+    pub(super) fn in_stairs(&self) -> bool {
+        self.reduced.clipped_through
+            || self.faults.iter().any(|fault| match fault {
+                Fault::Coarse { step, .. } => *step > STAIRS * self.fast_deviation,
+                // the mean of a swing that is cut off moves with the swing
+                Fault::Saturation { .. } => self.shaken,
+                Fault::Dropped { .. } => false,
+            })
+    }
+}
+
+/// What is known of the noise before the field log is looked at.
+fn prior(question: &Question<'_>, field: &ErrorInBlocks, quiet: Option<&ErrorInBlocks>) -> LevelPrior {
+    let quiet = quiet.filter(|quiet| quiet.blocks.len() >= MIN_BLOCKS);
+    let start = match (&question.sheet, quiet) {
+        (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
+        (None, Some(quiet)) => LevelPrior::of_log(&quiet.blocks, &quiet.means),
+        (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
+    };
+    match quiet {
+        Some(quiet) => start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]]),
+        None => start,
+    }
+}

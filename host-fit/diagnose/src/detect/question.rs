@@ -1,0 +1,90 @@
+//! What a diagnosis is asked, and why there may be none.
+
+use fos_data::case::DataSheet;
+use fos_data::column::Column;
+use fos_data::recording::{Recording, RecordingError};
+
+use crate::effects::Library;
+
+/// What to explain, and what is known beside it.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a> {
+    /// The log to explain.
+    pub field: &'a Recording,
+    /// A quiet log of the same unit, in which nothing is missing.
+    pub quiet: Option<&'a Recording>,
+    /// The log that a correction is to be judged on: its inputs say how much should fall there. By default the field log.
+    pub judged: Option<&'a Recording>,
+    /// The column to explain.
+    pub target: &'a str,
+    /// What the data sheet says of the axis.
+    pub sheet: Option<DataSheet>,
+    /// Full scale of the axis, in its unit.
+    pub full_scale: Option<f64>,
+    /// Least significant bit of the axis, in its unit.
+    pub lsb: Option<f64>,
+    /// The effects to try.
+    pub library: &'a Library,
+    /// Effects that the model already has, with their parameters: they are never found again.
+    pub given: &'a [Given],
+}
+
+/// An effect that a model already has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Its identifier.
+    pub effect: String,
+    /// The value of its parameter.
+    pub value: Option<f64>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// An effect is not known.
+    #[error(transparent)]
+    Effect(#[from] crate::effects::EffectError),
+    /// An effect that was asked for does not show in the log.
+    #[error("{effect} cannot be estimated from this log: {reason}")]
+    NotThere {
+        /// The effect.
+        effect: String,
+        /// Why.
+        reason: String,
+    },
+    /// An axis that does not measure.
+    #[error(
+        "{column}: every value at rest is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
+    Stuck {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// Too little to say anything.
+    #[error(
+        "{column}: {blocks} blocks of {length_s:.1} s at rest; at least {} are needed to tell an effect from drifting noise\nhelp: a longer log at rest, or one with a reference",
+        MIN_BLOCKS
+    )]
+    TooShort {
+        /// The column.
+        column: String,
+        /// Blocks in which it is known.
+        blocks: usize,
+        /// Their length, s.
+        length_s: f64,
+    },
+}
+
+/// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in another
+/// pose another part of it.
+pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
+    log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
+}
+
+/// Fewest blocks that a diagnosis is made of: below 60 the search over twenty effects has no power left.
+pub const MIN_BLOCKS: usize = 60;

@@ -1,0 +1,132 @@
+//! Why an axis cannot be fitted, and what to do about it.
+
+use fos_core::ModelError;
+use fos_data::recording::RecordingError;
+
+use super::FitError;
+use super::autoregression::AutoregressionError;
+use crate::candidates::{CandidatesError, MAX_CANDIDATES};
+
+/// Why an axis cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum AxisError {
+    /// A column is not there.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Too little to fit to.
+    #[error(
+        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train{}",
+        what_fits(", or ", fits)
+    )]
+    TooShort {
+        /// The column.
+        column: String,
+        /// Rows at rest in the training part.
+        rows: usize,
+        /// Rows needed.
+        needed: usize,
+        /// Candidates.
+        candidates: usize,
+        /// Options that the rows are enough for; empty if there are none.
+        fits: String,
+    },
+    /// More than a search can hold.
+    #[error(
+        "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller --max-lag, --input-lags or --degree{}",
+        what_fits(", as ", fits)
+    )]
+    TooMany {
+        /// The column.
+        column: String,
+        /// Candidates.
+        candidates: usize,
+        /// Options that give fewer.
+        fits: String,
+    },
+    /// An accelerometer without a reference, in more than one pose.
+    #[error(
+        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: --train {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: --axis gx,gy,gz",
+        first.0, force(&first.1), second.0, force(&second.1)
+    )]
+    TwoPoses {
+        /// The column.
+        column: String,
+        /// Since when the first is held, s as stamped, and what the accelerometers show in it, m/s².
+        first: (f64, Vec<f64>),
+        /// The same of the second.
+        second: (f64, Vec<f64>),
+        /// Whole seconds at rest to the end of the first.
+        train_s: u64,
+    },
+    /// All values are the same.
+    #[error(
+        "{column}: every value in the training part is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
+    Constant {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// An input that does not change where it is fitted.
+    #[error(
+        "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of --physical and --input, or fit on rows in which it changes (--train)"
+    )]
+    Steady {
+        /// The column of the input.
+        column: String,
+        /// Its value.
+        value: f64,
+    },
+    /// An input that has no value where it is fitted.
+    #[error(
+        "{column} has no value in the rows that are fitted\nhelp: leave it out of --physical and --input, or fit on rows in which it is logged (--train)"
+    )]
+    NotKnown {
+        /// The column of the input.
+        column: String,
+    },
+    /// The candidates do not make a pool.
+    #[error("{column}: {source}")]
+    Candidates {
+        /// The column.
+        column: String,
+        /// Why.
+        source: CandidatesError,
+    },
+    /// The search or the final solution.
+    #[error("{column}: {source}")]
+    Search {
+        /// The column.
+        column: String,
+        /// Why.
+        source: FitError,
+    },
+    /// An autoregression cannot be estimated.
+    #[error("{column}: {source}")]
+    Autoregression {
+        /// The column.
+        column: String,
+        /// Why.
+        source: AutoregressionError,
+    },
+    /// fos-core refuses the model.
+    #[error(
+        "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
+    )]
+    Model {
+        /// The column.
+        column: String,
+        /// Why.
+        source: ModelError,
+    },
+}
+
+fn what_fits(joined_by: &str, fits: &str) -> String {
+    if fits.is_empty() { String::new() } else { format!("{joined_by}{fits}") }
+}
+
+fn force(levels: &[f64]) -> String {
+    let levels: Vec<String> = levels.iter().map(|level| format!("{level:.2}")).collect();
+    format!("({})", levels.join(", "))
+}
