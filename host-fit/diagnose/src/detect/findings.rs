@@ -70,11 +70,15 @@ impl Assembly<'_> {
                         || effect.is_ok_and(|effect| !effect.follows_clock_alone()))
             });
         }
-        let steps = findings.iter().filter(|finding| finding.effect == "bias_step").count();
+        let is_step = |finding: &Finding| {
+            let effect = self.question.library.get(&finding.effect);
+            effect.is_ok_and(|effect| effect.search == Search::Step)
+        };
+        let steps = findings.iter().filter(|finding| is_step(finding)).count();
         if steps > MOST_STEPS {
-            let gain = findings.iter().filter(|f| f.effect == "bias_step").map(|f| f.gain).sum();
+            let gain = findings.iter().filter(|finding| is_step(finding)).map(|finding| finding.gain).sum();
             leads.push(Lead { follows: format!("{steps} jumps of the bias"), gain, score: gain, share: 0.0 });
-            findings.retain(|finding| finding.effect != "bias_step");
+            findings.retain(|finding| !is_step(finding));
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
             let share = match line.duty {
@@ -130,8 +134,8 @@ impl Assembly<'_> {
         })
     }
 
-    fn effect(&self, id: &str) -> Result<&Effect, DiagnoseError> {
-        Ok(self.question.library.get(id)?)
+    fn found_as(&self, search: Search, value: f64) -> Result<&Effect, DiagnoseError> {
+        Ok(self.question.library.found_as(search, self.column, value)?)
     }
 
     fn separations(&self, id: &str, rivals: &[String]) -> Vec<Separation> {
@@ -147,16 +151,16 @@ impl Assembly<'_> {
     }
 
     fn fault_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let of = |id: &str, value: f64| -> Result<Finding, DiagnoseError> {
-            let effect = self.effect(id)?;
+        let of = |search: Search, value: f64| -> Result<Finding, DiagnoseError> {
+            let effect = self.found_as(search, value)?;
             Ok(Finding { params: param(effect, value), ..bare(effect, f64::MAX.sqrt()) })
         };
         self.faults
             .iter()
             .map(|fault| match fault {
-                Fault::Saturation { share, .. } => of("saturation", *share),
-                Fault::Dropped { share } => of("dropped_samples", *share),
-                Fault::Coarse { multiple, .. } => of("quantisation", *multiple),
+                Fault::Saturation { share, .. } => of(Search::Saturation, *share),
+                Fault::Dropped { share } => of(Search::DroppedSamples, *share),
+                Fault::Coarse { multiple, .. } => of(Search::CoarseSteps, *multiple),
             })
             .collect()
     }
@@ -169,7 +173,8 @@ impl Assembly<'_> {
         let steady = self.lines.iter().filter(|line| line.duty >= lines::STEADY);
         steady
             .map(|line| {
-                let effect = self.effect(if line.coherent { "spectral_line" } else { "drifting_line" })?;
+                let search = if line.coherent { Search::Line } else { Search::WanderingLine };
+                let effect = self.found_as(search, line.frequency_hz)?;
                 let mut finding = Finding {
                     params: param(effect, line.frequency_hz),
                     score: line.score,
@@ -221,11 +226,11 @@ impl Assembly<'_> {
         Ok(match slow.noise {
             ExtraNoise::None => None,
             ExtraNoise::Walk => {
-                let effect = self.effect("rate_random_walk")?;
+                let effect = self.found_as(Search::RandomWalk, 0.0)?;
                 Some(Finding { gain: slow.noise_gain, ..bare(effect, slow.noise_score) })
             }
             ExtraNoise::GaussMarkov(process) => {
-                let effect = self.effect("gauss_markov")?;
+                let effect = self.found_as(Search::GaussMarkov, process.tau_s)?;
                 let mut finding = Finding {
                     params: param(effect, process.tau_s),
                     gain: slow.noise_gain,

@@ -132,10 +132,23 @@ pub enum Search {
     Line,
     /// As a line that wanders, in the spectrum.
     WanderingLine,
-    /// In the values and stamps themselves.
-    Fault,
-    /// As noise beyond the baseline's, in block means.
-    Noise,
+    /// As values that stop at a limit.
+    Saturation,
+    /// As samples that are not there.
+    DroppedSamples,
+    /// As values in steps that are coarse beside the noise.
+    CoarseSteps,
+    /// As a Gauss-Markov process beyond the noise of the baseline, in block means.
+    GaussMarkov,
+    /// As a random walk beyond the noise of the baseline, in block means.
+    RandomWalk,
+}
+
+impl Search {
+    /// Whether one log may show several of what is found so, each with its own parameter.
+    pub fn is_repeatable(self) -> bool {
+        matches!(self, Self::Line | Self::Step)
+    }
 }
 
 /// One regressor of an effect.
@@ -204,6 +217,16 @@ pub enum EffectError {
         /// The most similar identifier.
         closest: Option<String>,
     },
+    /// What was found is no effect that is known.
+    #[error(
+        "nothing in the library is found as {search:?} on {column}\nhelp: leave out the file that replaces the built-in effect, or give it another identifier"
+    )]
+    NoneFoundAs {
+        /// How it was found.
+        search: Search,
+        /// Where.
+        column: String,
+    },
 }
 
 /// All effects that are known.
@@ -261,6 +284,25 @@ impl Library {
             closest: fos_data::closest::closest(id, self.effects.iter().map(|effect| effect.id.as_str()))
                 .map(str::to_owned),
         })
+    }
+
+    /// What is found in this way on the axis of `column`, with this value of its parameter. Of several effects that say so it is the
+    /// one whose range holds the value, a user's own before the built-in one.
+    ///
+    /// # Errors
+    ///
+    /// No effect is found so.
+    pub fn found_as(&self, search: Search, column: &str, value: f64) -> Result<&Effect, EffectError> {
+        let found_so =
+            || self.effects.iter().filter(|effect| effect.search == search && effect.strikes(column));
+        let holds = |effect: &&Effect| {
+            effect
+                .parameter
+                .as_ref()
+                .is_none_or(|parameter| (parameter.low..=parameter.high).contains(&value))
+        };
+        let found = found_so().rfind(holds).or_else(|| found_so().next());
+        found.ok_or_else(|| EffectError::NoneFoundAs { search, column: column.to_owned() })
     }
 
     /// The experiment that separates two effects, if either of them says.
@@ -384,6 +426,23 @@ mod tests {
                 assert!(knows, "{} lists {}, not the other way round", effect.id, other.id);
             }
         }
+    }
+
+    #[test]
+    fn a_users_own_line_is_found_in_its_range_and_the_built_in_one_elsewhere() {
+        let mut library = Library::built_in();
+        let built_in = library.get("spectral_line").unwrap().clone();
+        let mut hum = Effect { id: "mains_hum".to_owned(), ..built_in };
+        let parameter = hum.parameter.as_mut().unwrap();
+        (parameter.low, parameter.high) = (49.0, 51.0);
+        library.add(hum);
+        let found = |hz| library.found_as(Search::Line, "gx_rads", hz).unwrap().id.as_str();
+        assert_eq!(
+            [found(50.02), found(16.4), found(480.0)],
+            ["mains_hum", "spectral_line", "spectral_line"]
+        );
+        let none = Library { effects: Vec::new() };
+        assert!(none.found_as(Search::Line, "gx_rads", 50.0).unwrap_err().to_string().contains("help"));
     }
 
     #[test]

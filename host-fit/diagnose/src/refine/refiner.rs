@@ -146,7 +146,7 @@ impl<'a> Refiner<'a> {
             wanted.push(added.effect.id.clone());
         }
         // lines and steps there may be several of
-        let repeats = added_again(effect);
+        let repeats = effect.search.is_repeatable();
         if wanted.contains(&effect.id) && !repeats {
             return Err(RefineError::Twice(effect.id.clone()));
         }
@@ -392,11 +392,6 @@ fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
     }
 }
 
-/// Whether there can be several of it in one model.
-fn added_again(effect: &Effect) -> bool {
-    matches!(effect.id.as_str(), "spectral_line" | "bias_step")
-}
-
 /// Effects that leave nothing to subtract are told apart by what to do instead.
 ///
 /// # Errors
@@ -406,7 +401,7 @@ fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",
         Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",
-        Band::Wide if effect.id != "spectral_line" => {
+        Band::Wide if effect.search != Search::Line => {
             "a filter in front of the model, or another output rate"
         }
         _ => return Ok(()),

@@ -35,7 +35,9 @@ pub(in crate::fit) fn estimate(
 }
 
 /// The autoregression whose autocorrelation is R(0) … R(p).
-pub(in crate::fit) fn levinson_durbin(autocorrelation: &[f64]) -> Result<Autoregression, AutoregressionError> {
+pub(in crate::fit) fn levinson_durbin(
+    autocorrelation: &[f64],
+) -> Result<Autoregression, AutoregressionError> {
     let order = autocorrelation.len() - 1;
     let refused = |order| AutoregressionError::IllConditioned { method: Method::YuleWalker, order };
     let mut innovation_variance = autocorrelation[0];
