@@ -145,8 +145,8 @@ impl<R: Real> RunningAxis<R> {
         self.last_measured = R::from_f64(f64::NAN);
     }
 
-    /// Too many samples are missing, `ticks` of them unseen. Forgets the history: the axis warms up again. What had begun to fade is
-    /// gone: nothing is known that could bring it back.
+    /// Too many samples are missing, `ticks` of them unseen. Forgets the history: the axis warms up again. What had
+    /// begun to fade is gone: nothing is known that could bring it back.
     #[cold]
     pub(crate) fn restart(&mut self, ticks: u32) {
         (self.measured_run, self.missing) = (0, self.gap_limit_samples);

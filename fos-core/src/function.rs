@@ -1,7 +1,8 @@
 //! The functions that a model is built with, once: small where a device pays for every byte of flash.
 //!
-//! libm's expm1, exp and sincos take 8 KiB of a Cortex-M4F's flash, most of it for arguments that no model has. These take
-//! their arguments apart by halving, sum a short series and double back; they agree with libm's to 10⁻¹⁴, of which f32 keeps 6·10⁻⁸.
+//! libm's expm1, exp and sincos take 8 KiB of a Cortex-M4F's flash, most of it for arguments that no model has. These
+//! take their arguments apart by halving, sum a short series and double back; they agree with libm's to 10⁻¹⁴, of
+//! which f32 keeps 6·10⁻⁸.
 
 /// Below this the series below are cut off after terms of relative size 10⁻¹⁷.
 const SMALL: f64 = 1.0 / 32.0;

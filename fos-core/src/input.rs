@@ -29,7 +29,7 @@ pub enum Source {
 pub struct Input<R> {
     /// What it is computed from.
     pub source: Source,
-    /// How.
+    /// What is made of the source before it is centred and scaled: causal, in constant memory.
     pub transform: Transform<R>,
     /// Taken off the logged quantity first, in its unit, so that f32 keeps its digits.
     pub centre: R,

@@ -79,7 +79,7 @@ pub struct InnovationStatistics<R> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisParameters<R> {
-    /// Which axis.
+    /// Which axis of the sensor; that also says its unit.
     pub axis: Axis,
     /// True value at rest in the pose of the fit, in the axis' unit: 0 for a gyro, what gravity gives for an
     /// accelerometer. Stands in for the reference when a still sample comes without one.
@@ -94,7 +94,8 @@ pub struct AxisParameters<R> {
     pub range: Range<R>,
     /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
     pub full_scale: R,
-    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off. Stored as `stuck_after`.
+    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off. Stored as
+    /// `stuck_after`.
     #[serde(rename = "stuck_after")]
     pub stuck_after_repeats: u16,
     /// So many missing samples in a row are coasted before the history restarts. Stored as `gap_limit`.
@@ -110,7 +111,7 @@ pub struct AxisParameters<R> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisModel<'a, R> {
-    /// Its numbers.
+    /// Scaling, limits and what its innovation was while fitting.
     pub parameters: AxisParameters<R>,
     /// p: terms over inputs only.
     pub physical: &'a [Term<R>],
@@ -147,26 +148,26 @@ pub enum ModelError {
     NoAxis,
     /// More axes than the predictor has room for.
     TooManyAxes {
-        /// In the model.
+        /// What the model has.
         found: usize,
-        /// Room for.
+        /// What the predictor was made for.
         capacity: usize,
     },
     /// More inputs than the predictor has room for.
     TooManyInputs {
-        /// In the model.
+        /// What the model has.
         found: usize,
-        /// Room for.
+        /// What the predictor was made for.
         capacity: usize,
     },
     /// More terms, over all axes, than the predictor has room for.
     TooManyTerms {
-        /// Room for.
+        /// What the predictor was made for.
         capacity: usize,
     },
     /// A lag reaches back further than the history does.
     LagTooDeep {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
         /// Values that it reaches back, all channels counted.
         needed: usize,
@@ -175,48 +176,49 @@ pub enum ModelError {
     },
     /// A coefficient of the axis is NaN or infinite.
     CoefficientNotFinite {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
         /// The term, physical part first.
         term: usize,
     },
     /// Another number of the axis is NaN, infinite or has the wrong sign.
     AxisParameter {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
     },
     /// A term names an input that is not there.
     UnknownInput {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
         /// The term, physical part first.
         term: usize,
     },
     /// A term of the physical part uses the output or an input that is computed from it.
     OutputInPhysicalPart {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
-        /// The term.
+        /// Its place in the physical part.
         term: usize,
     },
     /// A number of an input is NaN, infinite or has the wrong sign.
     InputParameter {
-        /// The input.
+        /// Its place in the model.
         input: usize,
     },
     /// An input's source is not there, or is not of the kind that its transform takes.
     InputSource {
-        /// The input.
+        /// Its place in the model.
         input: usize,
     },
     /// The axis' terms could overflow even with inputs and remainder inside their limits.
     Unbounded {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
     },
-    /// Mean or variance of the axis' innovation, or its scale, is so far out that a [`Monitor`](crate::Monitor) could overflow.
+    /// Mean or variance of the axis' innovation, or its scale, is so far out that a [`Monitor`](crate::Monitor) could
+    /// overflow.
     Innovation {
-        /// The axis.
+        /// Its place in the model.
         axis: usize,
     },
     /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
@@ -303,8 +305,9 @@ impl<R: Real> AxisParameters<R> {
 }
 
 impl<R: Real> InnovationStatistics<R> {
-    /// Whether all that a [`Monitor`](crate::Monitor) makes of them is finite, in f32 as well: an innovation counts there for at
-    /// most 10⁶ deviations, so a running variance is at most 4·10¹² times this one; what it multiplies by is at most 10³⁸.
+    /// Whether all that a [`Monitor`](crate::Monitor) makes of them is finite, in f32 as well: an innovation counts
+    /// there for at most 10⁶ deviations, so a running variance is at most 4·10¹² times this one; what it multiplies
+    /// by is at most 10³⁸.
     pub(crate) fn is_bounded(&self, scale: R) -> bool {
         let within = |value: R, low: f64, high: f64| R::from_f64(low) <= value && value <= R::from_f64(high);
         within(self.mean, -1e15, 1e15) && within(self.variance, 1e-38, 1e20) && scale >= R::from_f64(1e-19)

@@ -168,9 +168,10 @@ impl<R: Real> Monitor<R> {
     }
 }
 
-/// How much further the sum of the squares of correlated innovations wanders, so that an alarm stays as rare: θ(0)/θ(ρ), where θ(ρ)
-/// is the root of 1 + ρ² − 2θ(1 − ρ²) = e^(−3θ) + ρ²e^(3θ), which is lim E e^(θΣ(e² − 1.5)) = 1 for a Gaussian recursion of order 1
-/// (Szegő's theorem on its spectrum). This is above it by at most 4 %, and needs no root where a model is loaded.
+/// How much further the sum of the squares of correlated innovations wanders, so that an alarm stays as rare:
+/// θ(0)/θ(ρ), where θ(ρ) is the root of 1 + ρ² − 2θ(1 − ρ²) = e^(−3θ) + ρ²e^(3θ), which is lim E e^(θΣ(e² − 1.5)) = 1
+/// for a Gaussian recursion of order 1 (Szegő's theorem on its spectrum). This is above it by at most 4 %, and needs
+/// no root where a model is loaded.
 fn power_inflation(correlation: f64) -> f64 {
     let square = correlation * correlation;
     1.0 + (3.8 - 1.17 * correlation.abs()) * square / (1.0 - square)

@@ -1,4 +1,5 @@
-//! Is the true value of an accelerometer at rest the one that the model knows? Decides whether a still axis may be tracked.
+//! Is the true value of an accelerometer at rest the one that the model knows? Decides whether a still axis may be
+//! tracked.
 
 use crate::Real;
 use crate::model::{Axis, AxisParameters};
@@ -6,25 +7,25 @@ use crate::model::{Axis, AxisParameters};
 /// Standard gravity, m/s²; anywhere on the ground it is within 0.3 % of this.
 pub const GRAVITY_MPS2: f32 = 9.80665;
 
-/// A still accelerometer that is further than this from its reference, in scaled units (standard deviations of the data that
-/// the model was fitted to), lies in another pose than that of the fit: 20 are a tilt of 2° for a noise of 0.02 m/s², and a
-/// bias drifts by less.
+/// A still accelerometer that is further than this from its reference, in scaled units (standard deviations of the
+/// data that the model was fitted to), lies in another pose than that of the fit: 20 are a tilt of 2° for a noise of
+/// 0.02 m/s², and a bias drifts by less.
 pub const OTHER_POSE: f64 = 20.0;
 
 /// Whether an axis at rest is in the pose of its fit, told by the sample before.
 ///
-/// At rest the true value of a gyro is 0 in every pose; that of an accelerometer is what gravity gives in its pose, and a
-/// model knows it for one pose only, its reference. Tracked in another one, the tilt would be taken for an error. So an axis is
-/// tracked in sample n, should the unit be still then, if sample n − 1 was in the pose:
+/// At rest the true value of a gyro is 0 in every pose; that of an accelerometer is what gravity gives in its pose,
+/// and a model knows it for one pose only, its reference. Tracked in another one, the tilt would be taken for an
+/// error. So an axis is tracked in sample n, should the unit be still then, if sample n − 1 was in the pose:
 ///
 /// ```text
 /// |corrected(n − 1) − reference| ≤ 20 scale
 /// ```
 ///
-/// It is judged on the corrected value, with offset and all that the model predicts taken out, of the one latest sample,
-/// tracked or coasted, at rest or not, in the axis' unit. Nothing is averaged and nothing looked ahead for, so that host
-/// and device judge alike, and sample by sample. A sample without a finite value leaves its axis where the last
-/// finite one was. Before the first sample the pose of an accelerometer is not known, and it is not tracked.
+/// It is judged on the corrected value, with offset and all that the model predicts taken out, of the one latest
+/// sample, tracked or coasted, at rest or not, in the axis' unit. Nothing is averaged and nothing looked ahead for,
+/// so that host and device judge alike, and sample by sample. A sample without a finite value leaves its axis where
+/// the last finite one was. Before the first sample the pose of an accelerometer is not known, and it is not tracked.
 ///
 /// Only the model's own reference needs the gate: a true value that is measured is true in every pose.
 ///

@@ -21,8 +21,8 @@ pub struct Sample<'a, R> {
 
 /// Evaluates a model sample by sample and takes the predicted error out.
 ///
-/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two up to 65536:
-/// at least (longest lag) × (inputs + axes) + inputs.
+/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two up
+/// to 65536: at least (longest lag) × (inputs + axes) + inputs.
 ///
 /// The step cannot fail and cannot panic. Its cost is bounded and does not depend on the data, but for gaps
 /// ([`skip`](Self::skip)).
@@ -225,9 +225,9 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.axes.push(running).map_err(|_| too_many)
     }
 
-    /// Refuses a model whose sums could overflow, so that the step needs no test for it: every partial product
-    /// and sum stays below 10³⁰ as long as inputs and remainder stay within their limits, and the step sees to that. The same for
-    /// a monitor.
+    /// Refuses a model whose sums could overflow, so that the step needs no test for it: every partial product and
+    /// sum stays below 10³⁰ as long as inputs and remainder stay within their limits, and the step sees to that. The
+    /// same for a monitor.
     fn check_bounded(
         &self,
         parameters: &AxisParameters<R>,
@@ -286,8 +286,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         })
     }
 
-    /// As [`track`](Self::track) for the axes whose bit in `tracked` is set, the first axis' bit being the lowest; the others
-    /// [coast](Self::coast).
+    /// As [`track`](Self::track) for the axes whose bit in `tracked` is set, the first axis' bit being the lowest;
+    /// the others [coast](Self::coast).
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_some(&mut self, sample: &Sample<'_, R>, tracked: u32) -> &[Correction<R>] {
         let mut left = tracked;
@@ -330,8 +330,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         &self.corrections
     }
 
-    /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be called before the
-    /// first sample.
+    /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be
+    /// called before the first sample.
     pub fn begin_after(&mut self, ticks: u32) {
         self.pass(ticks);
     }
@@ -344,8 +344,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         }
     }
 
-    /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what is known of
-    /// the sensor beside the model.
+    /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what
+    /// is known of the sensor beside the model.
     pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.limit_full_scale(full_scale);

@@ -107,8 +107,8 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
 }
 
 impl<R: Real> Part<R> {
-    /// Evaluates the part, whose terms are the first of `terms`, and returns those after it; were they too few, it would keep
-    /// its value.
+    /// Evaluates the part, whose terms are the first of `terms`, and returns those after it; were they too few, it
+    /// would keep its value.
     #[inline(always)]
     pub(crate) fn evaluate<'t, const N: usize>(
         &mut self,
@@ -140,8 +140,8 @@ impl<R: Real> Part<R> {
         rest
     }
 
-    /// `sum` and the terms with more than one factor, and the terms after them. A function of its own, so that its loops have the
-    /// registers to themselves.
+    /// `sum` and the terms with more than one factor, and the terms after them. A function of its own, so that its
+    /// loops have the registers to themselves.
     #[inline(never)]
     fn products<'t, const N: usize>(
         &self,

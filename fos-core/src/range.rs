@@ -8,9 +8,9 @@ use crate::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range<R> {
-    /// Smallest value seen.
+    /// Smallest value seen while fitting.
     pub low: R,
-    /// Largest value seen.
+    /// Largest value seen while fitting.
     pub high: R,
 }
 

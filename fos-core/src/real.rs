@@ -41,7 +41,7 @@ pub trait Real:
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 
-    /// The absolute value.
+    /// The absolute value; NaN stays NaN.
     fn abs(self) -> Self;
 
     /// `self` if it lies in `low ..= high`, else the bound it is beyond; NaN gives `low`.

@@ -11,10 +11,10 @@ const QUIET_WINDOWS: u8 = 2;
 /// Variances beyond the limit times this end stillness; between the two the state stays as it is (hysteresis).
 const HYSTERESIS: f64 = 2.0;
 
-/// A single sample this many standard deviations away ends stillness at once: those of the limit, which is of three axes
-/// together. Of three equal normal axes the sum of squares is then 3·7² variances of one, which noise at the limit never
-/// reaches (chi-squared, 3 degrees of freedom: once in 10³¹); limits are set several times above the noise, and a tap is far
-/// beyond.
+/// A single sample this many standard deviations away ends stillness at once: those of the limit, which is of three
+/// axes together. Of three equal normal axes the sum of squares is then 3·7² variances of one, which noise at the
+/// limit never reaches (chi-squared, 3 degrees of freedom: once in 10³¹); limits are set several times above the
+/// noise, and a tap is far beyond.
 const JUMP: f64 = 7.0;
 
 /// When a unit counts as still. All limits are sums over three axes.

@@ -21,7 +21,7 @@ pub enum Channel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Factor {
-    /// What is delayed.
+    /// What is delayed: the output of the axis, or an input.
     pub channel: Channel,
     /// By how many samples.
     pub lag: u16,

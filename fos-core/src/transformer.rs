@@ -5,8 +5,8 @@ use crate::{Real, Transform};
 
 /// A [`Transform`] with its state: what an input of a model runs, and what a host that looks for inputs runs.
 ///
-/// It starts at the first finite value as if that had been there for ever: until then nothing is known of the quantity, and
-/// what comes out is the transform of 0.
+/// It starts at the first finite value as if that had been there for ever: until then nothing is known of the
+/// quantity, and what comes out is the transform of 0.
 ///
 /// ```
 /// use fos_core::{Transform, Transformer};
@@ -24,7 +24,8 @@ pub struct Transformer<R> {
 }
 
 impl<R: Real> Transformer<R> {
-    /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0, scale 1.
+    /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0,
+    /// scale 1.
     pub fn new(transform: &Transform<R>, period_s: f64) -> Self {
         Self::scaled(transform, period_s, R::ZERO, R::ONE)
     }

@@ -8,8 +8,8 @@ use serde::{Serialize, Serializer};
 bitflags! {
     /// Everything that speaks against trusting a [`Correction`](crate::Correction); empty when nothing does.
     ///
-    /// It is computed for every axis and every sample and travels with the numbers it concerns. Storage and telemetry have
-    /// its bits.
+    /// It is computed for every axis and every sample and travels with the numbers it concerns. Storage and telemetry
+    /// have its bits.
     #[must_use = "a correction must not be used without asking whether it is valid"]
     #[derive(Clone, Copy, PartialEq, Eq, Default)]
     pub struct Validity: u16 {

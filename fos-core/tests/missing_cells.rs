@@ -1,5 +1,5 @@
-//! Missing cells at the edges of a logged quantity: an input of a model, and the same transform on its own, as a host runs it,
-//! start and stay alike.
+//! Missing cells at the edges of a logged quantity: an input of a model, and the same transform on its own, as a host
+//! runs it, start and stay alike.
 
 mod models;
 
@@ -76,7 +76,8 @@ fn on_the_host(
     rows.collect()
 }
 
-/// Rows in which two differ by more than rounding: a device steps through the begin of a gap, a host skips it in closed form.
+/// Rows in which two differ by more than rounding: a device steps through the begin of a gap, a host skips it in
+/// closed form.
 fn differing(a: &[f64], b: &[f64]) -> usize {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-9).count()

@@ -189,8 +189,8 @@ fn what_a_fault_has_left_in_the_running_statistics_fades_with_their_time_constan
                 let _ = (clean.update(&e), faulty.update(&e));
             }
             let left = differences(&clean, &faulty);
-            // a step down is rounded to 10⁻⁴ of it: 26 time constants may be as much longer; a correlation is off by both that
-            // it is the ratio of
+            // a step down is rounded to 10⁻⁴ of it: 26 time constants may be as much longer; a correlation is off by
+            // both that it is the ratio of
             assert!(
                 left.iter().zip([1.0, 1.0, 2.0]).all(|(left, of)| *left <= 1.01 * of * near),
                 "{lasts} samples of {size}: {left:?} after {samples}"
@@ -271,8 +271,8 @@ fn any_number(noise: &mut Noise) -> f64 {
     }
 }
 
-/// Parameters drawn over all that R holds: those that a model may have, those that are refused, and those that would have given
-/// a number that is none.
+/// Parameters drawn over all that R holds: those that a model may have, those that are refused, and those that would
+/// have given a number that is none.
 fn every_number_is_finite<R: Real>(seed: u64) -> [u32; 3] {
     let mut noise = Noise::new(seed);
     let (mut models, mut refused, mut would_overflow) = (0, 0, 0);

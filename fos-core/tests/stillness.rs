@@ -146,8 +146,8 @@ fn a_turn_that_begins_ends_stillness_within_two_windows() {
 
 #[test]
 fn a_turn_about_a_horizontal_axis_is_never_still() {
-    // also where the gyros may deviate further than that: gravity tells. Its mean moves by rate · 0.5 s · 9.81 m/s² from
-    // window to window, 0.086 m/s² at 1 dps, against a limit of √(2·3·0.016²) = 0.039 m/s²
+    // also where the gyros may deviate further than that: gravity tells. Its mean moves by rate · 0.5 s · 9.81 m/s²
+    // from window to window, 0.086 m/s² at 1 dps, against a limit of √(2·3·0.016²) = 0.039 m/s²
     for (rate, gyro_deviation) in [(2.0 * DPS, 0.5 * DPS), (1.0 * DPS, 3.0 * DPS)] {
         let (mut detector, mut phone) = (allowing(gyro_deviation), Phone::new(5));
         for n in 0..100_000 {

@@ -5,8 +5,8 @@
 //! cargo run -p fos-embedded --example hub --target thumbv7em-none-eabihf   # on an emulated Cortex-M4F, the same bits
 //! ```
 //!
-//! The model is compiled in; `host-fit export --rust` writes such a one of what it has fitted. One that comes as an image,
-//! from flash or over the air, goes through [`Hub::load`].
+//! The model is compiled in; `host-fit export --rust` writes such a one of what it has fitted. One that comes as an
+//! image, from flash or over the air, goes through [`Hub::load`].
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -101,8 +101,8 @@
 // Validity: the model does not have this axis, or there is no model; nothing was taken out.
 #define FOS_VALIDITY_NOT_MODELLED 1024
 
-// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the model was
-// fitted to something else. It stays until a rest of some seconds shows otherwise.
+// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the
+// model was fitted to something else. It stays until a rest of some seconds shows otherwise.
 #define FOS_VALIDITY_AWAY_FROM_GRAVITY 2048
 
 // Fault, as all of them since the sample before: a transfer over the bus failed.
@@ -111,7 +111,8 @@
 // Fault: the sensor's FIFO ran over; samples are lost.
 #define FOS_FAULT_OVERRUN 2
 
-// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than none.
+// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than
+// none.
 #define FOS_FAULT_GAP 4
 
 // Fault: the sensor had been reset, or was set up anew.
@@ -129,8 +130,8 @@
 // Fault: the thermometer says that it has nothing to say.
 #define FOS_FAULT_TEMPERATURE 128
 
-// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back. The hub sets
-// it itself.
+// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back.
+// The hub sets it itself.
 #define FOS_FAULT_RATE 256
 
 // The codes are as the sensor gives them.
@@ -242,8 +243,8 @@ typedef struct fos_raw_sample {
     uint8_t has_temperature;
 } fos_raw_sample;
 
-// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is NaN.
-// Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
+// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is
+// NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
 typedef struct fos_output {
     // Sample periods since the hub took its scales; wraps.
     uint32_t tick;
@@ -345,27 +346,25 @@ fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length
 
 // Corrects one sample; in the order of time, every one exactly once. `*raw` is read before `*output` is written.
 //
-// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the output.
+// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
+//   output.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `raw` or `output`. The sample counts as not given, `*output` is as
 //   before.
-fos_status fos_hub_update(struct fos_hub *hub,
-                          const struct fos_raw_sample *raw,
-                          struct fos_output *output);
+fos_status fos_hub_update(struct fos_hub *hub, const struct fos_raw_sample *raw, struct fos_output *output);
 
-// What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature and
-// the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or infinite, the
-// axes that use it say FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model forgets it.
+// What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature
+// and the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or
+// infinite, the axes that use it say FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model forgets it.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NOT_IN_MODEL: the model does not use it. That does no harm.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
 // - FOS_STATUS_ARGUMENT: `quantity` stands for nothing.
-fos_status fos_hub_give(struct fos_hub *hub,
-                        fos_quantity quantity,
-                        float value);
+fos_status fos_hub_give(struct fos_hub *hub, fos_quantity quantity, float value);
 
-// As fos_hub_give(), for the `k`-th of those quantities of the model that the application gives, from 0, in the model's
-// order: for one that has only a name. Those that the sensor measures (temperature, the six axes) are not counted.
+// As fos_hub_give(), for the `k`-th of those quantities of the model that the application gives, from 0, in the
+// model's order: for one that has only a name. Those that the sensor measures (temperature, the six axes) are not
+// counted.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NOT_IN_MODEL: the model has no such quantity.
@@ -380,14 +379,13 @@ fos_status fos_hub_give_application(struct fos_hub *hub, size_t k, float value);
 // - FOS_STATUS_ARGUMENT: `motion` stands for nothing.
 fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
 
-// What the application's clock shows, us since whenever, now that all samples up to now were given. From it the sensor's
-// true sample rate is found; to be called after every batch of samples. A clock that goes back starts the measurement
-// anew.
+// What the application's clock shows, us since whenever, now that all samples up to now were given. From it the
+// sensor's true sample rate is found; to be called after every batch of samples. A clock that goes back starts the
+// measurement anew.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
-fos_status fos_hub_clock(struct fos_hub *hub,
-                         uint64_t now_us);
+fos_status fos_hub_clock(struct fos_hub *hub, uint64_t now_us);
 
 // The sensor's true sample rate by the application's clock, in Hz.
 //
@@ -397,16 +395,14 @@ fos_status fos_hub_clock(struct fos_hub *hub,
 fos_status fos_hub_rate_hz(const struct fos_hub *hub, float *rate_hz);
 
 // Whether the model of an axis, FOS_AX to FOS_GZ, has stopped fitting: `*drift` is 0, or FOS_DRIFT_MEAN,
-// FOS_DRIFT_VARIANCE or both. Axes are watched in turn, 200 samples each, while their innovation is known. What was found
-// stays until fos_hub_restart_watch() or fos_hub_load().
+// FOS_DRIFT_VARIANCE or both. Axes are watched in turn, 200 samples each, while their innovation is known. What was
+// found stays until fos_hub_restart_watch() or fos_hub_load().
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NOT_IN_MODEL: the model does not have the axis; `*drift` is 0.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub` or `drift`.
 // - FOS_STATUS_ARGUMENT: `axis` is not less than FOS_AXES.
-fos_status fos_hub_drift(const struct fos_hub *hub,
-                         size_t axis,
-                         uint8_t *drift);
+fos_status fos_hub_drift(const struct fos_hub *hub, size_t axis, uint8_t *drift);
 
 // Forgets that the model has stopped fitting, and tests anew.
 //
@@ -414,18 +410,20 @@ fos_status fos_hub_drift(const struct fos_hub *hub,
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
 fos_status fos_hub_restart_watch(struct fos_hub *hub);
 
-// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the first
-// sample and again every minute or so for those who join late. `image` is the image that the hub has loaded: it has the
-// names of the quantities. Without a model `image` may be NULL and `length` 0.
+// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the
+// first sample and again every minute or so for those who join late. `image` is the image that the hub has loaded:
+// it has the names of the quantities. Without a model `image` may be NULL and `length` 0.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than 400.
-// - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or `used`.
+// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than
+//   400.
+// - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or
+//   `used`.
 // - FOS_STATUS_ARGUMENT: no memory there can have `length` or `capacity` bytes.
 // - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image`, as for fos_hub_load().
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in `buffer`
-// is not to be sent.
+// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
+// `buffer` is not to be sent.
 fos_status fos_telemetry_start(const struct fos_hub *hub,
                                const uint8_t *image,
                                size_t length,
@@ -440,12 +438,9 @@ fos_status fos_telemetry_start(const struct fos_hub *hub,
 // - FOS_STATUS_NULL: `hub`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `hub` or `used`.
 // - FOS_STATUS_ARGUMENT: no memory there can have `capacity` bytes.
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in `buffer`
-// is not to be sent.
-fos_status fos_telemetry_sample(const struct fos_hub *hub,
-                                uint8_t *buffer,
-                                size_t capacity,
-                                size_t *used);
+// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
+// `buffer` is not to be sent.
+fos_status fos_telemetry_sample(const struct fos_hub *hub, uint8_t *buffer, size_t capacity, size_t *used);
 
 #ifdef __cplusplus
 }  // extern "C"

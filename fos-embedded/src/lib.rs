@@ -2,8 +2,8 @@
 //!
 //! # What is here
 //!
-//! - [`sample_source`]: complete samples from a six-axis sensor, and what went wrong on the way; two real parts behind the
-//!   features `bmi323` and `lsm6dsv16x`.
+//! - [`sample_source`]: complete samples from a six-axis sensor, and what went wrong on the way; two real parts
+//!   behind the features `bmi323` and `lsm6dsv16x`.
 //! - [`hub`]: six axes over shared inputs: what an application calls.
 //! - [`raw`]: raw codes of a sensor, and what they mean.
 //! - `store`: model images in flash, two slots, the newest valid one wins; behind the feature `store`.

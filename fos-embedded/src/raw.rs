@@ -14,7 +14,8 @@ bitflags! {
         const BUS = 1;
         /// The sensor's FIFO ran over: samples are lost.
         const OVERRUN = 1 << 1;
-        /// Samples are missing: [`RawSample::skipped`] says how many. The hub sets it itself where that is more than none.
+        /// Samples are missing: [`RawSample::skipped`] says how many. The hub sets it itself where that is more than
+        /// none.
         const GAP = 1 << 2;
         /// The sensor had been reset, or was set up anew.
         const RESET = 1 << 3;

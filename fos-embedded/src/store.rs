@@ -1,9 +1,9 @@
 //! Model images in flash: two slots, the newest valid one wins.
 //!
-//! Each slot is a range of pages of its own, kept by `sequential-storage`: checksums, wear levelling, repair after a cut of power.
-//! An update goes into the slot that is not in use and is read back; the slot in use is not touched, whatever happens to
-//! the power or to worn pages of the other one. Afterwards the image before can still be returned to. A blocking flash goes
-//! through [`Blocking`](crate::blocking::Blocking).
+//! Each slot is a range of pages of its own, kept by `sequential-storage`: checksums, wear levelling, repair after a
+//! cut of power. An update goes into the slot that is not in use and is read back; the slot in use is not touched,
+//! whatever happens to the power or to worn pages of the other one. Afterwards the image before can still be returned
+//! to. A blocking flash goes through [`Blocking`](crate::blocking::Blocking).
 //!
 //! ```
 //! # use embedded_storage_async::nor_flash::NorFlash;
@@ -51,8 +51,8 @@ impl<E> From<sequential_storage::Error<E>> for StoreError<E> {
     }
 }
 
-/// Model images in a range of flash. `BYTES` is the length of its buffer: that of the longest image and 8 bytes, rounded up
-/// to the word of the flash.
+/// Model images in a range of flash. `BYTES` is the length of its buffer: that of the longest image and 8 bytes,
+/// rounded up to the word of the flash.
 pub struct ModelStore<F: NorFlash, const BYTES: usize> {
     flash: F,
     slots: [Range<u32>; 2],
@@ -146,7 +146,7 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         }
     }
 
-    /// The flash.
+    /// The flash, for another use; the images stay in it.
     pub fn release(self) -> F {
         self.flash
     }

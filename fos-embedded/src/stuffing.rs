@@ -1,8 +1,8 @@
 //! COBS (consistent overhead byte stuffing, Cheshire and Baker 1999) as postcard writes it, into a slice.
 //!
-//! The same bytes as postcard's own `Cobs<Slice>`. That finds its way back to the length of a block by an index which it
-//! asserts, and although the assertion always holds the compiler cannot see it: an image with telemetry would keep a
-//! panic (`.ci/c device`).
+//! The same bytes as postcard's own `Cobs<Slice>`. That finds its way back to the length of a block by an index which
+//! it asserts, and although the assertion always holds the compiler cannot see it: an image with telemetry would keep
+//! a panic (`.ci/c device`).
 
 use postcard::ser_flavors::Flavor;
 use postcard::{Error, Result};

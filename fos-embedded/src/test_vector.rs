@@ -18,7 +18,7 @@ pub struct TestVector<'a> {
     pub channels: &'a [u8],
     /// The model's quantities that the application gives, by their index in the model.
     pub given: &'a [u8],
-    /// The samples.
+    /// The samples, in their order; the hub was just loaded.
     pub samples: &'a [TestSample],
     /// Bits of what is given before each sample: `samples × given`, row = sample.
     pub given_bits: &'a [u32],
@@ -44,7 +44,7 @@ pub struct TestSample {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Expected {
-    /// Corrected value.
+    /// Corrected value, m/s² or rad/s.
     pub corrected: u32,
     /// Innovation; 0x7FC00000 (NaN) where there is none.
     pub innovation: u32,

@@ -1,5 +1,5 @@
-//! Every fault at every place where it can be met: finite, bounded, flagged, recovered from. The table that comes of it is in
-//! docs/faults.md.
+//! Every fault at every place where it can be met: finite, bounded, flagged, recovered from. The table that comes of
+//! it is in docs/faults.md.
 
 #[cfg(feature = "c-api")]
 #[path = "fault_matrix/c.rs"]
@@ -162,7 +162,8 @@ fn differences(one: &[f32; AXES], other: &[f32; AXES]) -> [f32; AXES] {
     array::from_fn(|axis| (one[axis] - other[axis]).abs())
 }
 
-/// What is taken off, and what is left of the error, differ by no more than this, scaled; nothing speaks against it that did not.
+/// What is taken off, and what is left of the error, differ by no more than this, scaled; nothing speaks against it
+/// that did not.
 fn same(found: &Out, expected: &Out, tolerance: f32) -> bool {
     let near = |(found, expected): (f32, f32), scale: f32| {
         // of the hub it is a difference of two roundings

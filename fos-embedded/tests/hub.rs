@@ -245,8 +245,8 @@ fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
     assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity);
 }
 
-/// A model of two poses takes the half of what tells them apart for an error, and fits: |a| was 3 m/s² where it had been 9.8, and all was
-/// valid.
+/// A model of two poses takes the half of what tells them apart for an error, and fits: |a| was 3 m/s² where it had
+/// been 9.8, and all was valid.
 #[test]
 fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise() {
     static FOLLOWS: [Term<f32>; 1] = [Term::new(0.97, &[y(1)])];

@@ -1,5 +1,5 @@
-//! A day of sensor time through hub and store, with random faults and model updates: nothing wanders, nothing leaks, and a unit
-//! that is restarted from its flash says what the one says that ran all along.
+//! A day of sensor time through hub and store, with random faults and model updates: nothing wanders, nothing leaks,
+//! and a unit that is restarted from its flash says what the one says that ran all along.
 
 mod flash;
 mod models;
@@ -55,12 +55,12 @@ const DEPTH: u64 = 2;
 /// The time constant of its memories, s.
 const TAU_S: f32 = 0.5;
 
-/// Without a low-pass nothing is remembered for longer, and what a restarted hub says is from then on the same bit for bit. The
-/// remainder is one sample late.
+/// Without a low-pass nothing is remembered for longer, and what a restarted hub says is from then on the same bit
+/// for bit. The remainder is one sample late.
 const FORGOTTEN: u64 = DEPTH + 1;
 
-/// With low-passes both say the same up to this, of the noise: last bits of the low-passes, which may differ for ever (how the
-/// carried part is rounded depends on where it came from), and of an accelerometer's value of 9.81 m/s².
+/// With low-passes both say the same up to this, of the noise: last bits of the low-passes, which may differ for ever
+/// (how the carried part is rounded depends on where it came from), and of an accelerometer's value of 9.81 m/s².
 const ALIKE: [f32; 2] = [1e-5, 2e-6];
 
 /// By then: ln(4.4/10⁻⁶) time constants, the inputs' share in the prediction being at most 0.5·4.4 and 0.2·11.
@@ -147,10 +147,11 @@ struct Findings {
     operations: usize,
     erased: [u32; PAGES],
     restarts: u32,
-    /// Restarts at a tick at which the first hub begins anew as well, in its middle without low-passes, and with: how many were
-    /// compared, over how many samples.
+    /// Restarts at a tick at which the first hub begins anew as well, in its middle without low-passes, and with: how
+    /// many were compared, over how many samples.
     compared: [(u32, u64); 3],
-    /// Samples, once measured, until the outputs of a restarted hub were those of the other for good: without low-passes, with.
+    /// Samples, once measured, until the outputs of a restarted hub were those of the other for good: without
+    /// low-passes, with.
     settled: [u64; 2],
     /// Of the device's code.
     allocated: u64,
@@ -281,8 +282,8 @@ enum Stage {
     Twins,
 }
 
-/// What both must say alike, bit for bit if not said otherwise. The alarms only if both were begun at once: the axes are watched
-/// in turn.
+/// What both must say alike, bit for bit if not said otherwise. The alarms only if both were begun at once: the axes
+/// are watched in turn.
 fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool {
     let values = |output: &Output| output.corrected.into_iter().chain(output.innovation);
     let [of_noise, of_value] = ALIKE;
@@ -486,7 +487,8 @@ fn judge(found: &Findings) -> Vec<String> {
     must(found.faults > 0 && found.updates > 3 && found.cuts > 0, "too little happened".to_owned());
     must(found.compared.iter().all(|(restarts, _)| *restarts > 0), "nothing was compared".to_owned());
     must(found.allocated == 0, format!("the device's code allocates, {} times", found.allocated));
-    // a page is turned when it is full, one image in it is carried over; a cut update takes room, and a repair may erase
+    // a page is turned when it is full, one image in it is carried over; a cut update takes room, and a repair may
+    // erase
     let a_page = (PAGE / (image(999).len() + 64)) as u32;
     let turns = (found.updates + 1) / (a_page - 1) + 2 * found.cuts + PAGES as u32;
     let erased: u32 = found.erased.iter().sum();

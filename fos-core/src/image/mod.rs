@@ -67,9 +67,9 @@ struct AxisHead {
 pub enum ImageError {
     /// Fewer bytes than the header says, or than a header has.
     Truncated {
-        /// Bytes needed.
+        /// Bytes that a header has, or that this one says.
         needed: usize,
-        /// Bytes there.
+        /// Bytes that were given.
         found: usize,
     },
     /// It does not start with [`MAGIC`]: not an image.
@@ -80,21 +80,21 @@ pub enum ImageError {
     UnknownFlags(u16),
     /// Bytes after the end of the image, or of its body or information.
     TrailingBytes {
-        /// How many.
+        /// Bytes that are too many.
         count: usize,
     },
     /// The checksum does not match: the image was damaged.
     Checksum {
-        /// As stored.
+        /// What the header says, CRC-32.
         stored: u32,
-        /// As computed.
+        /// What the bytes come to.
         computed: u32,
     },
     /// The checksum is right but the body is not what the format says.
     Malformed,
     /// A term has no factor, more than three, or an output at lag 0.
     Term {
-        /// The axis.
+        /// Its place in the image, from 0.
         axis: usize,
         /// The term, physical part first.
         term: usize,

@@ -21,7 +21,7 @@ pub struct Image<'a> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisImage<'a> {
-    /// Its numbers.
+    /// Scaling, limits and what its innovation was while fitting.
     pub parameters: AxisParameters<f32>,
     /// p: terms over inputs only.
     pub physical: Terms<'a>,
@@ -115,7 +115,7 @@ impl<'a> Image<'a> {
         self.head.stillness
     }
 
-    /// Names and provenance.
+    /// Names of the sensor, its quantities and the effects in the model, and where it comes from.
     pub fn info(&self) -> Info<'a> {
         Records(self.information).take().unwrap_or_default()
     }

@@ -217,8 +217,8 @@ fn coast(model: &OwnedModel<f32>, predictor: &mut Roomy<f32>, samples: u64, nois
     worst
 }
 
-/// The same stochastic terms fed back without a limit, the inputs anywhere in their ranges: whether an axis leaves its bound
-/// within 1000 samples.
+/// The same stochastic terms fed back without a limit, the inputs anywhere in their ranges: whether an axis leaves
+/// its bound within 1000 samples.
 fn leaves_its_bound_without_the_limit(model: &OwnedModel<f32>, noise: &mut Noise) -> bool {
     let bounds = bounds(model);
     model.axes.iter().zip(bounds).any(|(axis, bound)| {

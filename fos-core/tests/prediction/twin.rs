@@ -82,7 +82,8 @@ pub fn events() -> impl Strategy<Value = Vec<Event>> {
     prop::collection::vec(one, 0..250)
 }
 
-/// Runs the predictor and its twin over the events; a `tolerance` of 0 asks for equal bits. The error says where they differ.
+/// Runs the predictor and its twin over the events; a `tolerance` of 0 asks for equal bits. The error says where they
+/// differ.
 pub fn compare(model: &OwnedModel<f64>, events: &[Event], tolerance: f64) -> Result<(), String> {
     compare_with(Twin::new(model), model, events, tolerance)
 }

@@ -114,7 +114,8 @@ pub unsafe extern "C" fn fos_hub_load(hub: *mut fos_hub, image: *const u8, lengt
 
 /// Corrects one sample; in the order of time, every one exactly once. `*raw` is read before `*output` is written.
 ///
-/// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the output.
+/// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
+///   output.
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `raw` or `output`. The sample counts as not given, `*output` is as
 ///   before.
 #[unsafe(no_mangle)]
@@ -135,9 +136,9 @@ pub unsafe extern "C" fn fos_hub_update(
     })())
 }
 
-/// What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature and
-/// the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or infinite, the
-/// axes that use it say FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model forgets it.
+/// What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature
+/// and the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or
+/// infinite, the axes that use it say FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model forgets it.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NOT_IN_MODEL: the model does not use it. That does no harm.
@@ -152,8 +153,9 @@ pub unsafe extern "C" fn fos_hub_give(hub: *mut fos_hub, quantity: fos_quantity,
     })())
 }
 
-/// As fos_hub_give(), for the `k`-th of those quantities of the model that the application gives, from 0, in the model's
-/// order: for one that has only a name. Those that the sensor measures (temperature, the six axes) are not counted.
+/// As fos_hub_give(), for the `k`-th of those quantities of the model that the application gives, from 0, in the
+/// model's order: for one that has only a name. Those that the sensor measures (temperature, the six axes) are not
+/// counted.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NOT_IN_MODEL: the model has no such quantity.
@@ -183,9 +185,9 @@ pub unsafe extern "C" fn fos_hub_set_motion(hub: *mut fos_hub, motion: fos_motio
     })())
 }
 
-/// What the application's clock shows, us since whenever, now that all samples up to now were given. From it the sensor's
-/// true sample rate is found; to be called after every batch of samples. A clock that goes back starts the measurement
-/// anew.
+/// What the application's clock shows, us since whenever, now that all samples up to now were given. From it the
+/// sensor's true sample rate is found; to be called after every batch of samples. A clock that goes back starts the
+/// measurement anew.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
@@ -217,8 +219,8 @@ pub unsafe extern "C" fn fos_hub_rate_hz(hub: *const fos_hub, rate_hz: *mut f32)
 }
 
 /// Whether the model of an axis, FOS_AX to FOS_GZ, has stopped fitting: `*drift` is 0, or FOS_DRIFT_MEAN,
-/// FOS_DRIFT_VARIANCE or both. Axes are watched in turn, 200 samples each, while their innovation is known. What was found
-/// stays until fos_hub_restart_watch() or fos_hub_load().
+/// FOS_DRIFT_VARIANCE or both. Axes are watched in turn, 200 samples each, while their innovation is known. What was
+/// found stays until fos_hub_restart_watch() or fos_hub_load().
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NOT_IN_MODEL: the model does not have the axis; `*drift` is 0.

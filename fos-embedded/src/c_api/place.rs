@@ -43,7 +43,8 @@ pub(super) struct Place<T>(*mut T);
 impl<T> Place<T> {
     /// # Safety
     ///
-    /// If it is neither NULL nor misaligned, `pointer` leads to memory for a `T` that nobody else uses until [`put`](Self::put).
+    /// If it is neither NULL nor misaligned, `pointer` leads to memory for a `T` that nobody else uses until
+    /// [`put`](Self::put).
     pub(super) unsafe fn new(pointer: *mut T) -> Result<Self, fos_status> {
         check(pointer)?;
         Ok(Self(pointer))

@@ -12,24 +12,27 @@ pub const FOS_TELEMETRY_BYTES: usize = 512;
 /// The names of the logged quantities together are at most so long.
 const NAMES: usize = 400;
 
-// variant, version, period, two texts with their lengths (the second takes two bytes), checksum, two bytes of COBS, delimiter
+// variant, version, period, two texts with their lengths (the second takes two bytes), checksum, two bytes of COBS,
+// delimiter
 const _: () = {
     let longest = 1 + 1 + 4 + 1 + HUB_AXES.len() + 2 + NAMES + 4 + 2 + 1;
     assert!(longest <= FOS_TELEMETRY_BYTES);
 };
 
-/// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the first
-/// sample and again every minute or so for those who join late. `image` is the image that the hub has loaded: it has the
-/// names of the quantities. Without a model `image` may be NULL and `length` 0.
+/// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the
+/// first sample and again every minute or so for those who join late. `image` is the image that the hub has loaded:
+/// it has the names of the quantities. Without a model `image` may be NULL and `length` 0.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than 400.
-/// - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or `used`.
+/// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than
+///   400.
+/// - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or
+///   `used`.
 /// - FOS_STATUS_ARGUMENT: no memory there can have `length` or `capacity` bytes.
 /// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image`, as for fos_hub_load().
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in `buffer`
-/// is not to be sent.
+/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
+/// `buffer` is not to be sent.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_telemetry_start(
     hub: *const fos_hub,
@@ -64,8 +67,8 @@ pub unsafe extern "C" fn fos_telemetry_start(
 /// - FOS_STATUS_NULL: `hub`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `hub` or `used`.
 /// - FOS_STATUS_ARGUMENT: no memory there can have `capacity` bytes.
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in `buffer`
-/// is not to be sent.
+/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
+/// `buffer` is not to be sent.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_telemetry_sample(
     hub: *const fos_hub,

@@ -58,15 +58,16 @@ pub const FOS_VALIDITY_STUCK: u16 = 256;
 pub const FOS_VALIDITY_MISSING: u16 = 512;
 /// Validity: the model does not have this axis, or there is no model; nothing was taken out.
 pub const FOS_VALIDITY_NOT_MODELLED: u16 = 1024;
-/// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the model was
-/// fitted to something else. It stays until a rest of some seconds shows otherwise.
+/// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the
+/// model was fitted to something else. It stays until a rest of some seconds shows otherwise.
 pub const FOS_VALIDITY_AWAY_FROM_GRAVITY: u16 = 2048;
 
 /// Fault, as all of them since the sample before: a transfer over the bus failed.
 pub const FOS_FAULT_BUS: u16 = 1;
 /// Fault: the sensor's FIFO ran over; samples are lost.
 pub const FOS_FAULT_OVERRUN: u16 = 2;
-/// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than none.
+/// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than
+/// none.
 pub const FOS_FAULT_GAP: u16 = 4;
 /// Fault: the sensor had been reset, or was set up anew.
 pub const FOS_FAULT_RESET: u16 = 8;
@@ -78,8 +79,8 @@ pub const FOS_FAULT_STUCK: u16 = 32;
 pub const FOS_FAULT_SATURATED: u16 = 64;
 /// Fault: the thermometer says that it has nothing to say.
 pub const FOS_FAULT_TEMPERATURE: u16 = 128;
-/// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back. The hub sets
-/// it itself.
+/// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back.
+/// The hub sets it itself.
 pub const FOS_FAULT_RATE: u16 = 256;
 
 /// The codes are as the sensor gives them.
@@ -154,8 +155,8 @@ pub struct fos_raw_sample {
     pub has_temperature: u8,
 }
 
-/// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is NaN.
-/// Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
+/// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is
+/// NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

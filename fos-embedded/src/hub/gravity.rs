@@ -1,8 +1,8 @@
 //! Does what is taken out of the accelerometers lead away from gravity?
 //!
-//! At rest three accelerometers show gravity, whatever the pose, but for their biases. A model that makes of |a| = g something else
-//! was fitted to something else: to two poses, whose difference it takes for an error, or to another part. Nothing in its own
-//! statistics shows that: it fits.
+//! At rest three accelerometers show gravity, whatever the pose, but for their biases. A model that makes of |a| = g
+//! something else was fitted to something else: to two poses, whose difference it takes for an error, or to another
+//! part. Nothing in its own statistics shows that: it fits.
 
 use fos_core::{GRAVITY_MPS2, Validity};
 
@@ -13,10 +13,10 @@ const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 /// How much further from g² than the square of what was measured the square of what is left may be: 2·g times 0.05 g.
 ///
 /// A sound model may lead away from gravity by what it takes off: where two errors of an axis cancel, one that is not
-/// corrected (a scale, the bias in this pose) and one that is, the measured value is the better one by chance. What a model takes off is a
-/// deviation from a mean, and a bias deviates from its mean by less than 0.05 g: 50 K at 1 mg/K, the worst coefficient of a data sheet.
-/// Twice this makes two poses for `host-fit fit`, so that a model fitted to what it lets pass is not flagged. Noise is in both squares and
-/// means over [`SAMPLES`] are compared.
+/// corrected (a scale, the bias in this pose) and one that is, the measured value is the better one by chance. What a
+/// model takes off is a deviation from a mean, and a bias deviates from its mean by less than 0.05 g: 50 K at 1 mg/K,
+/// the worst coefficient of a data sheet. Twice this makes two poses for `host-fit fit`, so that a model fitted to
+/// what it lets pass is not flagged. Noise is in both squares and means over [`SAMPLES`] are compared.
 const TOLERANCE: f32 = 0.1 * SQUARE;
 
 /// One sample in so many is looked at: a sum of squares costs as much as two terms.
@@ -33,8 +33,8 @@ fn excess(force: &[f32; 3]) -> f32 {
     x * x + y * y + z * z - SQUARE
 }
 
-/// Whether at rest the corrected specific force is further from gravity than the measured one by more than a sound model can
-/// lead it; by one sample, of which a single one may be noise. m/s².
+/// Whether at rest the corrected specific force is further from gravity than the measured one by more than a sound
+/// model can lead it; by one sample, of which a single one may be noise. m/s².
 pub fn leads_away(measured: &[f32; 3], corrected: &[f32; 3]) -> bool {
     is_away(excess(measured), excess(corrected), TOLERANCE)
 }

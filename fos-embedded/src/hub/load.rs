@@ -9,16 +9,18 @@ use super::gravity::Gravity;
 use super::quantities::QuantitySource;
 use super::{Hub, HubError, Output};
 
-/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks of such
-/// sensors are up to 5 % off, on either side of the fit.
+/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks
+/// of such sensors are up to 5 % off, on either side of the fit.
 const PERIOD_TOLERANCE: f64 = 0.1;
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
-    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not needed afterwards.
+    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not
+    /// needed afterwards.
     ///
     /// # Errors
     ///
-    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says so.
+    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says
+    /// so.
     pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
         self.unload();
         let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));

@@ -43,8 +43,9 @@ pub enum Motion {
 
 /// Six axes over shared inputs: what an application calls.
 ///
-/// While the unit is still it tracks, while it moves it coasts; an accelerometer coasts too where it lies still in another pose
-/// than that of the fit. Everything that comes out is finite and bounded, and says what speaks against it.
+/// While the unit is still it tracks, while it moves it coasts; an accelerometer coasts too where it lies still in
+/// another pose than that of the fit. Everything that comes out is finite and bounded, and says what speaks against
+/// it.
 ///
 /// Capacities: `INPUTS` and as many logged quantities, `TERMS` of all axes together, `HISTORY` values, as of
 /// [`Predictor`]. A model that needs more is refused.
@@ -122,8 +123,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         &self.scales
     }
 
-    /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's limits. A model
-    /// without limits always coasts.
+    /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's
+    /// limits. A model without limits always coasts.
     pub fn set_motion(&mut self, motion: Option<Motion>) {
         // what was not watched is not known to have been still
         if motion != self.motion
@@ -134,8 +135,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.motion = motion;
     }
 
-    /// What the application's clock shows, µs since whenever, now that all samples up to now were given. From it the true
-    /// sample rate is found; call it after every batch.
+    /// What the application's clock shows, µs since whenever, now that all samples up to now were given. From it the
+    /// true sample rate is found; call it after every batch.
     pub fn clock(&mut self, now_us: u64) {
         let set_back = self.rate.clock(now_us);
         let was_off = self.rate_off;
@@ -223,7 +224,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         output
     }
 
-    /// Whether the model of an axis has stopped fitting; none if it has no model. All are watched in turn, a second each.
+    /// Whether the model of an axis has stopped fitting; none if it has no model. All are watched in turn, a second
+    /// each.
     pub fn drift(&self, axis: Axis) -> Option<Drift> {
         self.watch.drift(self.index_of(axis)?)
     }
@@ -233,8 +235,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.watch.statistics(self.index_of(axis)?)
     }
 
-    /// Running standard deviation of the innovation of an axis over that of the fit: 1 as fitted. None if it has no model. It
-    /// takes a square root: ask now and then, not every sample.
+    /// Running standard deviation of the innovation of an axis over that of the fit: 1 as fitted. None if it has no
+    /// model. It takes a square root: ask now and then, not every sample.
     pub fn deviation_ratio(&self, axis: Axis) -> Option<f32> {
         self.watch.deviation_ratio(self.index_of(axis)?)
     }

@@ -15,7 +15,7 @@ pub(super) enum QuantitySource {
     Thermometer,
     /// One of the six, as measured.
     Measured(u8),
-    /// The application.
+    /// What the application gives, or NaN until it does.
     Application(Quantity),
 }
 
@@ -26,8 +26,8 @@ impl QuantitySource {
 }
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
-    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a reference. Those
-    /// that the sensor itself measures need not be given. Until it is given, its axes are flagged.
+    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a
+    /// reference. Those that the sensor itself measures need not be given. Until it is given, its axes are flagged.
     ///
     /// Returns whether the model uses it.
     pub fn give(&mut self, quantity: Quantity, value: f32) -> bool {
@@ -41,8 +41,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         used
     }
 
-    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives: for one that
-    /// has only a name.
+    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives:
+    /// for one that has only a name.
     pub fn give_application(&mut self, index: usize, value: f32) -> bool {
         let given = self.sources.iter().zip(&mut self.quantities);
         match given.filter(|(source, _)| source.is_application()).nth(index) {
@@ -64,8 +64,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         logged
     }
 
-    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the image. `None`
-    /// if they do not fit.
+    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the
+    /// image. `None` if they do not fit.
     pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
         let mut columns = String::new();
         columns.push_str("temp_c").ok()?;

@@ -3,7 +3,8 @@
 //! The clocks of inertial sensors are up to 5 % off, and their own time stamps are off with them: only another clock
 //! can tell.
 
-/// The rate is taken over so long, µs. Reading a FIFO empty leaves at most a sample of doubt at either end: 0.1 % at 200 Hz.
+/// The rate is taken over so long, µs. Reading a FIFO empty leaves at most a sample of doubt at either end: 0.1 % at
+/// 200 Hz.
 const WINDOW_US: u64 = 10_000_000;
 
 /// The rate over the latest whole window between two looks at the clock.
@@ -32,8 +33,8 @@ impl RateEstimator {
         self.start_us = None;
     }
 
-    /// What the clock shows, µs, now that all ticks up to now were given. Says whether it was set back beyond the window's start; set
-    /// back by less, it gives a rate that is off.
+    /// What the clock shows, µs, now that all ticks up to now were given. Says whether it was set back beyond the
+    /// window's start; set back by less, it gives a rate that is off.
     pub(super) fn clock(&mut self, now_us: u64) -> bool {
         let elapsed = self.start_us.and_then(|start_us| now_us.checked_sub(start_us));
         let set_back = self.start_us.is_some() && elapsed.is_none();

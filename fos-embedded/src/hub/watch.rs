@@ -5,8 +5,8 @@ use heapless::Vec;
 
 use super::axes::AXES;
 
-/// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a sample; a sixth
-/// of that is spent, and an alarm comes five seconds later for every turn that the test takes.
+/// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a
+/// sample; a sixth of that is spent, and an alarm comes five seconds later for every turn that the test takes.
 const TURN: u8 = 200;
 
 /// The monitors of the axes of a model.

@@ -42,8 +42,8 @@ const FIFO: FifoConfig = FifoConfig {
 const CONFIGURATION: [(u8, u16); 4] =
     [(0x20, ACCEL.to_word()), (0x21, GYRO.to_word()), (0x35, 0), (0x36, FIFO.to_word())];
 
-/// Reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It is read past the driver, whose `read_fifo_words` checks a length
-/// while it runs: a panic, even if one that never comes.
+/// Reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It is read past the driver, whose `read_fifo_words`
+/// checks a length while it runs: a panic, even if one that never comes.
 const READ_FIFO: [u8; 1] = [0x80 | 0x16];
 
 /// A byte without meaning comes before what is read (§7.2.3).
@@ -55,12 +55,13 @@ const FRAME: usize = 16;
 /// Frames of a transfer: 0.1 ms at 10 MHz.
 const FRAMES: usize = 8;
 
-/// Words of a frame, and of the FIFO: 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest frame may be gone.
+/// Words of a frame, and of the FIFO: 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest
+/// frame may be gone.
 const FRAME_WORDS: u16 = FRAME as u16 / 2;
 const FIFO_WORDS: u16 = 1024;
 
-/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7, table 18). It is also a code of 0.992 of full
-/// scale on x: such a sample is taken for missing.
+/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7, table 18). It is also a
+/// code of 0.992 of full scale on x: such a sample is taken for missing.
 const NO_ACCEL: i16 = 0x7f01;
 const NO_GYRO: i16 = 0x7f02;
 
@@ -81,7 +82,7 @@ impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
         Self { spi, delay, started: false }
     }
 
-    /// Bus and delay.
+    /// Bus and delay, for another use; the part goes on as it was set up.
     pub fn release(self) -> (S, D) {
         (self.spi, self.delay)
     }
@@ -180,7 +181,8 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
 }
 
 impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
-    /// Of the registers that were set up, the first that reads something else: its address, what it should be, what it is.
+    /// Of the registers that were set up, the first that reads something else: its address, what it should be, what
+    /// it is.
     async fn first_wrong(&mut self) -> Result<Option<(u8, u16, u16)>, SourceError<S::Error>> {
         for (register, should) in CONFIGURATION {
             let is = self.driver().read_word(register).await.map_err(SourceError::Bus)?;

@@ -8,7 +8,7 @@ use crate::raw::Faults;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Counts {
-    /// Samples given.
+    /// Samples given, whole ones alone.
     pub samples: u32,
     /// Transfers that failed, repetitions included ([`Faults::BUS`]).
     pub bus: u32,
@@ -16,7 +16,7 @@ pub struct Counts {
     pub torn: u32,
     /// Polls that found the FIFO run over ([`Faults::OVERRUN`]).
     pub overruns: u32,
-    /// Gaps ([`Faults::GAP`]).
+    /// Gaps ([`Faults::GAP`]), however long each.
     pub gaps: u32,
     /// Ticks in these gaps.
     pub skipped: u32,

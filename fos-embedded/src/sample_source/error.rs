@@ -13,11 +13,11 @@ pub enum SourceError<E> {
     WrongPart(u8),
     /// A register does not keep what was written to it.
     NotKept {
-        /// Its address.
+        /// Its address, as in the data sheet.
         register: u8,
-        /// What was written.
+        /// What was written at set-up.
         written: u16,
-        /// What it reads.
+        /// What it reads instead.
         read: u16,
     },
     /// The part reports a fatal error of its own.

@@ -36,7 +36,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Nothing.
+    /// A batch without frames.
     pub const fn new() -> Self {
         Self { frames: Vec::new(), overrun: false, torn: 0, left: 0 }
     }

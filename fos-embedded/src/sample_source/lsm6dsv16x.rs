@@ -26,8 +26,8 @@ const GYRO_MDPS: f32 = 17.5;
 const RATE: u8 = Odr::Ha02_200hz as u8 & 0x0f;
 const RATE_SET: u8 = Odr::Ha02_200hz as u8 >> 4;
 
-/// What is written, in this order: the rates come after all that they drive, the FIFO last, so that it holds nothing from before.
-/// Offsets that a host may write (X_OFS_USR …) are off: CTRL9 is 0.
+/// What is written, in this order: the rates come after all that they drive, the FIFO last, so that it holds nothing
+/// from before. Offsets that a host may write (X_OFS_USR …) are off: CTRL9 is 0.
 const CONFIGURATION: [(Reg, u8); 13] = [
     (Reg::FuncCfgAccess, 0),
     (Reg::Ctrl3, Ctrl3::new().with_bdu(1).with_if_inc(1).into_bits()),
@@ -105,7 +105,7 @@ impl<B: I2c, D: DelayNs> Lsm6dsv16x<B, D> {
         Self { driver: Driver::new_i2c(i2c, address, delay), assembler: Assembler::new() }
     }
 
-    /// Bus and delay.
+    /// Bus and delay, for another use; the part goes on as it was set up.
     pub fn release(self) -> (B, D) {
         (self.driver.bus.i2c, self.driver.tim)
     }

@@ -1,10 +1,11 @@
 //! Complete samples from a six-axis sensor, an [`Imu`], and what went wrong on the way.
 //!
-//! Two real parts, through their maintained drivers over embedded-hal 1.0, each behind the feature of its name: `Lsm6dsv16x` over
-//! I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One source of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
+//! Two real parts, through their maintained drivers over embedded-hal 1.0, each behind the feature of its name:
+//! `Lsm6dsv16x` over I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One
+//! source of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
 //!
-//! The FIFO is the deadline: [`poll`](SampleSource::poll) at least every 250 ms, or samples are lost, flagged and counted. What
-//! each fault is and how long it takes to recover is in docs/faults.md.
+//! The FIFO is the deadline: [`poll`](SampleSource::poll) at least every 250 ms, or samples are lost, flagged and
+//! counted. What each fault is and how long it takes to recover is in docs/faults.md.
 //!
 //! ```
 //! use embedded_hal::{delay::DelayNs, spi::SpiDevice};
@@ -76,7 +77,7 @@ const SILENT_US: u64 = 250_000;
 ///
 /// Futures need not be `Send`: a source belongs to one task.
 pub trait Imu {
-    /// Of the bus.
+    /// What goes wrong on the bus, as its driver says it.
     type BusError: Debug;
 
     /// As in its data sheet.
@@ -102,15 +103,15 @@ pub trait Imu {
     /// The bus.
     fn is_set_up(&mut self) -> impl Future<Output = Result<bool, SourceError<Self::BusError>>>;
 
-    /// Reads the oldest frames of its FIFO into `batch`, as many as there is room for. After an error it may be called again
-    /// with the same batch: what was read before stays.
+    /// Reads the oldest frames of its FIFO into `batch`, as many as there is room for. After an error it may be
+    /// called again with the same batch: what was read before stays.
     ///
     /// # Errors
     ///
     /// The bus.
     fn read(&mut self, batch: &mut Batch) -> impl Future<Output = Result<(), SourceError<Self::BusError>>>;
 
-    /// Waits.
+    /// Waits for at least so long, between two attempts.
     fn wait_ms(&mut self, ms: u32) -> impl Future<Output = ()>;
 }
 
@@ -172,11 +173,12 @@ impl<P: Imu> SampleSource<P> {
         }
     }
 
-    /// The samples since the last poll, oldest first, at most [`MAX_SAMPLES`]; if there are [more](Self::has_more), poll again.
+    /// The samples since the last poll, oldest first, at most [`MAX_SAMPLES`]; if there are [more](Self::has_more),
+    /// poll again.
     ///
-    /// `now_us` is the application's clock, which only goes forward, µs. A poll takes as long as the bus needs for what it
-    /// reads (LSM6DSV16X at 400 kHz: 0.5 ms a sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a set-up 60 ms. A
-    /// future that is dropped loses what it has read: that is a gap, no more.
+    /// `now_us` is the application's clock, which only goes forward, µs. A poll takes as long as the bus needs for
+    /// what it reads (LSM6DSV16X at 400 kHz: 0.5 ms a sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a
+    /// set-up 60 ms. A future that is dropped loses what it has read: that is a gap, no more.
     ///
     /// # Errors
     ///
@@ -205,7 +207,7 @@ impl<P: Imu> SampleSource<P> {
         self.counts
     }
 
-    /// The part.
+    /// The part, for another use; what was read and not given is lost.
     pub fn release(self) -> P {
         self.part
     }

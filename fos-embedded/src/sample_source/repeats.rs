@@ -2,8 +2,8 @@
 
 use super::FifoFrame;
 
-/// All six codes the same for so many samples in a row, 0.1 s: the noise of each axis of both parts is more than a code, so
-/// that two in a row agree in all six by chance less than once in 10⁵, twenty in a row never.
+/// All six codes the same for so many samples in a row, 0.1 s: the noise of each axis of both parts is more than a
+/// code, so that two in a row agree in all six by chance less than once in 10⁵, twenty in a row never.
 const STUCK_AFTER: u8 = 20;
 
 /// How often the same codes have come in a row.

@@ -1,7 +1,8 @@
 //! How many ticks lie between two samples, by the sensor's clock.
 
-/// A step is not believed if the application's clock disagrees by more than this, µs, and an eighth of the step: a stamp damaged
-/// on the bus, or another frame's word in its place. Sensor clocks are up to 5 % off; an application looks at its clock late.
+/// A step is not believed if the application's clock disagrees by more than this, µs, and an eighth of the step: a
+/// stamp damaged on the bus, or another frame's word in its place. Sensor clocks are up to 5 % off; an application
+/// looks at its clock late.
 const DOUBT_US: i64 = 320_000;
 
 /// Longer steps count as this long, µs: a day.
@@ -58,11 +59,12 @@ impl Timeline {
         self.stamp = None;
     }
 
-    /// Ticks from the sample before to one with this stamp, taken at about `at_us` of the application's clock; at least 1. None
-    /// if that cannot be: then the frame is not a sample, and the next step is counted from the sample before.
+    /// Ticks from the sample before to one with this stamp, taken at about `at_us` of the application's clock; at
+    /// least 1. None if that cannot be: then the frame is not a sample, and the next step is counted from the sample
+    /// before.
     ///
-    /// The sensor's clock counts the ticks, the application's only its turns, and the ticks across a reset. `overrun`: the step
-    /// may be longer than a turn.
+    /// The sensor's clock counts the ticks, the application's only its turns, and the ticks across a reset.
+    /// `overrun`: the step may be longer than a turn.
     pub(super) fn step(&mut self, clock: &SensorClock, stamp: u32, at_us: u64, overrun: bool) -> Option<u32> {
         let Some(before_us) = self.at_us else {
             (self.at_us, self.stamp) = (Some(at_us), Some(stamp));

@@ -6,10 +6,12 @@ use heapless::{Deque, Vec};
 use super::{Recorder, SampleFrame, StartFrame, TelemetryError};
 use crate::hub::{AXES, Output};
 
-/// So many frames are sent a sample while there is something to send: one more than come in, so that the stretch before drains.
+/// So many frames are sent a sample while there is something to send: one more than come in, so that the stretch
+/// before drains.
 const FRAMES_A_SAMPLE: usize = 2;
 
-/// Keeps the last `BEFORE` samples, with up to `LOGGED` logged quantities each; on an alarm it sends them and those that follow.
+/// Keeps the last `BEFORE` samples, with up to `LOGGED` logged quantities each; on an alarm it sends them and those
+/// that follow.
 ///
 /// The alarm is a model that stops fitting ([`Output::drift`]), or whatever the application takes for one
 /// ([`trigger`](Self::trigger)). A sample takes 80 + 4·`LOGGED` bytes.

@@ -1,8 +1,8 @@
 //! Telemetry: what the sensor measured and what the model made of it, as frames over any byte stream.
 //!
-//! A frame is a [`Frame`] in postcard, CRC-32 of it (as in Ethernet and zip, little-endian) behind it, both in COBS, then a
-//! zero. A zero never occurs inside a frame: whoever joins the stream late, or loses a part of it, goes on at the next.
-//! Every frame of a sample carries its tick, so that lost frames are counted and become gaps in a log.
+//! A frame is a [`Frame`] in postcard, CRC-32 of it (as in Ethernet and zip, little-endian) behind it, both in COBS,
+//! then a zero. A zero never occurs inside a frame: whoever joins the stream late, or loses a part of it, goes on at
+//! the next. Every frame of a sample carries its tick, so that lost frames are counted and become gaps in a log.
 //!
 //! ```
 //! use fos_embedded::telemetry::{Frame, StartFrame, VERSION, decode, encode};
@@ -40,13 +40,14 @@ const START_EVERY: u32 = 12_000;
 
 static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, the same bytes.
+/// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, the same
+/// bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Frame<T, V, B> {
     /// What the samples that follow hold.
     Start(StartFrame<T>),
-    /// One sample.
+    /// One sample, and what the model made of it.
     Sample(SampleFrame<V, B>),
 }
 
@@ -54,7 +55,7 @@ pub enum Frame<T, V, B> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StartFrame<T> {
-    /// [`VERSION`].
+    /// [`VERSION`] of what sends; another is not read on.
     pub version: u16,
     /// Sample period, s.
     pub period_s: f32,
@@ -64,7 +65,7 @@ pub struct StartFrame<T> {
     pub quantities: T,
 }
 
-/// One sample.
+/// One sample: what was measured, what the model says, and what speaks against it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleFrame<V, B> {
@@ -74,7 +75,7 @@ pub struct SampleFrame<V, B> {
     pub still: bool,
     /// Measured value of every axis.
     pub measured: V,
-    /// Every logged quantity.
+    /// Every logged quantity, in the order of the start frame.
     pub quantities: V,
     /// Innovation of every axis; NaN where there is none.
     pub innovations: V,
@@ -111,7 +112,7 @@ pub enum TelemetryError<E> {
     OtherVersion(u16),
     /// The stream takes nothing more.
     Closed,
-    /// The stream failed.
+    /// The stream failed, and says why.
     Stream(E),
 }
 
@@ -131,8 +132,8 @@ impl<E: fmt::Display> fmt::Display for TelemetryError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for TelemetryError<E> {}
 
-/// Sends frames over a stream. `BYTES` is the length of the longest frame: 4 for every value, 2 for every validity, 24 more,
-/// and the names of a start frame.
+/// Sends frames over a stream. `BYTES` is the length of the longest frame: 4 for every value, 2 for every validity,
+/// 24 more, and the names of a start frame.
 #[derive(Debug)]
 pub struct Recorder<W, const BYTES: usize> {
     stream: W,
@@ -142,7 +143,7 @@ pub struct Recorder<W, const BYTES: usize> {
 }
 
 impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
-    /// Over this stream.
+    /// Over this stream, which it keeps.
     pub const fn new(stream: W) -> Self {
         Self { stream, until_start: 0, failed: 0 }
     }
@@ -151,8 +152,8 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
     ///
     /// # Errors
     ///
-    /// It is too long, or the stream fails. A frame that was cut off is ended by the next one's delimiter and counts as damaged
-    /// there.
+    /// It is too long, or the stream fails. A frame that was cut off is ended by the next one's delimiter and counts
+    /// as damaged there.
     pub fn sample(
         &mut self,
         start: &StartFrame<&str>,
@@ -195,7 +196,7 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
         self.failed
     }
 
-    /// The stream.
+    /// The stream; nothing is flushed.
     pub fn release(self) -> W {
         self.stream
     }
@@ -232,7 +233,8 @@ pub fn encode<'b>(frame: &Borrowed<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]
 ///
 /// # Errors
 ///
-/// [`TelemetryError::Damaged`]; [`TelemetryError::OtherVersion`] of a start frame that is whole but goes on in another way.
+/// [`TelemetryError::Damaged`]; [`TelemetryError::OtherVersion`] of a start frame that is whole but goes on in
+/// another way.
 pub fn decode<'b, F: Deserialize<'b>>(
     bytes: &'b mut [u8],
 ) -> Result<F, TelemetryError<core::convert::Infallible>> {
@@ -244,8 +246,8 @@ pub fn decode<'b, F: Deserialize<'b>>(
         .map_err(|_| other_version(decoded).map_or(TelemetryError::Damaged, TelemetryError::OtherVersion))
 }
 
-/// The version of a whole start frame of another one. In every version a frame begins with its kind, a start frame goes on
-/// with its version, and the checksum ends it: so much can be said of a frame whose content is not known.
+/// The version of a whole start frame of another one. In every version a frame begins with its kind, a start frame
+/// goes on with its version, and the checksum ends it: so much can be said of a frame whose content is not known.
 fn other_version(frame: &[u8]) -> Option<u16> {
     let (content, checksum) = frame.split_last_chunk()?;
     let (kind, version): (u8, u16) = postcard::from_bytes(content).ok()?;

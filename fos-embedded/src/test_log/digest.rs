@@ -19,8 +19,8 @@ fn bytes_of(value: f32) -> [u8; 4] {
 
 /// What a hub said.
 ///
-/// Of every sample, little-endian: of each axis the corrected value and the innovation as f32 (0x7FC00000 where there is none)
-/// and the validity as u16; then still (u8), faults (u16), drift (u8).
+/// Of every sample, little-endian: of each axis the corrected value and the innovation as f32 (0x7FC00000 where there
+/// is none) and the validity as u16; then still (u8), faults (u16), drift (u8).
 #[derive(Clone)]
 pub struct HubDigest(crc::Digest<'static, u64, Table<1>>);
 

@@ -20,7 +20,7 @@ pub enum TestLogError {
     Magic(&'static str),
     /// A version that this program does not read.
     UnknownVersion {
-        /// Of the log.
+        /// What the log says.
         found: u16,
         /// What this program reads.
         read: u16,
@@ -29,9 +29,9 @@ pub enum TestLogError {
     Field(&'static str),
     /// The log has other axes or quantities than the model.
     Mismatch {
-        /// In the log.
+        /// What the log has.
         log: PredictorLogHeader,
-        /// In the model.
+        /// What the model has.
         model: PredictorLogHeader,
     },
 }

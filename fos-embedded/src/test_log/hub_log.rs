@@ -58,7 +58,7 @@ const RECORD_LENGTH: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HubLogHeader {
-    /// Of the codes.
+    /// What the codes mean, as the hub takes it.
     pub scales: Scales,
     /// Quantities that the application gives with every record.
     pub n_given: u8,
@@ -112,7 +112,7 @@ impl HubLogHeader {
         Ok(Self { scales, n_given })
     }
 
-    /// The header's bytes.
+    /// The bytes that a log begins with.
     pub fn encode(&self) -> [u8; Self::LENGTH] {
         let scales = &self.scales;
         let values = match scales.values {
@@ -140,7 +140,8 @@ impl HubLogHeader {
 }
 
 impl<'a> HubLogRecord<'a> {
-    /// Reads the record at the start of `bytes`; what the application gives is decoded into `given`, which has its length.
+    /// Reads the record at the start of `bytes`; what the application gives is decoded into `given`, which has its
+    /// length.
     ///
     /// # Errors
     ///

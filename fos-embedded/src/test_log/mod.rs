@@ -1,9 +1,9 @@
 //! Logs as test firmware reads them: what a device does with one, a host must do too, to the last bit.
 //!
-//! A log is a file, little-endian throughout: a header that begins with a magic, a version and what its records hold, then
-//! records of one fixed length up to its end, one a sample. A record is decoded without a heap, takes its step
-//! through what it drives, and what comes out goes into a digest (CRC-64/XZ) that two machines can compare. There are two,
-//! for the two levels at which a device is tested:
+//! A log is a file, little-endian throughout: a header that begins with a magic, a version and what its records hold,
+//! then records of one fixed length up to its end, one a sample. A record is decoded without a heap, takes its step
+//! through what it drives, and what comes out goes into a digest (CRC-64/XZ) that two machines can compare. There are
+//! two, for the two levels at which a device is tested:
 //!
 //! | magic | a record is | it drives | digest |
 //! |---|---|---|---|

@@ -58,7 +58,7 @@ pub struct PredictorLogRecord<'a> {
     pub motion: Motion,
     /// Measured value of every axis.
     pub measured: &'a [f32],
-    /// Every logged quantity.
+    /// Every logged quantity, in the model's order; NaN where there is none.
     pub quantities: &'a [f32],
 }
 
@@ -82,7 +82,7 @@ impl PredictorLogHeader {
         Ok(Self { n_axes: fields.u8()?, n_quantities: fields.u8()? })
     }
 
-    /// The header's bytes.
+    /// The bytes that a log begins with.
     pub fn encode(&self) -> [u8; Self::LENGTH] {
         let fields =
             Self::MAGIC.bytes().chain(Self::VERSION.to_le_bytes()).chain([self.n_axes, self.n_quantities]);
@@ -109,8 +109,8 @@ impl PredictorLogHeader {
 }
 
 impl<'a> PredictorLogRecord<'a> {
-    /// Reads the record at the start of `bytes`; its values are decoded into `measured` and `quantities`, which have the lengths
-    /// that the header says.
+    /// Reads the record at the start of `bytes`; its values are decoded into `measured` and `quantities`, which have
+    /// the lengths that the header says.
     ///
     /// # Errors
     ///

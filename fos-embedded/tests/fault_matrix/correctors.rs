@@ -172,7 +172,8 @@ impl Corrector for TestHub {
     }
 }
 
-/// A bias by an exponential average of the error, as it is written in an afternoon: it has no flags, and forgets nothing.
+/// A bias by an exponential average of the error, as it is written in an afternoon: it has no flags, and forgets
+/// nothing.
 pub(crate) struct Naive {
     pub(crate) bias: [f32; AXES],
     pub(crate) gain: f32,

@@ -121,7 +121,8 @@ fn all(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     }
 }
 
-/// The axes are so many standard deviations off, and the temperature so many K; as a function of the ticks since it began.
+/// The axes are so many standard deviations off, and the temperature so many K; as a function of the ticks since it
+/// began.
 fn off(ticks: &mut [Tick], range: Range<usize>, by: impl Fn(usize) -> (f32, f32)) {
     for (since, tick) in ticks[range].iter_mut().enumerate() {
         let (deviations, kelvin) = by(since);
@@ -151,8 +152,8 @@ fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
     ticks.drain(range);
 }
 
-/// Standard deviations that a step is high, and a drift ends at: within what was seen while fitting, so that no single sample
-/// shows it.
+/// Standard deviations that a step is high, and a drift ends at: within what was seen while fitting, so that no
+/// single sample shows it.
 const SMALL: f32 = 2.0;
 
 /// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.

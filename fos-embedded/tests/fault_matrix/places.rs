@@ -1,5 +1,5 @@
-//! The places: the predictor tracking and coasting, every transform over everything it can be computed from, the monitor, the
-//! hub. Each with what must come out of it, as it follows from its model.
+//! The places: the predictor tracking and coasting, every transform over everything it can be computed from, the
+//! monitor, the hub. Each with what must come out of it, as it follows from its model.
 
 use fos_core::image::encode;
 use fos_core::{

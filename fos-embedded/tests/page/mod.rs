@@ -1,6 +1,7 @@
 //! Tables in docs/faults.md, written by the tests that compute them.
 
-/// Holds `table` against what stands on the page between `begin` and `end`; with `FOS_WRITE_DOCS` set it writes it there.
+/// Holds `table` against what stands on the page between `begin` and `end`; with `FOS_WRITE_DOCS` set it writes it
+/// there.
 pub(crate) fn holds(begin: &str, end: &str, table: &str) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
     let page = std::fs::read_to_string(path).expect("docs/faults.md");

@@ -23,8 +23,8 @@ const POLL_US: f64 = 50_000.0;
 /// Before the fault, µs.
 const CLEAN_US: f64 = 5e6;
 
-/// A corrected value is further from the truth than this only if something is wrong: 5 standard deviations of the noise, and as
-/// much again. m/s² for accelerometers, rad/s for gyros.
+/// A corrected value is further from the truth than this only if something is wrong: 5 standard deviations of the
+/// noise, and as much again. m/s² for accelerometers, rad/s for gyros.
 const BOUNDS: [f64; 2] = [0.1, 0.025];
 
 /// Across a reset only the application's clock counts, and a poll is up to a sample late at either end.

@@ -1,7 +1,7 @@
 //! What the programs in `bin/` need of the machine they run on: the emulated board, or the host.
 //!
-//! Each is the same source on both, begins in its `run`, and says so by [`firmware!`]. Those that show by linking, or by their
-//! size, need nothing of this.
+//! Each is the same source on both, begins in its `run`, and says so by [`firmware!`]. Those that show by linking, or
+//! by their size, need nothing of this.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -205,8 +205,8 @@ mod board {
         STACK - untouched
     }
 
-    /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer of the
-    /// mps2 boards runs at 25 MHz, other boards' at another rate: 2000 instructions at the start tell.
+    /// Counts instructions by SysTick: with `-icount shift=5` the emulator takes 32 ns an instruction, and the timer
+    /// of the mps2 boards runs at 25 MHz, other boards' at another rate: 2000 instructions at the start tell.
     pub struct Instructions {
         timer: SYST,
         a_tick: f64,

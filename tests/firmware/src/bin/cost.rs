@@ -1,4 +1,5 @@
-//! What a hub costs: instructions and stack on an emulated Cortex-M, and RAM, part by part, beside what people pay today.
+//! What a hub costs: instructions and stack on an emulated Cortex-M, and RAM, part by part, beside what people pay
+//! today.
 //!
 //! ```text
 //! cost
@@ -144,7 +145,8 @@ fn row(name: &str, tally: &Tally) {
     println!("| {name} | {} | {} |", tally.median(), tally.worst());
 }
 
-/// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its image.
+/// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its
+/// image.
 fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     instructions: &mut Instructions,
     name: &str,

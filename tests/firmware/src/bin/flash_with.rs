@@ -1,7 +1,7 @@
 //! The smallest firmware with a hub: it decodes a stored model, then corrects, sample by sample.
 //!
-//! Its size less that of `flash_without.rs`, the same without a hub, is what the code takes of a device's flash; the stored
-//! model comes on top. For the target; on the host there is nothing to see.
+//! Its size less that of `flash_without.rs`, the same without a hub, is what the code takes of a device's flash; the
+//! stored model comes on top. For the target; on the host there is nothing to see.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

@@ -1,5 +1,5 @@
-//! Writes what the C programs are checked with, on the host: a model image, the same as a C array, and a log of raw codes in which
-//! everything happens that a hub has a word for. Prints what the hub makes of the log, in Rust.
+//! Writes what the C programs are checked with, on the host: a model image, the same as a C array, and a log of raw
+//! codes in which everything happens that a hub has a word for. Prints what the hub makes of the log, in Rust.
 //!
 //! ```text
 //! hub_files FOLDER        # model.fosm, model.h, log.fosh
@@ -136,8 +136,8 @@ impl Random {
     }
 }
 
-/// Sample `n`. Its clock is 3 % fast, the second half has faults of the bus, and the last quarter has an offset that the model
-/// does not know.
+/// Sample `n`. Its clock is 3 % fast, the second half has faults of the bus, and the last quarter has an offset that
+/// the model does not know.
 fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> HubLogRecord<'a> {
     let motion = match n % 3000 {
         0..2000 => None,

@@ -1,12 +1,13 @@
-//! The firmware: a replayed sensor, the hub, and telemetry of all it says; the same source on the board and on the host, to the
-//! same bits.
+//! The firmware: a replayed sensor, the hub, and telemetry of all it says; the same source on the board and on the
+//! host, to the same bits.
 //!
 //! ```text
 //! hub_log IMAGE LOG [TELEMETRY]
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
-//! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part costs.
+//! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part
+//! costs.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 use core::convert::Infallible;

@@ -1,8 +1,8 @@
 //! An image without a panic: it links only if no call that a device makes can reach one.
 //!
-//! The panic handler calls a function that is defined nowhere. Where the optimiser can show that no panic is reached, the
-//! handler is dropped with all that leads to it, and the image links; otherwise the linker names the missing function.
-//! `panic_reachable.rs` is the same with one index that may be out of bounds, and must not link.
+//! The panic handler calls a function that is defined nowhere. Where the optimiser can show that no panic is reached,
+//! the handler is dropped with all that leads to it, and the image links; otherwise the linker names the missing
+//! function. `panic_reachable.rs` is the same with one index that may be out of bounds, and must not link.
 //!
 //! It takes the release profile of the device: link-time optimisation in one unit. On the host there is nothing to see.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
