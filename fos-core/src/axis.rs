@@ -236,6 +236,13 @@ impl<R: Real> RunningAxis<R> {
         self.extrapolate(stochastic, measured, validity | fault, correction);
     }
 
+    /// No sample is meant to be there: the model goes on by itself, however long.
+    #[cold]
+    pub(crate) fn forecast(&mut self, correction: &mut Correction<R>) {
+        let (stochastic, validity) = self.limited();
+        self.extrapolate(stochastic, self.last_measured, validity, correction);
+    }
+
     /// There is no sample.
     #[cold]
     pub(crate) fn miss(&mut self, correction: &mut Correction<R>) {

@@ -306,9 +306,48 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
     /// range, and once coasting has lasted longer than it was validated for, what is subtracted of it fades to its
     /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
+    ///
+    /// A measured value that is not finite is a sample that is missing: it is coasted over up to the axis' gap limit, and then the
+    /// history restarts. To go on without samples is [`forecast`](Self::forecast).
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
+    }
+
+    /// The error as the model expects it one tick on, without a sample: as [`coast`](Self::coast), and for as long as is asked,
+    /// whatever the gap limit. What is `corrected` is then the latest measured value less the prediction.
+    ///
+    /// ```
+    /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample, Term, y};
+    ///
+    /// let parameters = AxisParameters {
+    ///     axis: Axis::Gz,
+    ///     reference: 0.0,
+    ///     offset: 0.0,
+    ///     scale: 1.0,
+    ///     constant: 0.0,
+    ///     range: Range::new(-4.0, 4.0),
+    ///     full_scale: 0.0,
+    ///     stuck_after_repeats: 0,
+    ///     gap_limit_samples: 1,
+    ///     coast_limit_s: 60.0,
+    ///     innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
+    /// };
+    /// let axes = [AxisModel { parameters, physical: &[], stochastic: &[Term::new(0.5, &[y(1)])] }];
+    /// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, inputs: &[], quantities: &[], axes: &axes };
+    /// let mut predictor = Predictor::<f64, 1, 1, 4, 8>::new(&model)?;
+    /// let _ = predictor.track(&Sample { measured: &[2.0], quantities: &[] });
+    /// for expected in [1.0, 0.5, 0.25, 0.125] {
+    ///     assert_eq!(predictor.forecast(&[])[0].predicted, expected);
+    /// }
+    /// # Ok::<(), fos_core::ModelError>(())
+    /// ```
+    #[must_use = "carries whether the predicted values can be trusted"]
+    pub fn forecast(&mut self, quantities: &[R]) -> &[Correction<R>] {
+        let measured = [R::ZERO; AXES];
+        self.step(&Sample { measured: &measured, quantities }, |axis, _, correction| {
+            axis.forecast(correction)
+        })
     }
 
     /// `ticks` samples are missing. Up to each axis' gap limit they are coasted, beyond it the history restarts;

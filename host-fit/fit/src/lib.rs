@@ -11,4 +11,5 @@ pub mod model;
 pub mod moments;
 pub mod noise;
 pub mod playback;
+pub mod series;
 pub mod signal;

@@ -14,10 +14,12 @@
 
 pub(super) mod burg;
 mod covariance;
+mod order;
 pub(super) mod polynomial;
 mod result;
 pub(super) mod yule_walker;
 
+pub use order::{Criterion, best_order};
 pub use result::{Autoregression, AutoregressionError, Method, TRUSTED};
 
 use crate::candidates::MAX_LAG;
