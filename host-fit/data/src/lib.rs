@@ -1,5 +1,4 @@
-//! Logs of inertial sensors: channels with units on a regular sample grid, in segments without gaps; where the unit was still;
-//! files that are whole or not there.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 

@@ -1,4 +1,4 @@
-//! Finds the physical effect that a model of inertial sensor error lacks, adds it, and shows what that gains.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 

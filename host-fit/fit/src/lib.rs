@@ -1,4 +1,4 @@
-//! Fits models of inertial sensor error with Fast Orthogonal Search, and judges them by the evaluator that runs on the device.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
