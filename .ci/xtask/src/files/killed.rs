@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use fastrand::Rng;
 
-use super::Bench;
+use super::bench::Bench;
 use super::careless;
 use super::writer::Writer;
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::{Bench, skipped};
+use super::bench::{Bench, skipped};
 use crate::workspace::output;
 
 pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {

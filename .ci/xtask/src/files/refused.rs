@@ -7,9 +7,9 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use super::bench::{Bench, skipped};
 use super::careless::{self, TARGET};
 use super::writer::Writer;
-use super::{Bench, skipped};
 use crate::workspace::output;
 
 /// What a writer reads, and what is there of what it writes.

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use super::Bench;
+use super::bench::Bench;
 use crate::form::Form;
 
 const AXES: [&str; 3] = ["gx", "gy", "gz"];

@@ -4,7 +4,8 @@ use std::error::Error;
 use std::process::{Command, Stdio};
 
 use super::limited::Limited;
-use super::{BASE, BYTES_A_ROW, Log, four_times, holds, mega, starved};
+use super::line::{BASE, BYTES_A_ROW, holds, mega};
+use super::runs::{Log, four_times, starved};
 
 const AXES: [&str; 6] = ["ax", "ay", "az", "gx", "gy", "gz"];
 

@@ -10,6 +10,8 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use wait4::Wait4;
 
+use super::line::mega;
+
 /// Bytes.
 pub(crate) const LIMIT: u64 = 2 << 30;
 /// No command takes longer, on a machine that is busy with other things.
@@ -121,12 +123,7 @@ impl Limited {
         };
         let how = if is_late { "did not end".to_owned() } else { in_words(used.status) };
         let peak = used.rusage.maxrss;
-        eprintln!(
-            "  {}: {how}, {} MB, {} s",
-            arguments.join(" "),
-            super::mega(peak),
-            began.elapsed().as_secs()
-        );
+        eprintln!("  {}: {how}, {} MB, {} s", arguments.join(" "), mega(peak), began.elapsed().as_secs());
         if !used.status.success() {
             let mut said = String::new();
             File::open(&error)?.take(300).read_to_string(&mut said)?;

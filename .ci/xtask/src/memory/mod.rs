@@ -6,16 +6,16 @@
 
 mod full;
 mod limited;
+mod line;
+mod runs;
 
 use std::error::Error;
 use std::path::Path;
 
 use crate::form::{Form, host_fit};
 use limited::Limited;
-
-/// Peaks lie below this line, bytes and bytes a row: at 8 h, where fit took 1484 MB, diagnose 939 and report 1250, a fifth above.
-const BASE: u64 = 40_000_000;
-const BYTES_A_ROW: [(&str, u64); 3] = [("fit", 300), ("diagnose", 190), ("report", 250)];
+use line::{at_most, holds, mega};
+use runs::{Log, four_times, starved};
 
 /// Prints what was measured; an error if it is more than is promised.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
@@ -56,87 +56,4 @@ fn short(limited: &Limited) -> Result<bool, Box<dyn Error>> {
     let (found_out, said) = four_times(limited, &log)?;
     println!("{said}");
     Ok(starved(limited, &fit, fit_took)? && found_out && good)
-}
-
-fn mega(bytes: u64) -> String {
-    format!("{:.0}", bytes as f64 / 1e6)
-}
-
-/// The line of a command, bytes.
-fn at_most(command: &str, rows: u64) -> u64 {
-    let (_, bytes_a_row) = BYTES_A_ROW.into_iter().find(|(name, _)| *name == command).unwrap_or(("", 0));
-    BASE + bytes_a_row * rows
-}
-
-fn holds(command: &str, peak: u64, rows: u64) -> bool {
-    let at_most = at_most(command, rows);
-    if peak > at_most {
-        eprintln!("{command}: {peak} bytes, more than {at_most}");
-    }
-    peak <= at_most
-}
-
-/// A simulated log in the folder of the runs.
-struct Log {
-    name: &'static str,
-    rows: u64,
-    /// Of its numbers as f64, bytes.
-    raw: u64,
-    /// While it was written.
-    peak: u64,
-}
-
-impl Log {
-    fn new(limited: &Limited, name: &'static str, minutes: u32) -> Result<Self, Box<dyn Error>> {
-        let ended = limited.run(&[
-            "simulate",
-            name,
-            "--minutes",
-            &minutes.to_string(),
-            "--seed",
-            "5",
-            "--at-rest",
-        ])?;
-        // NAME: ROWS rows, COLUMNS columns
-        let words: Vec<&str> = ended.printed.split_whitespace().collect();
-        let (true, [_, rows, _, columns, ..]) = (ended.is_success(), &words[..]) else {
-            return Err(format!("{name} could not be written").into());
-        };
-        let (rows, columns): (u64, u64) = (rows.parse()?, columns.parse()?);
-        Ok(Self { name, rows, raw: rows * columns * 8, peak: ended.peak })
-    }
-}
-
-/// Whether it fails with a quarter of what it took, before its time is over; says so.
-fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Result<bool, Box<dyn Error>> {
-    let quarter = peak / 4;
-    let beside = limited.to_start()?;
-    let ended = limited.run_with(arguments, beside + quarter)?;
-    let start = match beside {
-        0 => String::new(),
-        beside => format!(" (and {} MB of address space, with which it starts)", mega(beside)),
-    };
-    println!(
-        "\nNegative control: `host-fit {}` with {} MB, a quarter of what it took{start}, {}.",
-        arguments.join(" "),
-        mega(quarter),
-        ended.how
-    );
-    Ok(!ended.is_late && !ended.is_success())
-}
-
-/// Whether a command that holds its log four times is above the line of one, and what to say of it.
-fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String), Box<dyn Error>> {
-    let arguments = ["fit", log.name, log.name, log.name, log.name, "--axis", "gx", "-o", "four.json"];
-    let ended = limited.run(&arguments)?;
-    let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
-    let said = format!(
-        "\nNegative control: `host-fit {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
-        arguments.join(" "),
-        log.rows,
-        mega(ended.peak),
-        if found_out { "above" } else { "BELOW" },
-        mega(at_most("fit", log.rows))
-    );
-    Ok((found_out, said))
 }

@@ -7,8 +7,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use super::CASES;
-use super::page::{CALIBRATION, README, SEEDS, section, summary, table};
+use super::page::{CALIBRATION, CASES, README, SEEDS, section, summary, table};
 use crate::form::host_fit;
 use crate::workspace::output;
 

@@ -15,10 +15,8 @@ use std::path::Path;
 
 use crate::form::Form;
 use interval::upper_end;
-use page::{CALIBRATION, README, SEEDS, figures, holds, section, summary};
+use page::{CALIBRATION, CASES, README, SEEDS, figures, holds, section, summary};
 
-/// Cases of each seed.
-const CASES: usize = 450;
 const FALSE_ALARM: &str = "false alarm with nothing missing";
 
 /// Prints what is promised, as Markdown.

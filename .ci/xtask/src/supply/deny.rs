@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use super::{Findings, controls, judged};
+use super::findings::Findings;
+use super::{controls, judged};
 use crate::form::{Form, target_folder};
 
 /// Licences, duplicates and sources; with `full` advisories.

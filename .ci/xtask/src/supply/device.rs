@@ -9,7 +9,7 @@ use std::process::Command;
 use proc_macro2::{TokenStream, TokenTree};
 use serde_json::Value;
 
-use super::Findings;
+use super::findings::Findings;
 use crate::workspace::output;
 
 const REVIEW: &str = "docs/decisions/supply-chain.md";

@@ -8,6 +8,7 @@
 mod controls;
 mod deny;
 mod device;
+mod findings;
 mod judged;
 mod rust_version;
 
@@ -21,14 +22,7 @@ use serde_json::Value;
 
 use crate::form::Form;
 use crate::workspace::output;
-
-/// What is found: sentences for the page, what is wrong, and what was refused to show that it can be.
-#[derive(Default)]
-struct Findings {
-    report: Vec<String>,
-    problems: Vec<String>,
-    controls: Vec<&'static str>,
-}
+use findings::Findings;
 
 /// Prints what comes in; an error if something must not.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::Findings;
 use super::controls::scratch;
+use super::findings::Findings;
 use crate::form::{Form, target_folder};
 use crate::workspace::output;
 

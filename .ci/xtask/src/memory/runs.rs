@@ -1,0 +1,71 @@
+//! Runs that both forms have: logs, and what must fail.
+
+use std::error::Error;
+
+use super::limited::Limited;
+use super::line::{at_most, holds, mega};
+
+/// A simulated log in the folder of the runs.
+pub(crate) struct Log {
+    pub(crate) name: &'static str,
+    pub(crate) rows: u64,
+    /// Of its numbers as f64, bytes.
+    pub(crate) raw: u64,
+    /// While it was written.
+    pub(crate) peak: u64,
+}
+
+impl Log {
+    pub(crate) fn new(limited: &Limited, name: &'static str, minutes: u32) -> Result<Self, Box<dyn Error>> {
+        let ended = limited.run(&[
+            "simulate",
+            name,
+            "--minutes",
+            &minutes.to_string(),
+            "--seed",
+            "5",
+            "--at-rest",
+        ])?;
+        // NAME: ROWS rows, COLUMNS columns
+        let words: Vec<&str> = ended.printed.split_whitespace().collect();
+        let (true, [_, rows, _, columns, ..]) = (ended.is_success(), &words[..]) else {
+            return Err(format!("{name} could not be written").into());
+        };
+        let (rows, columns): (u64, u64) = (rows.parse()?, columns.parse()?);
+        Ok(Self { name, rows, raw: rows * columns * 8, peak: ended.peak })
+    }
+}
+
+/// Whether it fails with a quarter of what it took, before its time is over; says so.
+pub(crate) fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Result<bool, Box<dyn Error>> {
+    let quarter = peak / 4;
+    let beside = limited.to_start()?;
+    let ended = limited.run_with(arguments, beside + quarter)?;
+    let start = match beside {
+        0 => String::new(),
+        beside => format!(" (and {} MB of address space, with which it starts)", mega(beside)),
+    };
+    println!(
+        "\nNegative control: `host-fit {}` with {} MB, a quarter of what it took{start}, {}.",
+        arguments.join(" "),
+        mega(quarter),
+        ended.how
+    );
+    Ok(!ended.is_late && !ended.is_success())
+}
+
+/// Whether a command that holds its log four times is above the line of one, and what to say of it.
+pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String), Box<dyn Error>> {
+    let arguments = ["fit", log.name, log.name, log.name, log.name, "--axis", "gx", "-o", "four.json"];
+    let ended = limited.run(&arguments)?;
+    let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
+    let said = format!(
+        "\nNegative control: `host-fit {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
+        arguments.join(" "),
+        log.rows,
+        mega(ended.peak),
+        if found_out { "above" } else { "BELOW" },
+        mega(at_most("fit", log.rows))
+    );
+    Ok((found_out, said))
+}
