@@ -12,6 +12,14 @@ use crate::file::FileError;
 /// Why a log could not be loaded, used or written.
 #[derive(Debug, Error)]
 pub enum RecordingError {
+    /// A format that this build leaves out.
+    #[error("{}: this build knows nothing of {feature}\nhelp: build fos-data with its feature {feature:?}, which is on by default", path.display())]
+    NotBuiltIn {
+        /// As it was given.
+        path: PathBuf,
+        /// The feature that knows the format.
+        feature: &'static str,
+    },
     /// The system refused to read or write.
     #[error(transparent)]
     File(#[from] FileError),
@@ -38,6 +46,7 @@ pub enum RecordingError {
         /// The logs before it.
         others: String,
     },
+    #[cfg(feature = "parquet")]
     /// Parquet that cannot be read or written.
     #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
     Parquet {
@@ -278,6 +287,13 @@ pub enum RecordingError {
     /// A column map that was not understood.
     #[error(transparent)]
     Map(#[from] MapError),
+}
+
+impl RecordingError {
+    #[cfg(not(all(feature = "gzip", feature = "parquet")))]
+    pub(super) fn not_built_in(path: &std::path::Path, feature: &'static str) -> Self {
+        Self::NotBuiltIn { path: path.to_owned(), feature }
+    }
 }
 
 /// What was meant, perhaps, and what there is.

@@ -12,12 +12,15 @@ use super::channel::Channel;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::grid::{Boundary, Grid, Mark, Segment};
+#[cfg(feature = "gzip")]
 use super::gzip::Members;
+#[cfg(feature = "parquet")]
+use super::parquet_file;
 use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
-use super::{Recording, csv_file, gaps, other_format, parquet_file};
+use super::{Recording, csv_file, gaps, other_format};
 use crate::closest::closest;
 use crate::file::{self, FileError};
 use crate::unit::Unit;
@@ -86,6 +89,7 @@ enum Extent {
 
 /// What is read of a file to see what is in it.
 const BEGIN_BYTES: u64 = 1 << 18;
+#[cfg(feature = "parquet")]
 const BEGIN_ROWS: usize = 2000;
 
 fn table_of(
@@ -106,23 +110,32 @@ fn table_of(
     let (map, strict) = (&options.columns, options.strict);
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
 
-    let table = if begin.starts_with(b"PAR1") {
+    let is_parquet = begin.starts_with(b"PAR1");
+    let is_packed = begin.starts_with(&[0x1f, 0x8b]);
+    #[cfg(not(feature = "parquet"))]
+    if is_parquet {
+        return Err(RecordingError::not_built_in(path, "parquet"));
+    }
+    #[cfg(not(feature = "gzip"))]
+    if is_packed {
+        return Err(RecordingError::not_built_in(path, "gzip"));
+    }
+    #[cfg(feature = "parquet")]
+    if is_parquet {
         let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
         if extent == Extent::Whole {
             // read out of order, so not by way of the checksum; the two share one open file
             io::copy(&mut hashing, &mut io::sink()).map_err(failed())?;
         }
-        parquet_file::read(path, file, map, rows)?
-    } else {
-        let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
-        if begin.starts_with(&[0x1f, 0x8b]) {
-            let text = BufReader::with_capacity(READ_BUFFER, Members::new(input));
-            csv_file::read(path, text.take(longest), map, strict, true)?
-        } else {
-            csv_file::read(path, input.take(longest), map, strict, false)?
-        }
-    };
-    Ok((table, hashing))
+        return Ok((parquet_file::read(path, file, map, rows)?, hashing));
+    }
+    let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
+    #[cfg(feature = "gzip")]
+    if is_packed {
+        let text = BufReader::with_capacity(READ_BUFFER, Members::new(input));
+        return Ok((csv_file::read(path, text.take(longest), map, strict, true)?, hashing));
+    }
+    Ok((csv_file::read(path, input.take(longest), map, strict, false)?, hashing))
 }
 
 fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {

@@ -28,13 +28,18 @@ mod gaps;
 mod glance;
 mod grid;
 mod guess;
+#[cfg(feature = "gzip")]
 mod gzip;
 mod held;
 mod join;
 mod load;
 mod other_format;
+#[cfg(feature = "parquet")]
 mod parquet_file;
+#[cfg(feature = "parquet")]
 mod parquet_input;
+#[cfg(feature = "parquet")]
+mod parquet_write;
 mod preview;
 mod quality;
 mod rate;

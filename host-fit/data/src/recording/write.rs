@@ -3,22 +3,10 @@
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::sync::Arc;
 
 use super::error::RecordingError;
 use super::table::check_names;
 use crate::file::{FileError, check_output, replace};
-use flate2::Compression;
-use flate2::write::GzEncoder;
-use parquet::basic::{Compression as ParquetCompression, Repetition, Type as Physical, ZstdLevel};
-use parquet::data_type::DoubleType;
-use parquet::errors::ParquetError;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::Type;
-
-/// Rows that are encoded together.
-const ROW_GROUP: usize = 1 << 20;
 
 /// Writes columns of one length, in the format the file's name ends in: `.csv`, `.csv.gz` or `.parquet`.
 ///
@@ -41,21 +29,20 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
             write_csv(&mut out, columns)?;
             out.flush()
         }),
+        #[cfg(feature = "gzip")]
         Format::PackedCsv => beside(&|file| {
             // the fast level: within a few per cent of the best on digits, in a fraction of the time
-            let mut out = BufWriter::new(GzEncoder::new(file, Compression::fast()));
+            let packed = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+            let mut out = BufWriter::new(packed);
             write_csv(&mut out, columns)?;
             out.into_inner().map_err(io::IntoInnerError::into_error)?.finish().map(drop)
         }),
-        Format::Parquet => beside(&|file| {
-            write_parquet(file, columns).map_err(|error| match error {
-                // what the system said is inside
-                ParquetError::External(inner) => {
-                    inner.downcast::<io::Error>().map_or_else(io::Error::other, |inner| *inner)
-                }
-                other => io::Error::other(other),
-            })
-        }),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => beside(&|file| super::parquet_write::write(file, columns)),
+        #[cfg(not(feature = "gzip"))]
+        Format::PackedCsv => Err(RecordingError::not_built_in(path, "gzip")),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => Err(RecordingError::not_built_in(path, "parquet")),
     }
 }
 
@@ -120,28 +107,4 @@ fn write_csv(out: &mut impl Write, columns: &[(&str, &[f64])]) -> io::Result<()>
         out.write_all(b"\n")?;
     }
     Ok(())
-}
-
-fn write_parquet(file: &File, columns: &[(&str, &[f64])]) -> Result<(), ParquetError> {
-    let field = |name: &str| {
-        let field = Type::primitive_type_builder(name, Physical::DOUBLE);
-        field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
-    };
-    let fields = columns.iter().map(|(name, _)| field(name)).collect::<Result<_, _>>()?;
-    let schema = Type::group_type_builder("log").with_fields(fields).build()?;
-    let properties =
-        WriterProperties::builder().set_compression(ParquetCompression::ZSTD(ZstdLevel::default())).build();
-    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-    let n_rows = columns.first().map_or(0, |(_, values)| values.len());
-    for start in (0..n_rows).step_by(ROW_GROUP) {
-        let rows = start..(start + ROW_GROUP).min(n_rows);
-        let mut group = writer.next_row_group()?;
-        for (_, values) in columns {
-            let Some(mut column) = group.next_column()? else { break };
-            column.typed::<DoubleType>().write_batch(&values[rows.clone()], None, None)?;
-            column.close()?;
-        }
-        group.close()?;
-    }
-    writer.close().map(drop)
 }
