@@ -191,7 +191,8 @@ fn declarations(header: &str) -> Vec<String> {
         }
     }
     declarations.retain(|declaration| !declaration.is_empty());
-    declarations
+    // where a line breaks is the generator's to say
+    declarations.iter().map(|words| words.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
 }
 
 #[test]
