@@ -314,6 +314,11 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
     }
 
+    /// The corrections of the latest sample, one per axis; none before the first.
+    pub fn corrections(&self) -> &[Correction<R>] {
+        &self.corrections
+    }
+
     /// The error as the model expects it one tick on, without a sample: as [`coast`](Self::coast), and for as long as is asked,
     /// whatever the gap limit. What is `corrected` is then the latest measured value less the prediction.
     ///

@@ -4,16 +4,18 @@ use fos_data::column::Column;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use fos_core::OTHER_POSE;
-use fos_core::{Axis, Correction, Real, Sample};
+use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Real, Sample};
 
-use crate::model::{HostPredictor, UnitModel};
+use crate::model::{FittedAxis, HostPredictor, UnitModel};
 use fos_data::recording::{Boundary, Recording, RecordingError};
 
 /// A recording seen through the columns that a model needs. Rows are those of the recording.
 pub struct Playback<'a> {
     measured: Vec<&'a [f64]>,
     reference: Vec<Reference<'a>>,
+    /// Of each axis whose true value at rest is the model's own reference: whether a device would track it.
+    gated: Vec<Option<AxisParameters<f64>>>,
+    /// Some axis is tracked against something else than the model's own reference, or not always.
     has_reference: bool,
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
@@ -24,7 +26,8 @@ pub struct Playback<'a> {
 enum Reference<'a> {
     Constant(f64),
     Column(&'a [f64]),
-    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known.
+    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known. Told in hindsight, by the mean of a
+    /// still stretch: it says which rows can be judged, and nothing of what a device knew then.
     Pose(Vec<f64>),
 }
 
@@ -36,6 +39,12 @@ impl Reference<'_> {
             Self::Pose(values) => values[row],
         }
     }
+}
+
+/// The parameters of an axis that a device tracks only in the pose of its fit.
+fn gated((axis, reference): (&FittedAxis, &Reference<'_>)) -> Option<AxisParameters<f64>> {
+    let is_own = matches!(reference, Reference::Constant(_) | Reference::Pose(_));
+    (is_own && matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az)).then_some(axis.parameters)
 }
 
 /// What lies before a row that does not follow the row before it.
@@ -91,12 +100,14 @@ impl<'a> Playback<'a> {
                 Some((segment.rows.start, before))
             })
             .collect();
-        let mut playback = Self { measured, reference, has_reference: false, quantities, still, breaks };
+        let mut playback =
+            Self { measured, reference, gated: Vec::new(), has_reference: false, quantities, still, breaks };
         for (index, axis) in model.axes.iter().enumerate() {
             if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
                 playback.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
             }
         }
+        playback.gated = model.axes.iter().zip(&playback.reference).map(gated).collect();
         playback.has_reference =
             playback.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
         Ok(playback)
@@ -180,19 +191,29 @@ impl<'a> Playback<'a> {
         sample
     }
 
-    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted.
+    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does, by the same gate
+    /// and without looking ahead, an accelerometer is tracked against the model's own reference only if the sample before was in
+    /// the pose of the fit; the first sample after power-on is told by itself.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
         self.catch_up(predictor, row);
-        let row_sample = self.sample(row);
-        let sample = row_sample.sample();
+        let mut row_sample = self.sample(row);
         if !self.still[row] {
-            predictor.coast(&sample)
-        } else if self.has_reference {
-            predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
-        } else {
-            predictor.track(&sample)
+            return predictor.coast(&row_sample.sample());
         }
+        let is_first = row == 0 || matches!(self.breaks.get(&row), Some(Break::Recording));
+        for (axis, parameters) in self.gated.iter().enumerate() {
+            let Some(parameters) = parameters else { continue };
+            let of_device: AxisParameters<R> = parameters.convert();
+            let before = match predictor.corrections().get(axis).filter(|_| !is_first) {
+                Some(correction) => correction.corrected,
+                None => row_sample.measured[axis] - of_device.offset,
+            };
+            let is_open = PoseGate::new(&of_device).is_open_after(before);
+            row_sample.reference[axis] = if is_open { of_device.reference } else { R::from_f64(f64::NAN) };
+        }
+        let sample = row_sample.sample();
+        predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
     }
 
     /// One row from the model's own history, though it may be still: how a coast is judged.
