@@ -188,8 +188,9 @@ fn of_axis(
     let learnt = learnt_from.and_then(|(recording, rows, left)| {
         let (blocks, means) = in_blocks(recording, &rows, left, length_s);
         let ones = vec![1.0; blocks.len()];
-        (blocks.len() >= MIN_BLOCKS)
-            .then(|| LevelPrior::of_log(&blocks, &means).learnt(&blocks, &means, &[ones]))
+        // a log that does not tell its levels is as none: the wide prior below stands
+        let prior = LevelPrior::of_log(&blocks, &means);
+        (blocks.len() >= MIN_BLOCKS).then(|| prior.learnt(&blocks, &means, &[ones]).ok())?
     });
     let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(&blocks, &means));
     let remainder = Remainder { blocks: &blocks, means: &means, prior: &prior };

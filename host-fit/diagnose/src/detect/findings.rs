@@ -384,7 +384,7 @@ impl Assembly<'_> {
         };
         let falls =
             PredictedReductions { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
-        Ok((0..effects.len()).map(|at| falls.of(&effects[at], &effects[at + 1..])).collect())
+        (0..effects.len()).map(|at| Ok(falls.of(&effects[at], &effects[at + 1..])?)).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::slow::{Found, SlowResult};
 use fos_fit::noise::Blocks;
-use fos_fit::noise::{Fitted, Regression};
+use fos_fit::noise::{Fitted, Regression, UnknownLevels};
 
 /// Draws of noise and coefficients.
 const DRAWS: usize = 300;
@@ -76,8 +76,16 @@ pub(super) struct PredictedReductions<'a> {
 }
 
 impl PredictedReductions<'_> {
-    /// The fall that goes with `effect`, those of `later` findings still in the error.
-    pub(super) fn of(&self, effect: &SlowEffect, later: &[SlowEffect]) -> PredictedReduction {
+    /// The reduction that goes with `effect`, those of `later` findings still in the error.
+    ///
+    /// # Errors
+    ///
+    /// The noise levels cannot be told.
+    pub(super) fn of(
+        &self,
+        effect: &SlowEffect,
+        later: &[SlowEffect],
+    ) -> Result<PredictedReduction, UnknownLevels> {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         let (n, k) = (self.blocks.len(), effect.coefficients.len());
         let mut missing = vec![0.0; n];
@@ -87,7 +95,7 @@ impl PredictedReductions<'_> {
         }
         let correction = SlowEffect::sum(&effect.corrected, &effect.coefficients, n);
         let factor = effect.covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(k, k), |c| c.l());
-        let levels = self.regression.draws(self.fitted, DRAWS, &mut random);
+        let levels = self.regression.draws(self.fitted, DRAWS, &mut random)?;
         let mut falls: Vec<f64> = levels
             .iter()
             .map(|levels| {
@@ -107,6 +115,6 @@ impl PredictedReductions<'_> {
             .collect();
         falls.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
-        PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)] }
+        Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)] })
     }
 }

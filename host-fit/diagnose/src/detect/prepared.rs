@@ -3,13 +3,13 @@
 use std::rc::Rc;
 
 use fos_data::column::Column;
-use fos_fit::noise::LevelPrior;
+use fos_fit::noise::{LevelPrior, UnknownLevels};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::faults::{self, Converter, Fault};
 use super::hypothesis::Hypotheses;
 use super::question::{DiagnoseError, Given, MIN_BLOCKS, Question};
-use super::slow::SlowSearch;
+use super::slow::{FREE_WALK, SlowSearch};
 use super::testable::Testable;
 use crate::effects::{Effect, Inputs};
 
@@ -29,6 +29,8 @@ pub(super) struct Prepared {
     pub(super) testable: Testable,
     pub(super) reduced: ErrorInBlocks,
     pub(super) prior: LevelPrior,
+    /// The same where a random walk larger than the baseline's is tried.
+    free_walk_prior: LevelPrior,
     pub(super) given: Vec<Vec<f64>>,
     /// The axis measures shaking, and no reference says what of it.
     pub(super) shaken: bool,
@@ -52,10 +54,10 @@ impl Prepared {
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
             && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
-        let prior = prior(question, &reduced, quiet.as_ref());
+        let prior = prior(question, &reduced, quiet.as_ref())?;
         // shaking adds to the noise of block means what no quiet log tells of
         let (prior, reduced) = match shaken {
-            true => (prior.widened(SHAKING), reduced.shaken()),
+            true => (prior.widened(SHAKING)?, reduced.shaken()),
             false => (prior, reduced),
         };
         let mut given = vec![vec![1.0; reduced.blocks.len()]];
@@ -65,7 +67,8 @@ impl Prepared {
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
         let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
-        Ok(Self { column, faults, testable, reduced, prior, given, shaken, fast_deviation })
+        let free_walk_prior = prior.with_free_walk(FREE_WALK)?;
+        Ok(Self { free_walk_prior, column, faults, testable, reduced, prior, given, shaken, fast_deviation })
     }
 
     pub(super) fn search<'s>(
@@ -80,6 +83,7 @@ impl Prepared {
             hypotheses,
             effects,
             prior: self.prior,
+            free_walk_prior: self.free_walk_prior,
         }
     }
 
@@ -96,7 +100,11 @@ impl Prepared {
 }
 
 /// What is known of the noise before the field log is looked at.
-fn prior(question: &Question<'_>, field: &ErrorInBlocks, quiet: Option<&ErrorInBlocks>) -> LevelPrior {
+fn prior(
+    question: &Question<'_>,
+    field: &ErrorInBlocks,
+    quiet: Option<&ErrorInBlocks>,
+) -> Result<LevelPrior, UnknownLevels> {
     let quiet = quiet.filter(|quiet| quiet.blocks.len() >= MIN_BLOCKS);
     let start = match (&question.sheet, quiet) {
         (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
@@ -104,7 +112,7 @@ fn prior(question: &Question<'_>, field: &ErrorInBlocks, quiet: Option<&ErrorInB
         (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
     };
     match quiet {
-        Some(quiet) => start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]]),
-        None => start,
+        Some(quiet) => Ok(start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]])?),
+        None => Ok(start),
     }
 }

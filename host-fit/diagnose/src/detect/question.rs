@@ -47,6 +47,9 @@ pub enum DiagnoseError {
     /// An effect is not known.
     #[error(transparent)]
     Effect(#[from] crate::effects::EffectError),
+    /// The noise cannot be told.
+    #[error(transparent)]
+    Noise(#[from] fos_fit::noise::UnknownLevels),
     /// An effect that was asked for does not show in the log.
     #[error("{effect} cannot be estimated from this log: {reason}")]
     NotThere {

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use nalgebra::Matrix3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -84,35 +85,50 @@ impl LevelPrior {
     }
 
     /// The same with the covariance widened by these variances: levels are not quite the same in another log.
-    pub fn widened(&self, variances: [f64; 3]) -> Self {
-        let precision = nalgebra::Matrix3::from_fn(|i, j| self.precision[i][j]);
-        let covariance = precision.try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
-        let wider = covariance + nalgebra::Matrix3::from_diagonal(&variances.into());
-        let precision = wider.try_inverse().unwrap_or(precision);
-        Self {
-            mean: self.mean,
-            precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
-            wall: self.wall,
-        }
+    ///
+    /// # Errors
+    ///
+    /// The precision is not positive definite.
+    pub fn widened(&self, variances: [f64; 3]) -> Result<Self, UnknownLevels> {
+        let wider = self.covariance()? + Matrix3::from_diagonal(&variances.into());
+        Ok(Self { precision: rows_of(&inverse(wider)?), ..*self })
     }
 
     /// The prior without what it says of the random walk, but for a very wide scale about `walk`.
-    pub fn with_free_walk(&self, deviation: f64) -> Self {
-        let precision = nalgebra::Matrix3::from_fn(|i, j| self.precision[i][j]);
-        let covariance = precision.try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
-        let mut freed = covariance;
+    ///
+    /// # Errors
+    ///
+    /// The precision is not positive definite.
+    pub fn with_free_walk(&self, deviation: f64) -> Result<Self, UnknownLevels> {
+        let mut freed = self.covariance()?;
         for i in 0..2 {
             freed[(i, 2)] = 0.0;
             freed[(2, i)] = 0.0;
         }
         freed[(2, 2)] = deviation * deviation;
-        let precision = freed.try_inverse().unwrap_or(precision);
-        Self {
-            mean: self.mean,
-            precision: std::array::from_fn(|i| std::array::from_fn(|j| precision[(i, j)])),
-            wall: None,
-        }
+        Ok(Self { precision: rows_of(&inverse(freed)?), wall: None, ..*self })
     }
+
+    /// Covariance of the logarithms.
+    fn covariance(&self) -> Result<Matrix3<f64>, UnknownLevels> {
+        inverse(Matrix3::from_fn(|i, j| self.precision[i][j]))
+    }
+}
+
+/// The levels cannot be told: what is known of their logarithms is no covariance, as of data that are not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the noise levels cannot be told from this log: the precision of their logarithms is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
+)]
+pub struct UnknownLevels;
+
+/// Of a positive definite matrix, by its Cholesky factor.
+fn inverse(matrix: Matrix3<f64>) -> Result<Matrix3<f64>, UnknownLevels> {
+    Ok(matrix.cholesky().ok_or(UnknownLevels)?.inverse())
+}
+
+fn rows_of(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
 }
 
 impl NoiseLevels {
@@ -195,13 +211,18 @@ impl Regression<'_> {
 
     /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn again
     /// with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal logarithm.
-    pub fn draws(&self, fitted: &Fitted, count: usize, random: &mut impl Rng) -> Vec<NoiseLevels> {
+    ///
+    /// # Errors
+    ///
+    /// The curvature at the optimum is not positive definite.
+    pub fn draws(
+        &self,
+        fitted: &Fitted,
+        count: usize,
+        random: &mut impl Rng,
+    ) -> Result<Vec<NoiseLevels>, UnknownLevels> {
         let posterior = self.posterior(fitted);
-        let precision = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
-        let factor = precision
-            .try_inverse()
-            .and_then(|covariance| covariance.cholesky())
-            .map_or_else(nalgebra::Matrix3::zeros, |c| WIDER * c.l());
+        let factor = WIDER * posterior.covariance()?.cholesky().ok_or(UnknownLevels)?.l();
         let proposals: Vec<(NoiseLevels, f64)> = (0..count)
             .map(|_| {
                 let unit = nalgebra::Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(random) });
@@ -215,7 +236,7 @@ impl Regression<'_> {
             .collect();
         let total: f64 = proposals.iter().map(|(_, weight)| weight).sum();
         if !total.is_finite() || total <= 0.0 {
-            return vec![fitted.levels; count];
+            return Ok(vec![fitted.levels; count]);
         }
         // systematic: every proposal as often as its weight says, but for less than one
         let mut next = random.random_range(0.0..1.0) * total / count as f64;
@@ -228,7 +249,7 @@ impl Regression<'_> {
             }
         }
         drawn.resize(count, fitted.levels);
-        drawn
+        Ok(drawn)
     }
 
     /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other levels.
@@ -247,7 +268,7 @@ impl Regression<'_> {
 
     /// A level that the data say nothing of has no curvature; the prior's is then the least.
     fn made_positive(mut posterior: LevelPrior, prior: &LevelPrior) -> LevelPrior {
-        let matrix = nalgebra::Matrix3::from_fn(|i, j| posterior.precision[i][j]);
+        let matrix = Matrix3::from_fn(|i, j| posterior.precision[i][j]);
         if matrix.cholesky().is_none() {
             let least = |i: usize| posterior.precision[i][i].max(prior.precision[i][i]);
             posterior.precision = diagonal(std::array::from_fn(least));

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::levels::{LevelPrior, LogLevels, Regression};
+use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 use super::noise_tests::{awkward, blocks_of};
 
@@ -174,4 +174,21 @@ fn true_levels_lie_in_the_interval_as_often_as_it_says() {
     }
     // 90 ± 3 are binomial; the posterior is normal only about its optimum
     assert!(inside.iter().all(|count| (80..=98).contains(count)), "{inside:?} of 100");
+}
+
+#[test]
+fn levels_that_nothing_is_known_of_are_an_error_and_no_identity() {
+    let known = prior();
+    let widened = known.widened([0.01, 0.02, 0.06]).unwrap();
+    let covariance = matrix(&widened.precision).try_inverse().unwrap();
+    let expected = [0.3 * 0.3 + 0.01, 0.45 * 0.45 + 0.02, 0.8 * 0.8 + 0.06];
+    for (i, expected) in expected.into_iter().enumerate() {
+        assert!((covariance[(i, i)] - expected).abs() < 1e-12, "{i}: {covariance}");
+    }
+    let indefinite = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for precision in [indefinite, [[f64::NAN; 3]; 3]] {
+        let unknown = LevelPrior { precision, ..known };
+        assert_eq!(unknown.widened([0.01; 3]), Err(UnknownLevels));
+        assert_eq!(unknown.with_free_walk(3.0), Err(UnknownLevels));
+    }
 }

@@ -23,5 +23,5 @@ mod noise_tests;
 
 pub use blocks::{Block, Blocks, length_for};
 pub use gls::{Gls, dot};
-pub use levels::{Fitted, LevelPrior, LogLevels, Regression};
+pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels};
 pub use model::{GaussMarkov, NoiseLevels};

@@ -3,7 +3,7 @@
 use fos_data::case::DataSheet;
 
 use super::blocks::Blocks;
-use super::levels::{LevelPrior, Regression};
+use super::levels::{LevelPrior, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 
 /// Standard deviations of the logarithms of white, flicker and walk about what a data sheet says: units of a part scatter
@@ -53,11 +53,15 @@ impl LevelPrior {
 
     /// What a quiet log adds to it: the levels that it shows, for use with the next log of the unit. `given` are regressors
     /// that the model already has there.
-    pub fn learnt(&self, blocks: &Blocks, y: &[f64], given: &[Vec<f64>]) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// The log does not tell the levels.
+    pub fn learnt(&self, blocks: &Blocks, y: &[f64], given: &[Vec<f64>]) -> Result<Self, UnknownLevels> {
         let regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
         let regression = Regression { blocks, y, regressors: &regressors, prior: self };
         let fitted = regression.fit(NoiseLevels::from_logs(&self.mean));
         let wall = Some(regression.wall(&fitted));
-        Self { wall, ..regression.posterior(&fitted).widened(NEXT_LOG) }
+        Ok(Self { wall, ..regression.posterior(&fitted).widened(NEXT_LOG)? })
     }
 }

@@ -34,7 +34,7 @@ const MAX_FOUND: usize = 4;
 pub(super) const INSEPARABLE: f64 = 7.0;
 
 /// Standard deviation of the logarithm of a random walk that nothing is known of.
-const FREE_WALK: f64 = 3.0;
+pub(super) const FREE_WALK: f64 = 3.0;
 
 /// A slow effect that was found.
 #[derive(Debug, Clone)]
@@ -102,6 +102,8 @@ pub(super) struct SlowSearch<'a> {
     pub(super) effects: &'a [Rc<Effect>],
     /// What is known of the noise levels.
     pub(super) prior: LevelPrior,
+    /// The same where a random walk larger than the baseline's is tried.
+    pub(super) free_walk_prior: LevelPrior,
 }
 
 /// What became of the effects that were tried alone.
@@ -205,7 +207,7 @@ impl SlowSearch<'_> {
 
     fn prior_of(&self, noise: ExtraNoise) -> LevelPrior {
         match noise {
-            ExtraNoise::Walk => self.prior.with_free_walk(FREE_WALK),
+            ExtraNoise::Walk => self.free_walk_prior,
             _ => self.prior,
         }
     }
