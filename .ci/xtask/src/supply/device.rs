@@ -67,8 +67,7 @@ fn device_side(packages: &[Value]) -> Result<Reviewed, Box<dyn Error>> {
         "tree",
         "-p",
         "fos-embedded",
-        "--features",
-        "c-api,defmt,micromath",
+        "--all-features",
         "--target",
         "all",
         "-e",
@@ -149,10 +148,13 @@ fn review_of(text: &str) -> Reviewed {
     text.lines().filter_map(row).collect()
 }
 
-/// A line for every crate of the device side, with the features of it that are on where no more than these are asked for.
+/// A line for every crate of the device side, sensors and store included, with the features of it that are on where no more than
+/// these are asked for.
 fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let mut lines = BTreeSet::new();
-    for package in ["fos-core", "fos-embedded"] {
+    let sides: [(&str, &[&str]); 2] =
+        [("fos-core", &[]), ("fos-embedded", &["--features", "bmi323,lsm6dsv16x,store"])];
+    for (package, parts) in sides {
         let tree = [
             "-e",
             "normal",
@@ -164,7 +166,8 @@ fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
             "--format",
             "{p}|{f}",
         ];
-        let printed = output(Command::new("cargo").args(["tree", "-p", package]).args(asked).args(tree))?;
+        let printed =
+            output(Command::new("cargo").args(["tree", "-p", package]).args(parts).args(asked).args(tree))?;
         for line in printed.lines() {
             let (name, on) =
                 (line.split(' ').next().unwrap_or_default(), line.split_once('|').map_or("", |(_, on)| on));
