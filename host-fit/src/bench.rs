@@ -4,7 +4,6 @@
 //! machine reaches in the same process, when nothing but multiply-adds is done.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use pulp::{Arch, Simd, WithSimd};
 use rand::SeedableRng;
@@ -12,6 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
+use crate::timing::least_time;
 use fos_fit::candidates::{Candidates, CandidatesError, Monomial};
 use fos_fit::fit::autoregression::{self, Method};
 use fos_fit::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, fit, fos, refit, textbook};
@@ -197,36 +197,6 @@ pub fn peak_multiply_adds_per_second() -> f64 {
     }
     let (time, (_, done)) = least_time(10, || Arch::new().dispatch(Peak));
     done as f64 / time
-}
-
-/// The least wall-clock time of `repeats` runs (at least one), in seconds, and what the last returned.
-fn least_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
-    let (times, result) = times(repeats, &mut run);
-    (times[0], result)
-}
-
-/// The same with the median of the times.
-pub(crate) fn median_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
-    let (times, result) = times(repeats, &mut run);
-    (times[times.len() / 2], result)
-}
-
-/// The times of `repeats` runs (at least one), ascending, and what the last returned.
-fn times<T>(repeats: usize, run: &mut impl FnMut() -> T) -> (Vec<f64>, T) {
-    let mut timed = || {
-        let start = Instant::now();
-        let result = black_box(run());
-        (start.elapsed().as_secs_f64(), result)
-    };
-    let (first, mut result) = timed();
-    let mut times = vec![first];
-    for _ in 1..repeats {
-        let (time, again) = timed();
-        times.push(time);
-        result = again;
-    }
-    times.sort_unstable_by(f64::total_cmp);
-    (times, result)
 }
 
 /// A seeded AR(4) record.

@@ -18,4 +18,5 @@ mod program;
 pub mod record;
 pub mod replay;
 pub mod report;
+mod timing;
 pub mod workbench;

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::Outcome;
+use super::outcome::Outcome;
 use crate::program::this_build;
 use fos_data::file::{FileError, write_atomically};
 use fos_diagnose::effects::Library;

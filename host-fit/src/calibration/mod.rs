@@ -1,5 +1,6 @@
 //! How often the diagnosis is right: simulated cases with a known truth, diagnosed, corrected and counted.
 
+mod error;
 mod figures;
 mod kept;
 mod outcome;
@@ -9,37 +10,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use error::CalibrationError;
 pub use figures::{Figure, Goal, figures};
 pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
 
-use fos_data::file::FileError;
 use fos_diagnose::effects::Library;
-use fos_simulate::{PlanError, suite};
-
-/// Why there are no figures.
-#[derive(Debug, thiserror::Error)]
-pub enum CalibrationError {
-    /// A case cannot be simulated.
-    #[error("case {case}: {source}")]
-    Plan {
-        /// Its number.
-        case: usize,
-        /// Why.
-        source: PlanError,
-    },
-    /// A case cannot be diagnosed.
-    #[error("case {case}: {source}")]
-    Diagnose {
-        /// Its number.
-        case: usize,
-        /// Why.
-        source: Box<fos_diagnose::detect::DiagnoseError>,
-    },
-    /// What came out cannot be kept.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
+use fos_simulate::suite;
 
 /// A calibration: what came out of every case, and the figures.
 #[derive(Debug, Clone, Serialize)]

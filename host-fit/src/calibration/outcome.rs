@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::CalibrationError;
+use super::error::CalibrationError;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
 use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Verdict, correction, diagnose};

@@ -1,9 +1,8 @@
 //! `completions`: what a shell needs to complete arguments.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
-use super::Cli;
 use super::output::Failure;
 
 /// Print a script that lets a shell complete subcommands and arguments
@@ -17,8 +16,9 @@ pub(super) struct Completions {
 }
 
 impl Completions {
-    pub(super) fn run(&self) -> Result<(), Failure> {
-        generate(self.shell, &mut Cli::command(), "host-fit", &mut std::io::stdout());
+    /// For `program` with all its subcommands.
+    pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
+        generate(self.shell, &mut program, "host-fit", &mut std::io::stdout());
         Ok(())
     }
 }

@@ -1,9 +1,8 @@
 //! `man`: manual pages, one for each subcommand.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_mangen::Man as Page;
 
-use super::Cli;
 use super::arguments::OutputFolder;
 use super::output::{Failure, Written, print_written};
 use fos_data::file::{make_folder, write_atomically};
@@ -20,17 +19,17 @@ pub(super) struct Man {
 }
 
 impl Man {
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    /// Of `program` and all its subcommands.
+    pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
         make_folder(&self.folder)?;
-        let mut all = Cli::command();
-        all.build();
-        let pages = all.get_subcommands().filter(|command| command.get_name() != "help").cloned();
+        program.build();
+        let pages = program.get_subcommands().filter(|command| command.get_name() != "help").cloned();
         let pages = pages.map(|command| {
             let name = format!("host-fit-{}", command.get_name());
             command.name(name)
         });
         let mut written = Vec::new();
-        for command in std::iter::once(all.clone()).chain(pages) {
+        for command in std::iter::once(program.clone()).chain(pages) {
             let path = self.folder.join(format!("{}.1", command.get_name()));
             let mut text = Vec::new();
             Page::new(command).render(&mut text)?;

@@ -121,8 +121,8 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Report(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Bench(command) => command.run(),
-        Command::Completions(command) => command.run(),
-        Command::Man(command) => command.run(),
+        Command::Completions(command) => command.run(all),
+        Command::Man(command) => command.run(all),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The paper's Figures 2, 5, 6 and 7 for one axis.
 
+use super::result::{Cell, Comparison, Entry, Judged};
 use super::split::Split;
-use super::{Cell, Comparison, Entry, Judged};
 use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use crate::plots::outline;

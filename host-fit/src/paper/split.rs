@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use super::Settings;
+use super::settings::Settings;
 use fos_data::recording::Recording;
 use fos_data::stillness::Stillness;
 

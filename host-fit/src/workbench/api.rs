@@ -19,8 +19,9 @@ use tokio_stream::{Stream, StreamExt};
 use super::desk::Desk;
 use super::folders::Listed;
 use super::series::{Rows, Series, ViewKind, series as series_of};
-use super::study::{Entry, State as StudyState, Study};
-use super::tasks::Open;
+use super::study::Study;
+use super::task::Open;
+use super::told::{Entry, Page};
 use crate::export::{c_source, image, rust_source};
 use crate::plots::View;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
@@ -101,9 +102,9 @@ pub(super) async fn close(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) ->
     Ok(Json(json!({})))
 }
 
-pub(super) async fn state(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<StudyState> {
+pub(super) async fn state(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Page> {
     let study = desk.study(id).map_err(not_found)?;
-    Ok(Json(beside(move || Ok(study.state())).await?))
+    Ok(Json(beside(move || Ok(study.page())).await?))
 }
 
 pub(super) async fn events(

@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::folders::Folders;
-use super::study::{Entry, Study};
-use super::tasks::Open;
+use super::study::Study;
+use super::task::Open;
+use super::told::Entry;
 use fos_diagnose::effects::Library;
 
 /// Studies that are open at once, at most: each keeps its logs in memory.

@@ -7,10 +7,14 @@
 //! | `api` | what is asked and answered |
 //! | `assets` | the page, in the binary |
 //! | `desk` | all studies that are open |
-//! | `study` | one study: its logs, its axes, and the one job that runs |
+//! | `study` | one study and its thread |
+//! | `state` | what changes under its lock |
+//! | `known` | what is known of it; what a task sees, and what it changes |
+//! | `told` | what a page is told of it |
 //! | `queue` | what a study is to do, and what it is doing |
-//! | `tasks` | what a job does |
-//! | `job` | progress of a job, and its end before time |
+//! | `task` | a piece of work that waits |
+//! | `tasks` | what is done for it |
+//! | `job` | progress of the work, and its end before time |
 //! | `series` | a time series for display, true to its peaks |
 //! | `folders` | which files may be opened |
 //! | `example` | the built-in example |
@@ -22,11 +26,15 @@ mod example;
 mod folders;
 mod guard;
 mod job;
+mod known;
 mod queue;
 mod series;
 mod server;
+mod state;
 mod study;
+mod task;
 mod tasks;
+mod told;
 
 #[cfg(test)]
 mod tests;

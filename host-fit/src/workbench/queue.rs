@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::job::Job;
-use super::tasks::Task;
+use super::task::Task;
 use fos_data::interrupt::Stop;
 
 /// The tasks of a study, in their order, and the one that is being done.

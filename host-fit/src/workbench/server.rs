@@ -20,7 +20,7 @@ use tokio_stream::StreamExt;
 use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, guard};
-use super::tasks::Open;
+use super::task::Open;
 use super::{api, assets};
 use fos_data::recording::LoadOptions;
 use fos_diagnose::effects::Library;

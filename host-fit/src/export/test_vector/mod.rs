@@ -1,19 +1,22 @@
 //! Samples that exercise a model, and the bits that a hub makes of them: one vector for every form of source.
 
+mod host_hub;
+mod room;
 mod samples;
+mod scales;
+mod schedule;
+mod wander;
 
-use fos_embedded::hub::{Hub, HubError};
+use fos_embedded::hub::HubError;
 use fos_embedded::raw::Scales;
 use fos_embedded::test_log::HubLogRecord;
 use fos_embedded::test_vector::{Expected, TestSample, TestVector};
 
 use fos_fit::model::{FittedTerm, UnitModel};
-use samples::Generator;
+use host_hub::loaded;
+use samples::{Generator, HOW};
 
-use samples::HOW;
-
-/// The hub with room for every model.
-type HostHub = Hub<32, 512, 4096>;
+pub(super) use room::Room;
 
 /// A [`TestVector`] that owns what it is made of.
 #[derive(Debug, Clone)]
@@ -58,13 +61,6 @@ pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
         vector.samples.push(sample);
     }
     Ok(vector)
-}
-
-/// A hub with `model`, for a sensor with these scales.
-fn loaded(model: &UnitModel, scales: Scales) -> Result<HostHub, HubError> {
-    let mut hub = HostHub::new(scales);
-    model.with::<f32, _>(|model| hub.load_model(model))?;
-    Ok(hub)
 }
 
 impl OwnedTestVector {
@@ -115,26 +111,6 @@ impl OwnedTestVector {
 /// 2^power units in the last place of `exact`, relative to it.
 fn ulps(exact: f32, power: u32) -> f64 {
     (f64::from(f32::from_bits(exact.to_bits() + (1 << power))) / f64::from(exact) - 1.0).abs()
-}
-
-/// What a hub must have room for: inputs and as many quantities, terms, values of history (a power of two).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Room {
-    pub(super) inputs: usize,
-    pub(super) terms: usize,
-    pub(super) history: usize,
-}
-
-impl Room {
-    pub(super) fn for_model(model: &UnitModel) -> Self {
-        let (n_inputs, n_axes) = (model.inputs.len(), model.axes.len());
-        let deepest = (samples::longest_lag(model) * (n_inputs + n_axes) + n_inputs).max(n_inputs + n_axes);
-        Self {
-            inputs: n_inputs.max(model.quantities.len()),
-            terms: model.n_terms(),
-            history: deepest.next_power_of_two(),
-        }
-    }
 }
 
 /// What the vector is, how it was made and what it would miss, for the comment beside it.

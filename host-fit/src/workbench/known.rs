@@ -1,0 +1,100 @@
+//! What is known of a study: its logs, its axes as far as they are computed; what a task sees of it, and what it changes.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::examine::Examination;
+use crate::report::{AxisSection, LogSummary};
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::{Refinement, Study};
+
+/// The logs of a study, as read.
+pub(super) struct Read {
+    pub(super) logs: Logs,
+    pub(super) summaries: Summaries,
+    /// The axes that the field log has.
+    pub(super) axes: Vec<String>,
+}
+
+/// The logs in a few facts.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Summaries {
+    pub(super) field: LogSummary,
+    pub(super) quiet: Option<LogSummary>,
+    pub(super) judged: Option<LogSummary>,
+}
+
+/// An axis as far as it is known.
+#[derive(Clone)]
+pub(super) struct KnownAxis {
+    /// The axis alone, as it was fitted.
+    pub(super) fitted: Option<Arc<Study>>,
+    /// A fit has failed: it is not tried again unless somebody looks at the axis.
+    pub(super) cannot_be_fitted: bool,
+    pub(super) growth: Option<Refinement>,
+    pub(super) examination: Option<Arc<Examination>>,
+    /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
+    pub(super) examined: bool,
+    pub(super) section: AxisSection,
+}
+
+impl KnownAxis {
+    pub(super) fn unknown(column: &str) -> Self {
+        Self {
+            fitted: None,
+            cannot_be_fitted: false,
+            growth: None,
+            examination: None,
+            examined: false,
+            section: AxisSection::empty(column),
+        }
+    }
+}
+
+/// What a task may look at: as it was when the task began.
+pub(super) struct Snapshot {
+    pub(super) read: Option<Arc<Read>>,
+    pub(super) axes: Vec<KnownAxis>,
+}
+
+impl Snapshot {
+    /// The logs.
+    ///
+    /// # Errors
+    ///
+    /// They are not read.
+    pub(super) fn read(&self) -> Result<&Read, String> {
+        self.read.as_deref().ok_or_else(|| "the logs could not be read".to_owned())
+    }
+
+    /// An axis that is fitted: the axis alone, and how it grew.
+    ///
+    /// # Errors
+    ///
+    /// It is not fitted.
+    pub(super) fn fitted(&self, column: &str) -> Result<(&Study, &Refinement), String> {
+        let known = self.axes.iter().find(|axis| axis.section.column == column);
+        known
+            .and_then(|axis| axis.fitted.as_deref().zip(axis.growth.as_ref()))
+            .ok_or_else(|| format!("{column} could not be fitted"))
+    }
+}
+
+/// What a task changes, once it is done.
+pub(super) enum Change {
+    /// The logs are there.
+    Read {
+        /// They.
+        read: Box<Read>,
+        /// The axis to look at first.
+        first: Option<String>,
+    },
+    /// What is known of an axis.
+    Axis {
+        /// Which.
+        column: String,
+        /// How it changes.
+        edit: Box<dyn FnOnce(&mut KnownAxis) + Send>,
+    },
+}

@@ -1,0 +1,120 @@
+//! What a page is told of a study: with every change, in the list of all, and when it is looked at.
+
+use serde::Serialize;
+
+use super::job::Job;
+use super::known::{KnownAxis, Summaries};
+use super::state::State;
+use crate::examine::command_lines;
+use crate::report::AxisSection;
+use fos_diagnose::detect::Verdict;
+use fos_diagnose::study::{Refinement, RefinementStep};
+
+/// What a page is told without asking.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Beat {
+    pub(super) revision: u64,
+    pub(super) job: Option<Job>,
+}
+
+/// A study in a list.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Entry {
+    id: u64,
+    name: String,
+    verdict: Option<Verdict>,
+    working: bool,
+    /// The axis that is looked at, with what is known of it: what studies are held side by side by.
+    axis: Option<AxisEntry>,
+}
+
+/// An axis in a list.
+#[derive(Debug, Clone, Serialize)]
+struct AxisEntry {
+    column: String,
+    label: String,
+    unit: String,
+    sentence: Option<String>,
+    /// Effects that were added, in order.
+    added: Vec<String>,
+    /// Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the unit.
+    slow_before: Option<f64>,
+    slow_now: Option<f64>,
+}
+
+impl AxisEntry {
+    fn of(axis: &KnownAxis) -> Self {
+        let stairs = axis.growth.as_ref().map_or(&[][..], |growth| &growth.steps);
+        let slow = |stair: Option<&RefinementStep>| stair.map(|stair| stair.left.slow.sqrt());
+        Self {
+            column: axis.section.column.clone(),
+            label: axis.section.label.clone(),
+            unit: axis.section.unit.clone(),
+            sentence: axis.section.diagnosis.as_ref().map(|found| found.sentence.clone()),
+            added: axis
+                .growth
+                .iter()
+                .flat_map(Refinement::added)
+                .map(|added| added.effect.id.clone())
+                .collect(),
+            slow_before: slow(stairs.first()),
+            slow_now: slow(stairs.last()),
+        }
+    }
+}
+
+/// All that a page shows of a study, but for what is drawn sample by sample.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Page {
+    id: u64,
+    name: String,
+    revision: u64,
+    job: Option<Job>,
+    error: Option<String>,
+    logs: Option<Summaries>,
+    axis: Option<String>,
+    axes: Vec<AxisSection>,
+    commands: Vec<String>,
+}
+
+impl Beat {
+    pub(super) fn of(state: &State) -> Self {
+        Self { revision: state.revision, job: state.queue.job() }
+    }
+}
+
+impl Entry {
+    pub(super) fn of(id: u64, state: &State) -> Self {
+        let looked_at = state.looked_at.as_ref().and_then(|column| state.known(column).ok());
+        Self {
+            id,
+            name: state.name.clone(),
+            verdict: looked_at.and_then(|axis| axis.section.diagnosis.as_ref()).map(|found| found.verdict),
+            working: state.queue.job().is_some(),
+            axis: looked_at.map(AxisEntry::of),
+        }
+    }
+}
+
+impl Page {
+    pub(super) fn of(id: u64, state: &State) -> Self {
+        let fitted = state.axes.iter().find_map(|axis| axis.fitted.as_deref());
+        let seen = state.axes.iter().filter(|axis| axis.examination.is_some());
+        let grown = seen.map(|axis| (axis.section.column.as_str(), axis.growth.as_ref()));
+        let commands = match (fitted, &state.read) {
+            (Some(fitted), Some(read)) => command_lines(&fitted.data.sources, &read.logs, grown),
+            _ => Vec::new(),
+        };
+        Self {
+            id,
+            name: state.name.clone(),
+            revision: state.revision,
+            job: state.queue.job(),
+            error: state.error.clone(),
+            logs: state.read.as_ref().map(|read| read.summaries.clone()),
+            axis: state.looked_at.clone(),
+            axes: state.axes.iter().map(|axis| axis.section.clone()).collect(),
+            commands,
+        }
+    }
+}
