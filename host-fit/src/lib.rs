@@ -7,6 +7,8 @@
 pub mod bench;
 pub mod calibration;
 pub mod cli;
+mod command_lines;
+pub mod curves;
 mod escaping;
 pub mod examine;
 pub mod export;

@@ -120,7 +120,7 @@ struct Outcome {
     id: String,
     named: Vec<String>,
     predicted: [f64; 2],
-    realised: f64,
+    measured: f64,
     /// By how much the bias was off, before and after.
     bias: [Option<f64>; 2],
     /// Error after over before, in f32, of the effect's band.
@@ -133,30 +133,30 @@ struct Outcome {
 fn outcome(effect: &Effect, seed: u64) -> Outcome {
     let (library, logs) = (Library::built_in(), Logs::of(&plan(&effect.id, seed)));
     let refiner = Refiner::new(&logs.field, Some(&logs.quiet), Some(&logs.later), &library);
-    let growth = logs.begin(&refiner);
-    let diagnosis = refiner.diagnose(&growth).expect("a diagnosis");
-    let stair = refiner.add(&growth, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));
+    let refinement = logs.begin(&refiner);
+    let diagnosis = refiner.diagnose(&refinement).expect("a diagnosis");
+    let step = refiner.add(&refinement, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));
     let of = match (effect.band, effect.search) {
         (Band::Wide, _) => Left::Samples,
         (_, Search::Step) => Left::AboutBias,
         _ => Left::Means,
     };
-    let before = logs.left_on_the_device(&growth.steps[0].model, of);
-    let added = stair.added.as_ref().expect("added");
+    let before = logs.left_on_the_device(&refinement.steps[0].model, of);
+    let added = step.added.as_ref().expect("added");
     let wrong = (effect.search == Search::Step).then(|| {
-        let mut model = stair.model.clone();
+        let mut model = step.model.clone();
         model.axes[0].parameters.offset =
-            growth.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
+            refinement.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
         logs.left_on_the_device(&model, of) / before
     });
     Outcome {
         id: effect.id.clone(),
         named: diagnosis.findings.iter().map(|finding| finding.effect.clone()).collect(),
         predicted: added.finding.predicted_reduction_interval,
-        realised: added.measured_reduction,
-        bias: [growth.steps[0].left.bias, stair.left.bias],
-        ratio: logs.left_on_the_device(&stair.model, of) / before,
-        one_step: stair.errors.one_step_mse / growth.steps[0].errors.one_step_mse,
+        measured: added.measured_reduction,
+        bias: [refinement.steps[0].left.bias, step.left.bias],
+        ratio: logs.left_on_the_device(&step.model, of) / before,
+        one_step: step.errors.one_step_mse / refinement.steps[0].errors.one_step_mse,
         wrong,
     }
 }
@@ -183,9 +183,9 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let step = library.get("bias_step").expect("there");
     runs.extend((1..=4).map(|seed| (step, seed)));
     let outcomes: Vec<Outcome> = runs.par_iter().map(|(effect, seed)| outcome(effect, *seed)).collect();
-    for Outcome { id, named, predicted, realised, bias, ratio, one_step, wrong } in &outcomes {
+    for Outcome { id, named, predicted, measured, bias, ratio, one_step, wrong } in &outcomes {
         println!(
-            "{id}: named {named:?}, predicted {:.3} … {:.3}, measured {realised:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, wrong {wrong:?}",
+            "{id}: named {named:?}, predicted {:.3} … {:.3}, measured {measured:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, wrong {wrong:?}",
             predicted[0], predicted[1]
         );
     }
@@ -193,7 +193,7 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let worst = slow.map(|outcome| outcome.ratio).fold(0.0, f64::max);
     for outcome in &outcomes {
         assert!(outcome.ratio < 1.0 - 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.ratio);
-        assert!(outcome.realised > 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.realised);
+        assert!(outcome.measured > 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.measured);
     }
     let wrong: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.wrong).collect();
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();

@@ -23,8 +23,12 @@ fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
 const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
 const LATER: [&str; 2] = ["--judge", "unit/eval.parquet"];
 
-fn growth(folder: &Path) -> Refinement {
-    Study::read(&folder.join("unit.json")).expect("a study").refinement_of("gx_rads").expect("grown").clone()
+fn refinement(folder: &Path) -> Refinement {
+    Study::read(&folder.join("unit.json"))
+        .expect("a study")
+        .refinement_of("gx_rads")
+        .expect("a refinement")
+        .clone()
 }
 
 #[test]
@@ -43,23 +47,23 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
     let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
-    let before = growth(folder).steps[0].clone();
+    let before = refinement(folder).steps[0].clone();
     assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
-    assert_eq!(growth(folder).steps, std::slice::from_ref(&before));
+    assert_eq!(refinement(folder).steps, std::slice::from_ref(&before));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.model, before.model, "the model is what it was");
     assert!(fails(folder, 1, &["undo", "unit.json"]).contains("nothing was added"));
 
     let best = done(folder, &["add", "unit.json", "--best", "--figures", "figures"]);
     assert!(best.contains("Nothing is missing"), "{best}");
-    let grown = growth(folder);
-    let [added] = grown.added().collect::<Vec<_>>()[..] else { panic!("one effect: {best}") };
+    let refined = refinement(folder);
+    let [added] = refined.added().collect::<Vec<_>>()[..] else { panic!("one effect: {best}") };
     assert_eq!(added.effect.id, "thermal_lag");
     let tau_s = added.finding.params["tau_s"];
     assert!((tau_s / 60.0 - 1.0).abs() < 0.1, "{tau_s}");
     let [low, high] = added.finding.predicted_reduction_interval;
     assert!(added.measured_reduction > 0.9 && low > 0.9 && high <= 1.0, "{}", added.measured_reduction);
-    let [before, after] = &grown.steps[..] else { panic!("two stairs") };
+    let [before, after] = &refined.steps[..] else { panic!("two steps") };
     assert!(after.errors.slow_error_coast < before.errors.slow_error_coast.map(|error| 0.2 * error));
     assert!(
         after.cost.instructions > before.cost.instructions && after.cost.ram_bytes > before.cost.ram_bytes
@@ -70,7 +74,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     }
     assert!(done(folder, &["history", "unit.json"]).contains("+ thermal_lag"));
 
-    // the grown model runs on fos-core and takes out there what it takes out here
+    // the refined model runs on fos-core and takes out there what it takes out here
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("temp_c"));
     let replay = ["replay", "unit.fosm", "unit/eval.parquet", "--json"];
@@ -87,14 +91,14 @@ fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
     let folder = with_hidden("temp_linear", "bench", "4");
     let folder = folder.path();
     done(folder, &[&["add", "unit.json", "--best"][..], &FIELD].concat());
-    let grown = growth(folder);
-    assert!(grown.logs.judged.is_none());
+    let refined = refinement(folder);
+    assert!(refined.logs.judged.is_none());
     assert!(
-        (290_000 * 3 / 5..310_000 * 3 / 5).contains(&grown.logs.fitted_rows),
+        (290_000 * 3 / 5..310_000 * 3 / 5).contains(&refined.logs.fitted_rows),
         "{}",
-        grown.logs.fitted_rows
+        refined.logs.fitted_rows
     );
-    assert!(grown.added().next().is_some_and(|added| added.effect.id.starts_with("temp")));
+    assert!(refined.added().next().is_some_and(|added| added.effect.id.starts_with("temp")));
     // another log is another staircase
     let other = [&["add", "unit.json", "bias_ramp"][..], &["--from", "unit/eval.parquet"]].concat();
     assert!(fails(folder, 1, &other).contains("cannot be compared"));
@@ -127,8 +131,8 @@ fn an_effect_of_ones_own_goes_through_the_same_door() {
     std::fs::write(folder.join("own.toml"), text).expect("written");
     let own = ["add", "unit.json", "temp_times_supply", "--effect", "own.toml"];
     done(folder, &[&own[..], &FIELD, &LATER].concat());
-    let grown = growth(folder);
-    let added = grown.added().next().expect("added");
+    let refined = refinement(folder);
+    let added = refined.added().next().expect("added");
     assert!(added.measured_reduction > 0.5, "{}", added.measured_reduction);
     // the study holds the effect: what was added is known without the file
     std::fs::remove_file(folder.join("own.toml")).expect("removed");

@@ -25,7 +25,7 @@ struct Line {
 }
 
 const UNIT: (&str, &str) = ("study", "unit.json");
-const GROWN: (&str, &str) = ("study", "grown.json");
+const REFINED: (&str, &str) = ("study", "refined.json");
 const LOG: (&str, &str) = ("log", "log.parquet");
 const MAP: (&str, &str) = ("map_file", "map.toml");
 const IMAGE: (&str, &str) = ("image", "unit.fosm");
@@ -71,7 +71,7 @@ const LINES: [Line; 18] = [
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
         words: "history {study} --figures figures",
-        inputs: &[GROWN],
+        inputs: &[REFINED],
     },
     Line {
         output: "output",
@@ -128,7 +128,7 @@ const LINES: [Line; 18] = [
         output: "output",
         at: "out.md",
         words: "report {study} -o out.md",
-        inputs: &[GROWN, ("", "field.parquet")],
+        inputs: &[REFINED, ("", "field.parquet")],
     },
 ];
 
@@ -193,8 +193,8 @@ fn prepare(folder: &Path) {
     }
     let fit = ["fit", "log.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
     done(folder, &[&fit[..], &["-o", "unit.json"]].concat());
-    fs::copy(folder.join("unit.json"), folder.join("grown.json")).expect("copied");
-    done(folder, &["add", "grown.json", "bias_ramp", "--from", "field.parquet"]);
+    fs::copy(folder.join("unit.json"), folder.join("refined.json")).expect("copied");
+    done(folder, &["add", "refined.json", "bias_ramp", "--from", "field.parquet"]);
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     write("map.toml", b"[columns]\ngx_rads = \"gx_rads\"\n");
     write("effect.toml", done(folder, &["effects", "--example"]).as_bytes());

@@ -51,7 +51,7 @@ fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
     with_measured_reduction(diagnose(&question).unwrap(), field, judged).unwrap()
 }
 
-/// The first finding on an axis of the tag, by its size and the fall that measured.
+/// The first finding on an axis of the tag, by its size and the reduction that was measured.
 fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
     let Some([field, judged]) = orientations() else { return };
     let diagnosis = diagnosed(&field, &judged, axis);
@@ -59,9 +59,13 @@ fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
     assert_eq!(first.effect, "temp_linear");
     assert_eq!(first.sizes[0].unit, unit);
     assert!(sizes.contains(&first.sizes[0].value), "{:?}", first.sizes);
-    let fall = first.measured_reduction.unwrap();
+    let reduction = first.measured_reduction.unwrap();
     // the sensitivity of the second orientation differs by up to 5 %, and with it the share of the error
-    assert!((fall - first.predicted_reduction).abs() < 0.1, "{fall} for {}", first.predicted_reduction);
+    assert!(
+        (reduction - first.predicted_reduction).abs() < 0.1,
+        "{reduction} for {}",
+        first.predicted_reduction
+    );
 }
 
 #[test]
@@ -100,7 +104,7 @@ fn table_of_the_tag_in_both_directions() {
     {
         println!("\n**Found in {heading}**\n");
         println!(
-            "| axis | verdict | finding | score | size | parameter | predicted reduction (90 %) | realised |"
+            "| axis | verdict | finding | score | size | parameter | predicted reduction (90 %) | measured |"
         );
         println!("|---|---|---|---|---|---|---|---|");
         for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
@@ -139,7 +143,9 @@ fn print_rows(diagnosis: &Diagnosis) {
             sizes.join(", "),
             params.join(", "),
             100.0 * finding.predicted_reduction,
-            finding.measured_reduction.map_or("–".to_owned(), |fall| format!("{:.1} %", 100.0 * fall))
+            finding
+                .measured_reduction
+                .map_or("–".to_owned(), |reduction| format!("{:.1} %", 100.0 * reduction))
         );
     }
 }

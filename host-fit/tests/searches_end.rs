@@ -94,7 +94,7 @@ impl Searches {
         });
         if let Some(fit) = fitted {
             let refiner = Refiner::new(&recording, None, None, &library);
-            count("diagnosis and growth", &mut || {
+            count("diagnosis and refinement", &mut || {
                 let Ok(first) = refiner.first_step(&fit.model) else { return };
                 let source = || Source::made_by("test");
                 let logs = LogSources {
@@ -104,8 +104,8 @@ impl Searches {
                     fitted_rows: refiner.fitted_rows(),
                     read: LoadOptions::default(),
                 };
-                let growth = Refinement { column: "gx_rads".to_owned(), logs, steps: vec![first] };
-                drop(refiner.add_best(&growth, |_, _| {}));
+                let refinement = Refinement { column: "gx_rads".to_owned(), logs, steps: vec![first] };
+                drop(refiner.add_best(&refinement, |_, _| {}));
             });
         }
         found

@@ -20,7 +20,7 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         Study::read(&path).map_err(|error| error.to_string())
     };
     read(&good).expect("sound");
-    let stair = "/growth/0/stairs/1";
+    let step = "/growth/0/stairs/1";
     for (place, value, says) in [
         ("/model/axes", json!([]), "model: there is no axis"),
         ("/model/period_s", json!(0), "the sample period"),
@@ -33,12 +33,12 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         ("/growth/0/column", json!("gy_rads"), "no axis of the model"),
         ("/growth/0/stairs", json!([]), "there is no step"),
         ("/growth/0/stairs/0/model/axes", json!([]), "step 0: there is no axis"),
-        (&format!("{stair}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
-        (&format!("{stair}/added"), Value::Null, "each step but the first"),
-        (&format!("{stair}/added/effect/id"), json!("Thermal Lag"), "small letters"),
-        (&format!("{stair}/added/finding/effect"), json!("bias_ramp"), "what was found is"),
-        (&format!("{stair}/added/finding/correction/0/regressor"), json!("temp_c:lowpas(3)"), "lowpas"),
-        (&format!("{stair}/added/finding/limits"), json!({ "temp_c": [2, 1] }), "the wrong way round"),
+        (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
+        (&format!("{step}/added"), Value::Null, "each step but the first"),
+        (&format!("{step}/added/effect/id"), json!("Thermal Lag"), "small letters"),
+        (&format!("{step}/added/finding/effect"), json!("bias_ramp"), "what was found is"),
+        (&format!("{step}/added/finding/correction/0/regressor"), json!("temp_c:lowpas(3)"), "lowpas"),
+        (&format!("{step}/added/finding/limits"), json!({ "temp_c": [2, 1] }), "the wrong way round"),
     ] {
         let mut study = good.clone();
         *study.pointer_mut(place).unwrap_or_else(|| panic!("{place}: not there")) = value;

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading};
 use super::diagnose::print_diagnosis;
-use super::growing::{LogArguments, column_of, print_growth, read_logs};
 use super::output::{Failure, print_json, print_line, spinner};
+use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
 use crate::plots;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::RefineError;
@@ -54,12 +54,12 @@ impl Add {
         let refiner = logs.refiner(&library);
         let named = logs.named(refiner.fitted_rows());
         let bar = spinner("estimating and judging");
-        let mut growth = match study.refinement_of(&column) {
-            Some(growth) if growth.logs == named => growth.clone(),
-            Some(growth) if growth.added().next().is_some() => {
+        let mut refinement = match study.refinement_of(&column) {
+            Some(refinement) if refinement.logs == named => refinement.clone(),
+            Some(refinement) if refinement.added().next().is_some() => {
                 return Err(format!(
-                    "{column} has grown on {}; its steps cannot be compared with those on another log\nhelp: leave --from and --judge out to go on there, or take the steps back with `host-fit undo` first",
-                    growth.logs.field.path
+                    "{column} was refined on {}; its steps cannot be compared with those on another log\nhelp: leave --from and --judge out to go on there, or take the steps back with `host-fit undo` first",
+                    refinement.logs.field.path
                 )
                 .into());
             }
@@ -67,36 +67,36 @@ impl Add {
         };
         match &self.effect {
             Some(effect) => {
-                let stair = refiner.add(&growth, library.get(effect)?)?;
-                growth.steps.push(stair);
+                let step = refiner.add(&refinement, library.get(effect)?)?;
+                refinement.steps.push(step);
             }
             None => {
-                let stairs = refiner.add_best(&growth, |diagnosis, stair| {
+                let steps = refiner.add_best(&refinement, |diagnosis, step| {
                     if !self.json {
-                        bar.suspend(|| match stair {
+                        bar.suspend(|| match step {
                             Some(_) => print_line!("{}", diagnosis.sentence),
                             None => print_diagnosis(diagnosis),
                         });
                     }
                 })?;
-                growth.steps.extend(stairs);
+                refinement.steps.extend(steps);
             }
         }
         bar.finish_and_clear();
-        study.keep(growth.clone());
-        // an axis runs alone, and with the others may have outgrown a predictor
+        study.keep(refinement.clone());
+        // an axis runs alone, and with the others may be too much for a predictor
         study.model.predictor::<f64>().map_err(RefineError::Model)?;
         if let Some(folder) = &self.figures {
             plots::check_staircase(folder, &column)?;
         }
         study.write(&file)?;
         if let Some(folder) = &self.figures {
-            plots::write_staircase(folder, &growth)?;
+            plots::write_staircase(folder, &refinement)?;
         }
         if self.json {
-            return print_json(&growth);
+            return print_json(&refinement);
         }
-        print_growth(&growth);
+        print_refinement(&refinement);
         print_line!("\nstudy written to {}", self.study.display());
         if let Some(folder) = &self.figures {
             print_line!("figure written to {}", folder.display());

@@ -11,6 +11,7 @@ use fos_diagnose::compare::{AxisComparison, Comparison, compare};
 use fos_diagnose::dependence::{Dependence, Trained};
 use fos_fit::evaluate::ModelErrors;
 
+use crate::curves::curves;
 use crate::plots;
 use fos_data::recording::{LoadOptions, Recording, load};
 use fos_data::stillness;
@@ -83,7 +84,7 @@ impl Compare {
             compare(&study.model, &study.lag_1(), &recording, &stillness, rows, trained.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
-            plots::write_all(folder, &comparison, &trace, &recording)?;
+            plots::write_all(folder, &comparison, &curves(&comparison, &trace, &recording))?;
         }
         if self.json {
             return print_json(&comparison);

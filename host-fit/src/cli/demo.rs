@@ -7,8 +7,9 @@ use fos_core::Image;
 use serde_json::json;
 
 use super::arguments::OutputFolder;
-use super::growing::print_growth;
 use super::output::{Failure, number, print_json, progress, say};
+use super::refinement::print_refinement;
+use crate::curves::curves;
 use crate::export::{image, rust_source};
 use crate::plots;
 use crate::replay::replay;
@@ -82,7 +83,7 @@ impl Demo {
         let trained = Trained { recording: &quiet, stillness: &quiet_rest, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
             compare(&alone, &[lag_1], &field, &field_rest, 0..field.n_rows(), Some(&trained), |_| {})?;
-        plots::write_all(&path("figures"), &comparison, &trace, &field)?;
+        plots::write_all(&path("figures"), &comparison, &curves(&comparison, &trace, &field))?;
         let failing = &comparison.axes[0];
         let (before, quiet_error) = (failing.errors.last(), study.steps.last());
         let slow = |errors: Option<&fos_fit::evaluate::ModelErrors>| {
@@ -116,20 +117,20 @@ impl Demo {
         let library = Library::built_in();
         let logs = Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() };
         let refiner = logs.refiner(&library);
-        let mut growth = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
+        let mut refinement = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
         say!(self, "4. Diagnosed, and added one after the other until nothing is missing:");
         let mut found = Vec::new();
-        let stairs = refiner.add_best(&growth, |diagnosis, _| {
+        let steps = refiner.add_best(&refinement, |diagnosis, _| {
             say!(self, "   - {}", diagnosis.sentence);
             found.extend(diagnosis.findings.first().cloned());
         })?;
-        growth.steps.extend(stairs);
-        study.keep(growth.clone());
+        refinement.steps.extend(steps);
+        study.keep(refinement.clone());
         study.write(&file)?;
-        plots::write_staircase(&path("figures"), &growth)?;
+        plots::write_staircase(&path("figures"), &refinement)?;
         say!(self, "5. The error after every step, on the later log, which nothing was fitted to:\n");
         if !self.json {
-            print_growth(&growth);
+            print_refinement(&refinement);
         }
 
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
@@ -146,7 +147,7 @@ impl Demo {
         });
         say!(
             self,
-            "\n6. The grown model is an image of {} bytes. fos-core ran it over the later log in f32, as on the device: no corrected\n   \
+            "\n6. The refined model is an image of {} bytes. fos-core ran it over the later log in f32, as on the device: no corrected\n   \
              value of gyro x differs by more than {} rad/s from what the host computes in f64. Digest of all corrections: {:016x}.",
             bytes.len(),
             number(off),
@@ -164,7 +165,7 @@ impl Demo {
                 "folder": self.folder.display().to_string(),
                 "comparison": comparison,
                 "findings": found,
-                "growth": growth,
+                "growth": refinement,
                 "replay": replayed.summary,
                 "largest_difference_f32": off,
             }));

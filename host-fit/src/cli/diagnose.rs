@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::Reading;
-use super::growing::{LogArguments, column_of, read_logs};
 use super::numbers::{IN_UNIT, within};
 use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
+use super::refinement::{LogArguments, column_of, read_logs};
 use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study;
@@ -95,11 +95,11 @@ impl Diagnose {
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &self.of, &column)?;
         let refiner = logs.refiner(library);
-        let growth = match study.refinement_of(&column) {
-            Some(growth) => growth.clone(),
+        let refinement = match study.refinement_of(&column) {
+            Some(refinement) => refinement.clone(),
             None => refiner.begin(&study, &column, logs.named(refiner.fitted_rows()))?,
         };
-        Ok(refiner.diagnose(&growth)?)
+        Ok(refiner.diagnose(&refinement)?)
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::OutputFolder;
-use super::growing::print_growth;
 use super::output::{Failure, print_json, print_line};
+use super::refinement::print_refinement;
 use crate::plots;
 use fos_diagnose::study::Study;
 
@@ -28,8 +28,8 @@ impl History {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let study = Study::read(&self.study)?;
         if let Some(folder) = &self.figures {
-            for growth in &study.refinements {
-                plots::write_staircase(folder, growth)?;
+            for refinement in &study.refinements {
+                plots::write_staircase(folder, refinement)?;
             }
         }
         if self.json {
@@ -38,7 +38,7 @@ impl History {
         if study.refinements.is_empty() {
             print_line!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
         }
-        study.refinements.iter().for_each(print_growth);
+        study.refinements.iter().for_each(print_refinement);
         Ok(())
     }
 }

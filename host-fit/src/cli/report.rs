@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::arguments::{OutputFile, Reading};
-use super::growing::{LogArguments, column_of, read_logs};
 use super::output::{Failure, print_json, print_line, spinner};
+use super::refinement::{LogArguments, column_of, read_logs};
 use crate::report::{Report as Content, html, markdown};
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
@@ -51,9 +51,10 @@ impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = Library::with_files(&self.effects)?;
         let study = Study::read(&self.study)?;
-        let grown: Vec<String> = study.refinements.iter().map(|growth| growth.column.clone()).collect();
-        let columns = match (&self.axis, grown.is_empty()) {
-            (None, false) => grown,
+        let refined: Vec<String> =
+            study.refinements.iter().map(|refinement| refinement.column.clone()).collect();
+        let columns = match (&self.axis, refined.is_empty()) {
+            (None, false) => refined,
             (axis, _) => vec![column_of(&study, axis.as_deref())?],
         };
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &columns[0])?;

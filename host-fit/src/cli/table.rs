@@ -8,7 +8,7 @@ use comfy_table::presets;
 use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::numbers::{count, within};
 use super::output::{Failure, number, optional, print_json, print_line, progress, table};
-use crate::paper::{Cell, Comparison, Entry, Settings, compare, figures};
+use crate::paper::{Cell, Comparison, Curves, Entry, Settings, compare, figures};
 use crate::plots;
 use fos_data::stillness;
 use fos_fit::fit::Search;
@@ -83,7 +83,8 @@ impl Table {
             let (comparison, split) = compare(&recording, &stillness, &series, &settings, |_| bar.inc(1))?;
             bar.finish_and_clear();
             if let Some(folder) = &self.figures {
-                let figures = figures(&comparison, &recording, &series.values, &split);
+                let curves = Curves::of(&comparison, &recording, &series.values, &split);
+                let figures = figures(&comparison, &curves);
                 plots::write(folder, &comparison.column, &figures)?;
             }
             if !self.json {

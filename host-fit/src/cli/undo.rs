@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::growing::{column_of, print_growth};
 use super::output::{Failure, print_json, print_line};
+use super::refinement::{column_of, print_refinement};
 use fos_diagnose::study::Study;
 
 /// Take back the effect that was added last
@@ -28,12 +28,12 @@ impl Undo {
         let column = column_of(&study, self.axis.as_deref())?;
         let effect = study.undo(&column)?;
         study.write(&file)?;
-        let growth = study.refinement_of(&column);
+        let refinement = study.refinement_of(&column);
         if self.json {
-            return print_json(&growth);
+            return print_json(&refinement);
         }
         print_line!("taken back: {effect}");
-        growth.iter().for_each(|growth| print_growth(growth));
+        refinement.iter().for_each(|refinement| print_refinement(refinement));
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! The figure of a model that grows: the error after every step, predicted and measured.
+//! The figure of a model that is refined: the error after every step, predicted and measured.
 
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 

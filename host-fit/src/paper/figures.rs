@@ -1,33 +1,20 @@
 //! The paper's Figures 2, 5, 6 and 7 for one axis.
 
+use super::curves::Curves;
 use super::result::{Cell, Comparison, Entry, Judged};
-use super::split::Split;
 use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
-use crate::plots::outline;
 use fos_data::column::Column;
-use fos_data::recording::Recording;
 use fos_fit::fit::autoregression::Method;
-use fos_fit::signal::autocorrelation::autocorrelation;
-
-/// Longest lag of the autocorrelation, s.
-const LONGEST_LAG_S: f64 = 5.0;
 
 /// The figures with their names; the autocorrelation is left out where there is none.
-pub fn figures(
-    comparison: &Comparison,
-    recording: &Recording,
-    values: &[f64],
-    split: &Split,
-) -> Vec<(&'static str, Figure)> {
+pub fn figures(comparison: &Comparison, curves: &Curves) -> Vec<(&'static str, Figure)> {
     let mut figures = Vec::new();
-    let everything: Vec<&[f64]> = split.parts().flatten().map(|range| &values[range.clone()]).collect();
-    let period_s = 1.0 / comparison.rate_hz;
-    let lags = (LONGEST_LAG_S * comparison.rate_hz).round() as usize;
-    if let Some(correlation) = autocorrelation(&everything, lags) {
+    if let Some(correlation) = &curves.autocorrelation {
+        let period_s = 1.0 / comparison.rate_hz;
         figures.push(("autocorrelation", against_gauss_markov(comparison, &correlation.values, period_s)));
     }
-    figures.push(("samples", samples(comparison, recording, values, split)));
+    figures.push(("samples", samples(comparison, curves)));
     figures.push(("mse_by_order", mse_by_order(comparison)));
     figures
 }
@@ -54,20 +41,12 @@ fn against_gauss_markov(comparison: &Comparison, values: &[f64], period_s: f64) 
 }
 
 /// Figure 5: the samples, split in three.
-fn samples(comparison: &Comparison, recording: &Recording, values: &[f64], split: &Split) -> Figure {
-    let total: usize = comparison.samples.iter().sum();
-    let first = split.train.first().map_or(0, |range| range.start);
-    let origin = values.get(first).copied().unwrap_or(0.0);
-    let parts = [
-        ("train", Ink::Predicted, &split.train),
-        ("evaluate", Ink::Other, &split.evaluate),
-        ("predict", Ink::Measured, &split.predict),
-    ];
-    let series = parts.into_iter().flat_map(|(label, ink, ranges)| {
-        ranges.iter().map(move |range| {
-            let stretch: Vec<f64> = values[range.clone()].iter().map(|value| value - origin).collect();
-            let outline = outline(&stretch, total, recording.time_s[range.start], 1.0 / comparison.rate_hz);
-            Series { label: format!("{label}, lowest to highest"), ink, shape: Shape::Band(outline.band()) }
+fn samples(comparison: &Comparison, curves: &Curves) -> Figure {
+    let inks = [("train", Ink::Predicted), ("evaluate", Ink::Other), ("predict", Ink::Measured)];
+    let series = inks.into_iter().zip(&curves.parts).flat_map(|((label, ink), envelopes)| {
+        envelopes.iter().map(move |envelope| {
+            let label = format!("{label}, lowest to highest");
+            Series { label, ink, shape: Shape::Band(envelope.band()) }
         })
     });
     Figure {

@@ -11,6 +11,7 @@
 //! them against fos-core.
 
 mod compare;
+mod curves;
 mod figures;
 mod judge;
 mod result;
@@ -21,6 +22,7 @@ mod split;
 mod tests;
 
 pub use compare::{PaperError, compare};
+pub use curves::Curves;
 pub use figures::figures;
 pub use result::{Cell, Comparison, Entry, Judged};
 pub use settings::Settings;

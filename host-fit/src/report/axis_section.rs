@@ -35,7 +35,8 @@ pub struct AxisSection {
     /// One for each finding of the diagnosis.
     pub offers: Vec<Offer>,
     /// Every step of the model, with its errors.
-    pub growth: Option<Refinement>,
+    #[serde(rename = "growth")]
+    pub refinement: Option<Refinement>,
     /// The same as a figure.
     pub staircase: Option<Figure>,
 }
@@ -78,18 +79,18 @@ impl AxisSection {
             judged_s: None,
             diagnosis: None,
             offers: Vec::new(),
-            growth: None,
+            refinement: None,
             staircase: None,
         }
     }
 
-    /// The axis of a study as it has grown, without comparison and diagnosis.
-    pub fn of(study: &Study, growth: &Refinement) -> Self {
+    /// The axis of a study as it is refined, without comparison and diagnosis.
+    pub fn of(study: &Study, refinement: &Refinement) -> Self {
         Self {
-            model: ModelSummary::of(study, growth),
-            staircase: Some(staircase_of(growth)),
-            growth: Some(growth.clone()),
-            ..Self::empty(&growth.column)
+            model: ModelSummary::of(study, refinement),
+            staircase: Some(staircase_of(refinement)),
+            refinement: Some(refinement.clone()),
+            ..Self::empty(&refinement.column)
         }
     }
 
@@ -100,29 +101,29 @@ impl AxisSection {
         self
     }
 
-    /// With what is missing from the model of `growth`.
+    /// With what is missing from the model of `refinement`.
     ///
     /// # Errors
     ///
     /// A column is missing, or the log is too short.
     pub fn diagnosed(
         mut self,
-        growth: &Refinement,
+        refinement: &Refinement,
         logs: &Logs,
         library: &Library,
     ) -> Result<Self, RefineError> {
         let refiner = logs.refiner(library);
-        let diagnosis = refiner.diagnose(growth)?;
-        self.offers = offers(&refiner, growth, &diagnosis, library, &logs.field)?;
+        let diagnosis = refiner.diagnose(refinement)?;
+        self.offers = offers(&refiner, refinement, &diagnosis, library, &logs.field)?;
         self.diagnosis = Some(diagnosis);
         Ok(self)
     }
 }
 
 impl ModelSummary {
-    fn of(study: &Study, growth: &Refinement) -> Option<Self> {
-        let report = study.axes.iter().find(|report| report.column == growth.column)?;
-        let model = &growth.last()?.model;
+    fn of(study: &Study, refinement: &Refinement) -> Option<Self> {
+        let report = study.axes.iter().find(|report| report.column == refinement.column)?;
+        let model = &refinement.last()?.model;
         let axis = model.axes.first()?;
         let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
         let text = |factors: &[fos_core::Factor]| monomial_text_named(factors, "r", &names);

@@ -1,6 +1,7 @@
 //! A report: what a study says of its axes, as plain data; [`html`] and [`markdown`] only render it.
 
 mod axis_section;
+mod evidence;
 mod log_summary;
 mod markdown_text;
 mod offer;
@@ -13,7 +14,8 @@ pub use log_summary::{ColumnSummary, LogSummary};
 pub use offer::{Card, Offer, offers};
 pub use render::{RenderError, html, markdown};
 
-use crate::examine::{command_lines, examine};
+use crate::command_lines::command_lines;
+use crate::examine::examine;
 use crate::figures::Figure;
 use crate::plots::View;
 use fos_diagnose::compare::CompareError;
@@ -29,7 +31,7 @@ pub enum ReportError {
     Compare(Box<CompareError>),
     /// What is missing cannot be said.
     #[error(transparent)]
-    Grow(Box<RefineError>),
+    Refine(Box<RefineError>),
 }
 
 // boxed, as both carry names and paths: the way of a success is not to be as wide as that of an error
@@ -41,7 +43,7 @@ impl From<CompareError> for ReportError {
 
 impl From<RefineError> for ReportError {
     fn from(error: RefineError) -> Self {
-        Self::Grow(Box::new(error))
+        Self::Refine(Box::new(error))
     }
 }
 
@@ -91,21 +93,16 @@ impl Report {
         let refiner = logs.refiner(library);
         let mut axes = Vec::new();
         for column in columns {
-            let growth = match study.refinement_of(column) {
-                Some(growth) => growth.clone(),
+            let refinement = match study.refinement_of(column) {
+                Some(refinement) => refinement.clone(),
                 None => refiner.begin(study, column, logs.named(refiner.fitted_rows()))?,
             };
             progress(&format!("{column}: comparing"));
-            let examination = examine(study, &growth, logs, |_| {})?;
+            let examination = examine(study, &refinement, logs, |_| {})?;
             progress(&format!("{column}: what is missing"));
-            let section = AxisSection::of(study, &growth).examined(&examination);
-            let section = section.diagnosed(&growth, logs, library)?;
-            let view = View {
-                axis: &examination.comparison,
-                trace: &examination.trace,
-                index: 0,
-                recording: &logs.field,
-            };
+            let section = AxisSection::of(study, &refinement).examined(&examination);
+            let section = section.diagnosed(&refinement, logs, library)?;
+            let view = View { axis: &examination.comparison, curves: &examination.curves };
             axes.push(ReportAxis { section, figures: view.all() });
         }
         Ok(Self::put_together(study, axes, logs))
@@ -113,8 +110,9 @@ impl Report {
 
     /// A report of axes that were examined before.
     pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs) -> Self {
-        let grown = axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.growth.as_ref()));
-        let commands = command_lines(&study.data.sources, logs, grown);
+        let refined =
+            axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.refinement.as_ref()));
+        let commands = command_lines(&study.data.sources, logs, refined);
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),

@@ -3,16 +3,15 @@
 use fos_data::column::Column;
 use serde::Serialize;
 
+use super::evidence::Evidence;
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
-use crate::figures::evidence::{evidence, line_evidence};
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
 use fos_diagnose::effects::{Band, Effect, Library};
 use fos_diagnose::refine::{RefineError, Refiner};
 use fos_diagnose::study::Refinement;
 use fos_fit::cost::Cost;
-use fos_fit::signal::spectrum::welch;
 
 /// An effect that was found, to be added or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,22 +73,25 @@ impl Card {
     }
 }
 
-/// One offer for each finding of a diagnosis of `growth`, in their order. `field` is the log of the diagnosis.
+/// One offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the diagnosis.
 ///
 /// # Errors
 ///
 /// A column is missing.
 pub fn offers(
     refiner: &Refiner<'_>,
-    growth: &Refinement,
+    refinement: &Refinement,
     diagnosis: &Diagnosis,
     library: &Library,
     field: &Recording,
 ) -> Result<Vec<Offer>, RefineError> {
+    let column = Column::named(&refinement.column);
+    let subject = Subject { channel: column.label(), unit: column.unit().label() };
     let offer = |finding: &Finding| {
         let effect = library.get(&finding.effect)?;
-        let added = refiner.can_add(&growth.column, effect);
-        let price = if added.is_ok() { refiner.price(growth, finding)? } else { None };
+        let added = refiner.can_add(&refinement.column, effect);
+        let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
+        let evidence = Evidence::of(refiner, refinement, diagnosis, finding, field)?;
         Ok(Offer {
             effect: finding.effect.clone(),
             can_be_added: added.is_ok() && !finding.correction.is_empty(),
@@ -101,44 +103,8 @@ pub fn offers(
             },
             card: Card::of(effect),
             cost: price,
-            evidence: picture(refiner, growth, diagnosis, finding, effect, field)?,
+            evidence: evidence.map(|found| found.drawn(subject, &effect.name)),
         })
     };
     diagnosis.findings.iter().map(offer).collect()
 }
-
-fn picture(
-    refiner: &Refiner<'_>,
-    growth: &Refinement,
-    diagnosis: &Diagnosis,
-    finding: &Finding,
-    effect: &Effect,
-    field: &Recording,
-) -> Result<Option<Figure>, RefineError> {
-    let subject = Subject {
-        channel: Column::named(&growth.column).label(),
-        unit: Column::named(&growth.column).unit().label(),
-    };
-    if let Some(found) = refiner.evidence(growth, &diagnosis.findings, finding)? {
-        return Ok(Some(evidence(subject, &effect.name, &found, finding.shows_from_to_s)));
-    }
-    let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
-    let error = field.error_series(&growth.column)?.values;
-    let finite = |rows: std::ops::Range<usize>| -> Vec<std::ops::Range<usize>> {
-        fos_data::recording::runs(rows, |row| error[row].is_finite())
-    };
-    let stretches: Vec<&[f64]> = field
-        .segments
-        .iter()
-        .flat_map(|segment| finite(segment.rows.clone()))
-        .map(|rows| &error[rows])
-        .collect();
-    let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
-    // narrow bins, so that a line stands out: half a minute, if there is so much
-    let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
-    let spectrum = welch(&stretches, field.rate.true_hz, length);
-    Ok(spectrum.map(|spectrum| line_evidence(subject, &effect.name, &spectrum, *frequency_hz)))
-}
-
-/// Length of the windows that the spectrum about a line is taken over, s.
-const LINE_WINDOW_S: f64 = 30.0;

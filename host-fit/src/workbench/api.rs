@@ -22,6 +22,7 @@ use super::series::{Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
 use super::task::Open;
 use super::told::{Entry, Page};
+use crate::curves::{Against, AxisCurves};
 use crate::export::{c_source, image, rust_source};
 use crate::plots::View;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
@@ -249,20 +250,17 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
         first..last
     });
     let part = rows.as_ref().map(|rows| found.trace.within(rows.clone()));
-    let whole = View { axis: &found.comparison, trace: &found.trace, index: 0, recording: log };
-    let view = View { trace: part.as_ref().unwrap_or(&found.trace), ..whole };
-    if view.trace.stretches.iter().all(|stretch| stretch.len() < SHORTEST) {
+    let trace = part.as_ref().unwrap_or(&found.trace);
+    if trace.stretches.iter().all(|stretch| stretch.len() < SHORTEST) {
         return Err(wrong(
             "the stretch is too short for anything but the samples themselves\nhelp: take a longer one",
         ));
     }
+    let curves = part.as_ref().map(|part| AxisCurves::of(&found.comparison, part, 0, log));
+    let view = View { axis: &found.comparison, curves: curves.as_ref().unwrap_or(&found.curves) };
     let mut figures = vec![("residual".to_owned(), view.residual())];
-    figures.extend(
-        whole
-            .against(rows.as_ref())
-            .into_iter()
-            .map(|(column, figure)| (format!("against:{column}"), figure)),
-    );
+    let against = Against::every_channel(&found.comparison, &found.trace, 0, log, rows.as_ref());
+    figures.extend(against.into_iter().map(|one| (format!("against:{}", one.channel), view.against(one))));
     figures.extend(view.spectrum().map(|figure| ("spectrum".to_owned(), figure)));
     figures.extend(view.autocorrelation().map(|figure| ("autocorrelation".to_owned(), figure)));
     figures.push(("allan".to_owned(), view.allan()));
@@ -312,8 +310,7 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
     let axes = known.filter_map(|axis| {
         let found = axis.examination?;
-        let view =
-            View { axis: &found.comparison, trace: &found.trace, index: 0, recording: &read.logs.field };
+        let view = View { axis: &found.comparison, curves: &found.curves };
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
     Ok(Report::put_together(file, axes.collect(), &read.logs))

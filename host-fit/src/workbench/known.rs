@@ -32,7 +32,7 @@ pub(super) struct KnownAxis {
     pub(super) fitted: Option<Arc<Study>>,
     /// A fit has failed: it is not tried again unless somebody looks at the axis.
     pub(super) cannot_be_fitted: bool,
-    pub(super) growth: Option<Refinement>,
+    pub(super) refinement: Option<Refinement>,
     pub(super) examination: Option<Arc<Examination>>,
     /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
     pub(super) examined: bool,
@@ -44,7 +44,7 @@ impl KnownAxis {
         Self {
             fitted: None,
             cannot_be_fitted: false,
-            growth: None,
+            refinement: None,
             examination: None,
             examined: false,
             section: AxisSection::empty(column),
@@ -68,7 +68,7 @@ impl Snapshot {
         self.read.as_deref().ok_or_else(|| "the logs could not be read".to_owned())
     }
 
-    /// An axis that is fitted: the axis alone, and how it grew.
+    /// An axis that is fitted: the axis alone, and its refinement.
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl Snapshot {
     pub(super) fn fitted(&self, column: &str) -> Result<(&Study, &Refinement), String> {
         let known = self.axes.iter().find(|axis| axis.section.column == column);
         known
-            .and_then(|axis| axis.fitted.as_deref().zip(axis.growth.as_ref()))
+            .and_then(|axis| axis.fitted.as_deref().zip(axis.refinement.as_ref()))
             .ok_or_else(|| format!("{column} could not be fitted"))
     }
 }

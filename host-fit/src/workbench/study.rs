@@ -139,7 +139,7 @@ impl Study {
     ///
     /// There is no such axis, or no model of it yet.
     pub(super) fn add(&self, column: &str, effect: &str) -> Result<(), String> {
-        self.regrow(column, Task::Add { column: column.to_owned(), effect: effect.to_owned() })
+        self.refine_anew(column, Task::Add { column: column.to_owned(), effect: effect.to_owned() })
     }
 
     /// Keeps the first `keep` effects of an axis.
@@ -148,13 +148,13 @@ impl Study {
     ///
     /// There is no such axis, or no model of it yet.
     pub(super) fn undo(&self, column: &str, keep: usize) -> Result<(), String> {
-        self.regrow(column, Task::Undo { column: column.to_owned(), keep })
+        self.refine_anew(column, Task::Undo { column: column.to_owned(), keep })
     }
 
     /// A task that changes the model of an axis, then all that is said of it anew.
-    fn regrow(&self, column: &str, task: Task) -> Result<(), String> {
+    fn refine_anew(&self, column: &str, task: Task) -> Result<(), String> {
         let mut state = self.lock();
-        if state.known(column)?.growth.is_none() {
+        if state.known(column)?.refinement.is_none() {
             return Err(format!("{column} has no model yet\nhelp: wait until it is fitted"));
         }
         state.ask([task, Task::Examine(column.to_owned()), Task::Diagnose(column.to_owned())]);
@@ -222,7 +222,7 @@ impl Study {
         Ok(summary)
     }
 
-    /// The study as a file: all axes that are fitted, as they have grown.
+    /// The study as a file: all axes that are fitted, as they are refined.
     ///
     /// # Errors
     ///
@@ -232,9 +232,9 @@ impl Study {
         let fitted = state.axes.iter().filter_map(|axis| axis.fitted.as_deref().cloned());
         let mut file = StudyFile::joined(fitted)
             .ok_or("there is no model yet\nhelp: wait until the first axis is fitted")?;
-        for growth in state.axes.iter().filter_map(|axis| axis.growth.as_ref()) {
-            if growth.added().next().is_some() {
-                file.keep(growth.clone());
+        for refinement in state.axes.iter().filter_map(|axis| axis.refinement.as_ref()) {
+            if refinement.added().next().is_some() {
+                file.keep(refinement.clone());
             }
         }
         Ok(file)

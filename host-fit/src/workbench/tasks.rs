@@ -85,21 +85,21 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
     let (study, ..) =
         study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
     let refiner = logs.refiner(library);
-    let growth = refiner.begin(&study, column, logs.named(refiner.fitted_rows())).map_err(in_text)?;
-    let section = AxisSection::of(&study, &growth);
+    let refinement = refiner.begin(&study, column, logs.named(refiner.fitted_rows())).map_err(in_text)?;
+    let section = AxisSection::of(&study, &refinement);
     Ok(change(column, move |axis| {
-        (axis.fitted, axis.growth, axis.section) = (Some(Arc::new(study)), Some(growth), section);
+        (axis.fitted, axis.refinement, axis.section) = (Some(Arc::new(study)), Some(refinement), section);
     }))
 }
 
 fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Change, String> {
-    let (study, growth) = known.fitted(column)?;
+    let (study, refinement) = known.fitted(column)?;
     let mut done = 0;
     let judged = |what: &str| {
         progress(Job::step(format!("comparing {}: {what}", Column::named(column).label()), done, 4));
         done += 1;
     };
-    let examination = examine(study, growth, &known.read()?.logs, judged).map_err(in_text)?;
+    let examination = examine(study, refinement, &known.read()?.logs, judged).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.section = axis.section.clone().examined(&examination);
         (axis.examination, axis.examined) = (Some(Arc::new(examination)), true);
@@ -107,38 +107,38 @@ fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Cha
 }
 
 fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
-    let (study, growth) = known.fitted(column)?;
-    let section = AxisSection::of(study, growth);
-    let found = section.diagnosed(growth, &known.read()?.logs, library).map_err(in_text)?;
+    let (study, refinement) = known.fitted(column)?;
+    let section = AxisSection::of(study, refinement);
+    let found = section.diagnosed(refinement, &known.read()?.logs, library).map_err(in_text)?;
     Ok(change(column, move |axis| {
         (axis.section.diagnosis, axis.section.offers) = (found.diagnosis, found.offers);
     }))
 }
 
 fn add(column: &str, effect: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
-    let (study, growth) = known.fitted(column)?;
+    let (study, refinement) = known.fitted(column)?;
     let refiner = known.read()?.logs.refiner(library);
-    let stair = refiner.add(growth, library.get(effect).map_err(in_text)?).map_err(in_text)?;
-    let mut grown = growth.clone();
-    grown.steps.push(stair);
-    Ok(regrown(study, grown))
+    let step = refiner.add(refinement, library.get(effect).map_err(in_text)?).map_err(in_text)?;
+    let mut refined = refinement.clone();
+    refined.steps.push(step);
+    Ok(refined_anew(study, refined))
 }
 
 fn undo(column: &str, keep: usize, known: &Snapshot) -> Result<Change, String> {
-    let (study, growth) = known.fitted(column)?;
-    let mut kept = growth.clone();
-    // the first stair is the state before anything was added
+    let (study, refinement) = known.fitted(column)?;
+    let mut kept = refinement.clone();
+    // the first step is the state before anything was added
     kept.steps.truncate(keep.saturating_add(1));
-    Ok(regrown(study, kept))
+    Ok(refined_anew(study, kept))
 }
 
-/// An axis with another growth: what was known of the model before no longer holds.
-fn regrown(study: &Study, growth: Refinement) -> Change {
-    let section = AxisSection::of(study, &growth);
-    change(&growth.column.clone(), move |axis| {
+/// An axis with another refinement: what was known of the model before no longer holds.
+fn refined_anew(study: &Study, refinement: Refinement) -> Change {
+    let section = AxisSection::of(study, &refinement);
+    change(&refinement.column.clone(), move |axis| {
         // the picture of the model before stays until the new one is there
         let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
-        (axis.growth, axis.section) = (Some(growth), AxisSection { comparison, judged_s, ..section });
+        (axis.refinement, axis.section) = (Some(refinement), AxisSection { comparison, judged_s, ..section });
         axis.examined = false;
     })
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::job::Job;
 use super::known::{KnownAxis, Summaries};
 use super::state::State;
-use crate::examine::command_lines;
+use crate::command_lines::command_lines;
 use crate::report::AxisSection;
 use fos_diagnose::detect::Verdict;
 use fos_diagnose::study::{Refinement, RefinementStep};
@@ -44,21 +44,21 @@ struct AxisEntry {
 
 impl AxisEntry {
     fn of(axis: &KnownAxis) -> Self {
-        let stairs = axis.growth.as_ref().map_or(&[][..], |growth| &growth.steps);
-        let slow = |stair: Option<&RefinementStep>| stair.map(|stair| stair.left.slow.sqrt());
+        let steps = axis.refinement.as_ref().map_or(&[][..], |refinement| &refinement.steps);
+        let slow = |step: Option<&RefinementStep>| step.map(|step| step.left.slow.sqrt());
         Self {
             column: axis.section.column.clone(),
             label: axis.section.label.clone(),
             unit: axis.section.unit.clone(),
             sentence: axis.section.diagnosis.as_ref().map(|found| found.sentence.clone()),
             added: axis
-                .growth
+                .refinement
                 .iter()
                 .flat_map(Refinement::added)
                 .map(|added| added.effect.id.clone())
                 .collect(),
-            slow_before: slow(stairs.first()),
-            slow_now: slow(stairs.last()),
+            slow_before: slow(steps.first()),
+            slow_now: slow(steps.last()),
         }
     }
 }
@@ -100,9 +100,9 @@ impl Page {
     pub(super) fn of(id: u64, state: &State) -> Self {
         let fitted = state.axes.iter().find_map(|axis| axis.fitted.as_deref());
         let seen = state.axes.iter().filter(|axis| axis.examination.is_some());
-        let grown = seen.map(|axis| (axis.section.column.as_str(), axis.growth.as_ref()));
+        let refined = seen.map(|axis| (axis.section.column.as_str(), axis.refinement.as_ref()));
         let commands = match (fitted, &state.read) {
-            (Some(fitted), Some(read)) => command_lines(&fitted.data.sources, &read.logs, grown),
+            (Some(fitted), Some(read)) => command_lines(&fitted.data.sources, &read.logs, refined),
             _ => Vec::new(),
         };
         Self {

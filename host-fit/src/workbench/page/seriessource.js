@@ -66,7 +66,7 @@ export class SeriesSource {
     this.#detailRequest.abort();
     clearTimeout(this.#timer);
     this.#detail = null;
-    // a grown model redraws in place; another axis must not show the numbers of the one before
+    // a refined model redraws in place; another axis must not show the numbers of the one before
     if (before?.axis !== subject?.axis || before?.study !== subject?.study) {
       this.#whole = null;
       this.#tell();

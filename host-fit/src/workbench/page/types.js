@@ -45,7 +45,7 @@
  * @property {[number, number] | null} judged_s
  * @property {Diagnosis | null} diagnosis
  * @property {Offer[]} offers
- * @property {Growth | null} growth
+ * @property {Refinement | null} growth
  * @property {Figure | null} staircase
  */
 /** @typedef {{terms: number, candidates: number, method: string, stopped: string, monomials: string[], physical: {term: string, coefficient: number}[]}} ModelSummary */
@@ -112,7 +112,7 @@
  * @property {{slow: number, wide: number}} left
  * @property {Cost} cost
  */
-/** @typedef {{column: string, logs: {field: Source, quiet: Source | null, judged: Source | null, fitted_rows: number}, stairs: Stair[]}} Growth */
+/** @typedef {{column: string, logs: {field: Source, quiet: Source | null, judged: Source | null, fitted_rows: number}, stairs: Stair[]}} Refinement */
 /** @typedef {EffectCard & {id: string, band: Band}} LibraryEffect */
 
 /** @typedef {(number | null)[]} Values */

@@ -46,7 +46,7 @@ export function failsPart({ study, time, source, choose, announce }) {
 
   /** @param {Scene} scene */
   async function readFigures({ axis, chosen, state }) {
-    // while a grown model is compared anew, the pictures of before stay in their place
+    // while a refined model is compared anew, the pictures of before stay in their place
     if (axis && !axis.comparison && state.job && axis.column === pictured) return panels.setAttribute("aria-busy", "true");
     const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to]) : "";
     if (key === asked) return;

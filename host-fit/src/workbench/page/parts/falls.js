@@ -8,7 +8,7 @@ import { section } from "./section.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
-/** @typedef {import("../types.js").Growth} Growth */
+/** @typedef {import("../types.js").Refinement} Refinement */
 /** @typedef {import("../types.js").Stair} Stair */
 
 /** Coast horizons that the table shows, s. */
@@ -44,14 +44,14 @@ function emptyCard({ state, axis }) {
   return el("div", { class: "card" }, el("p", { class: "empty" }, text));
 }
 
-/** @param {Growth} growth @param {Scene} scene */
+/** @param {Refinement} refinement @param {Scene} scene */
 function judgedOn({ logs }, { axis }) {
   if (logs.judged) return ["Judged on ", el("b", {}, fileName(logs.judged.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.field.path)), "."];
   const where = axis?.judged_s ? ` (${seconds(axis.judged_s[0])} to ${seconds(axis.judged_s[1])})` : "";
   return ["Judged on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which nothing was fitted to.`];
 }
 
-/** @param {Growth} growth @param {string} unit @param {boolean} isBusy @param {Context} context */
+/** @param {Refinement} refinement @param {string} unit @param {boolean} isBusy @param {Context} context */
 function table({ column, stairs }, unit, isBusy, { change, announce }) {
   const largest = Math.max(...stairs.map((stair) => Math.sqrt(stair.left.wide)));
   const suited = prefixed(largest / 30, unit);

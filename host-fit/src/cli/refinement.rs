@@ -14,7 +14,7 @@ use fos_diagnose::study::{Refinement, RefinementStep};
 use fos_diagnose::study::{Study, load_again};
 use fos_fit::evaluate::ModelErrors;
 
-/// The logs that an axis grows on.
+/// The logs that an axis is refined on.
 #[derive(Debug, Clone, Args)]
 pub(super) struct LogArguments {
     /// The log where the model fails; by default the one of the step before
@@ -28,7 +28,7 @@ pub(super) struct LogArguments {
     pub(super) judge: Option<PathBuf>,
 }
 
-/// Reads the logs that are asked for, or those that the growth of `column` names; `study` is in `file`.
+/// Reads the logs that are asked for, or those that the refinement of `column` names; `study` is in `file`.
 pub(super) fn read_logs(
     logs: &LogArguments,
     reading: &Reading,
@@ -36,7 +36,7 @@ pub(super) fn read_logs(
     file: &Path,
     column: &str,
 ) -> Result<Logs, Failure> {
-    let known = study.refinement_of(column).map(|growth| &growth.logs);
+    let known = study.refinement_of(column).map(|refinement| &refinement.logs);
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
     let given = |path: &PathBuf| load(path, &read);
     let again = |source: &Source| load_again(source, file, &read);
@@ -85,16 +85,16 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
 }
 
 /// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all steps.
-pub(super) fn print_growth(growth: &Refinement) {
-    let unit = Column::named(&growth.column).unit().label();
-    let logs = &growth.logs;
+pub(super) fn print_refinement(refinement: &Refinement) {
+    let unit = Column::named(&refinement.column).unit().label();
+    let logs = &refinement.logs;
     match &logs.judged {
         Some(judged) => {
-            print_line!("{}: estimated on {}, judged on {}", growth.column, logs.field.path, judged.path)
+            print_line!("{}: estimated on {}, judged on {}", refinement.column, logs.field.path, judged.path)
         }
         None => print_line!(
             "{}: estimated on the first {} rows of {}, judged on the rest",
-            growth.column,
+            refinement.column,
             logs.fitted_rows,
             logs.field.path
         ),
@@ -112,11 +112,11 @@ pub(super) fn print_growth(growth: &Refinement) {
         "instructions",
     ];
     let mut rows = table(&header);
-    for (index, stair) in growth.steps.iter().enumerate() {
-        rows.add_row(row(index, stair));
+    for (index, step) in refinement.steps.iter().enumerate() {
+        rows.add_row(row(index, step));
     }
     print_line!("{rows}");
-    let slow: Vec<f64> = growth.steps.iter().map(|stair| stair.left.slow.sqrt()).collect();
+    let slow: Vec<f64> = refinement.steps.iter().map(|step| step.left.slow.sqrt()).collect();
     if let [first, .., last] = slow[..] {
         print_line!(
             "  slow error, step by step: {}  {} to {} {unit}",
@@ -129,13 +129,13 @@ pub(super) fn print_growth(growth: &Refinement) {
         "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves; bias: the mean there, where the log tells it"
     );
     print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
-    let errors: Vec<&ModelErrors> = growth.steps.iter().map(|stair| &stair.errors).collect();
+    let errors: Vec<&ModelErrors> = refinement.steps.iter().map(|step| &step.errors).collect();
     print_line!("{}", error_table(&errors));
 }
 
-fn row(index: usize, stair: &RefinementStep) -> Vec<String> {
+fn row(index: usize, step: &RefinementStep) -> Vec<String> {
     let percent = |value: f64| format!("{:.1} %", 100.0 * value);
-    let (name, size, predicted, realised) = match &stair.added {
+    let (name, size, predicted, measured) = match &step.added {
         None => ("before".to_owned(), String::new(), String::new(), String::new()),
         Some(added) => {
             let finding = &added.finding;
@@ -149,21 +149,21 @@ fn row(index: usize, stair: &RefinementStep) -> Vec<String> {
             let predicted =
                 format!("{} ({} … {})", percent(finding.predicted_reduction), percent(low), percent(high));
             let holds = (low..=high).contains(&added.measured_reduction);
-            let realised =
+            let measured =
                 format!("{}{}", percent(added.measured_reduction), if holds { "" } else { " (!)" });
-            (format!("+ {}", added.effect.id), sizes.join(", "), predicted, realised)
+            (format!("+ {}", added.effect.id), sizes.join(", "), predicted, measured)
         }
     };
     vec![
         format!("  {index} {name}"),
         size,
         predicted,
-        realised,
-        number(stair.left.slow.sqrt()),
-        number(stair.left.wide.sqrt()),
-        stair.left.bias.map_or_else(String::new, number),
-        stair.cost.terms.to_string(),
-        stair.cost.ram_bytes.to_string(),
-        stair.cost.instructions.to_string(),
+        measured,
+        number(step.left.slow.sqrt()),
+        number(step.left.wide.sqrt()),
+        step.left.bias.map_or_else(String::new, number),
+        step.cost.terms.to_string(),
+        step.cost.ram_bytes.to_string(),
+        step.cost.instructions.to_string(),
     ]
 }

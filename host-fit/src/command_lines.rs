@@ -1,0 +1,38 @@
+//! The command lines that do what was done in the browser, or what a report tells.
+
+use crate::escaping::quoted;
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::Refinement;
+
+/// The command lines that do the same as was done with these logs: fitted to `fitted`, looking at axes, each as it is refined.
+pub(crate) fn command_lines<'a>(
+    fitted: &[Source],
+    logs: &Logs,
+    axes: impl IntoIterator<Item = (&'a str, Option<&'a Refinement>)>,
+) -> Vec<String> {
+    let path = |log: &Recording| quoted(&log.paths());
+    let LoadOptions { columns, rate_hz, strict: _ } = &logs.read;
+    let maps: String = columns.specs().iter().map(|map| format!(" --map {}", quoted(map))).collect();
+    let rate = rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
+    let read = format!("{maps}{rate}");
+    let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
+    let field = path(&logs.field);
+    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
+    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
+    let mut lines = vec![
+        format!("host-fit fit {} --axis all{read} -o unit.json", fitted.join(" ")),
+        format!("host-fit compare unit.json {field}{read} --figures figures"),
+    ];
+    for (column, refinement) in axes {
+        let on = format!("--axis {} --from {field}{quiet}{judge}{read}", quoted(column));
+        lines.push(format!("host-fit diagnose unit.json {on}"));
+        for added in refinement.into_iter().flat_map(Refinement::added) {
+            lines.push(format!("host-fit add unit.json {} {on}", quoted(&added.effect.id)));
+        }
+    }
+    let last = logs.judged.as_ref().map_or(field, path);
+    lines.push("host-fit export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
+    lines.push(format!("host-fit replay unit.fosm {last}{read}"));
+    lines
+}

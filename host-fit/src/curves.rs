@@ -1,0 +1,208 @@
+//! What the figures of a comparison show beside its numbers: envelopes over time, spectra, autocorrelation, Allan deviations,
+//! block means against channels. All of it is computed here; [`plots`] only draws.
+//!
+//! [`plots`]: crate::plots
+
+use std::ops::Range;
+
+use fos_data::recording::{Recording, pieces};
+use fos_diagnose::compare::{AxisComparison, Comparison};
+use fos_fit::evaluate::{AxisTrace, Trace};
+use fos_fit::signal::allan::{AllanPoint, allan_deviation, averaging_times};
+use fos_fit::signal::autocorrelation::{Autocorrelation, autocorrelation};
+use fos_fit::signal::blocks::{Envelope, envelope};
+use fos_fit::signal::spectrum::{Spectrum, segment_length_for, welch};
+
+/// Columns of pixels in a figure over time, shared by all stretches.
+const BUCKETS: usize = 1000;
+
+/// Length of the moving mean, s.
+pub(crate) const MEAN_S: f64 = 1.0;
+
+/// Dots of a figure against a channel, about.
+const DOTS: usize = 1200;
+
+/// Longest lag of the autocorrelation, in samples.
+const MAX_LAG: usize = 200;
+
+/// Bands per decade that a spectrum is smoothed to.
+const BANDS_PER_DECADE: usize = 40;
+
+/// Averaging times per decade.
+const TAUS_PER_DECADE: usize = 8;
+
+/// One axis over a log, or over a part of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisCurves {
+    /// Measured less its mean, one envelope for every gap-free stretch, in the axis' unit.
+    pub measured: Vec<Envelope>,
+    /// Predicted while coasting, less the same mean.
+    pub predicted: Vec<Envelope>,
+    /// What is left of it while coasting.
+    pub left: Vec<Envelope>,
+    /// Of the innovations, lags 0 … 200; none where there are too few.
+    pub autocorrelation: Option<Autocorrelation>,
+    /// None where there is too little for a spectrum.
+    pub spectra: Option<Spectra>,
+    /// Allan deviations with their 95 % intervals.
+    pub deviations: Deviations,
+    /// Sample period, s.
+    pub period_s: f64,
+}
+
+/// Power spectral densities, smoothed, unit²/Hz; predicted and left one step ahead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectra {
+    /// Of the samples.
+    pub measured: Spectrum,
+    /// Of their predictions.
+    pub predicted: Spectrum,
+    /// Of the innovations.
+    pub left: Spectrum,
+    /// White noise of the noise floor's variance; none where the floor is not known.
+    pub floor: Option<f64>,
+}
+
+/// Allan deviations, in the axis' unit; predicted and left while coasting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deviations {
+    /// Of the samples.
+    pub measured: Vec<AllanPoint>,
+    /// Of their predictions.
+    pub predicted: Vec<AllanPoint>,
+    /// Of what is left.
+    pub left: Vec<AllanPoint>,
+}
+
+/// Block means of what is left against those of one channel: pairs of the channel's mean and the axis'.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Against {
+    /// The channel's column.
+    pub channel: String,
+    /// Length of a block, s.
+    pub block_s: f64,
+    /// Of the blocks outside the marked rows.
+    pub usual: Vec<(f64, f64)>,
+    /// Of those within.
+    pub apart: Vec<(f64, f64)>,
+}
+
+/// The curves of every axis of a comparison, in its order.
+pub fn curves(comparison: &Comparison, trace: &Trace, recording: &Recording) -> Vec<AxisCurves> {
+    let axes = comparison.axes.iter().enumerate();
+    axes.map(|(index, axis)| AxisCurves::of(axis, trace, index, recording)).collect()
+}
+
+impl AxisCurves {
+    /// Of axis `index` of a trace, over the rows of the trace.
+    pub fn of(axis: &AxisComparison, trace: &Trace, index: usize, recording: &Recording) -> Self {
+        let series = &trace.axes[index];
+        let envelopes = |series: &[f64]| envelopes(trace, series, recording);
+        let centre = mean_of(&series.measured);
+        let measured: Vec<f64> = series.measured.iter().map(|value| value - centre).collect();
+        Self {
+            predicted: envelopes(&difference(&measured, &series.coast)),
+            measured: envelopes(&measured),
+            left: envelopes(&series.coast),
+            autocorrelation: autocorrelation(&trace.stretches_of(&series.one_step), MAX_LAG),
+            spectra: Spectra::of(axis, trace, series),
+            deviations: Deviations::of(trace, series),
+            period_s: trace.period_s,
+        }
+    }
+}
+
+impl Spectra {
+    fn of(axis: &AxisComparison, trace: &Trace, series: &AxisTrace) -> Option<Self> {
+        let density = |series: &[f64]| -> Option<Spectrum> {
+            let stretches = trace.stretches_of(series);
+            let length = segment_length_for(&stretches);
+            Some(welch(&stretches, 1.0 / trace.period_s, length)?.smoothed(BANDS_PER_DECADE))
+        };
+        Some(Self {
+            measured: density(&series.measured)?,
+            predicted: density(&difference(&series.measured, &series.one_step))?,
+            left: density(&series.one_step)?,
+            // white noise of the floor's variance over half the sample rate
+            floor: axis.noise_floor.map(|(variance, _)| 2.0 * variance * trace.period_s),
+        })
+    }
+}
+
+impl Deviations {
+    fn of(trace: &Trace, series: &AxisTrace) -> Self {
+        let deviations = |series: &[f64]| {
+            let stretches = trace.stretches_of(series);
+            let taus = averaging_times(&stretches, trace.period_s, TAUS_PER_DECADE);
+            allan_deviation(&stretches, trace.period_s, &taus)
+        };
+        Self {
+            measured: deviations(&series.measured),
+            predicted: deviations(&difference(&series.measured, &series.coast)),
+            left: deviations(&series.coast),
+        }
+    }
+}
+
+impl Against {
+    /// What is left of axis `index` against each logged channel that changes; the blocks of `marked` rows apart.
+    pub fn every_channel(
+        axis: &AxisComparison,
+        trace: &Trace,
+        index: usize,
+        recording: &Recording,
+        marked: Option<&Range<usize>>,
+    ) -> Vec<Self> {
+        let left = &trace.axes[index].coast;
+        let rows_per_block = (trace.rows.len() / DOTS).max((MEAN_S / trace.period_s) as usize).max(1);
+        let blocks = pieces(&trace.stretches, rows_per_block);
+        let of_trace = |block: &Range<usize>| block.start - trace.rows.start..block.end - trace.rows.start;
+        let errors: Vec<f64> = blocks.iter().map(|block| mean_of(&left[of_trace(block)])).collect();
+        let others = recording.channels().iter().filter(|channel| channel.name != axis.column);
+        let block_s = rows_per_block as f64 * trace.period_s;
+        others
+            .filter_map(|channel| {
+                let held = &recording.held_from_first(channel)[trace.rows.clone()];
+                let values = blocks.iter().map(|block| mean_of(&held[of_trace(block)]));
+                let dots = values.zip(&errors).zip(&blocks);
+                let (mut usual, mut apart) = (Vec::new(), Vec::new());
+                for ((value, error), block) in dots {
+                    let is_apart = marked.is_some_and(|marked| marked.contains(&block.start));
+                    if is_apart { &mut apart } else { &mut usual }.push((value, *error));
+                }
+                let first = usual.first().or(apart.first())?.0;
+                let changes = usual.iter().chain(&apart).any(|(value, _)| *value != first);
+                changes.then(|| Self { channel: channel.name.clone(), block_s, usual, apart })
+            })
+            .collect()
+    }
+}
+
+fn difference(from: &[f64], take: &[f64]) -> Vec<f64> {
+    from.iter().zip(take).map(|(a, b)| a - b).collect()
+}
+
+/// One envelope per stretch.
+fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelope> {
+    let total: usize = trace.stretches.iter().map(ExactSizeIterator::len).sum();
+    let known = |stretch: &Range<usize>| {
+        let values = &series[stretch.start - trace.rows.start..stretch.end - trace.rows.start];
+        // the first samples of a stretch have no prediction yet
+        let first = values.iter().position(|value| value.is_finite())?;
+        let values: Vec<f64> =
+            values[first..].iter().copied().take_while(|value| value.is_finite()).collect();
+        Some(outline(&values, total, recording.time_s[stretch.start + first], trace.period_s))
+    };
+    trace.stretches.iter().filter_map(known).collect()
+}
+
+/// The envelope of one of several stretches with `total` samples in all; it gets columns by its length.
+pub(crate) fn outline(stretch: &[f64], total: usize, start_s: f64, period_s: f64) -> Envelope {
+    let buckets = (BUCKETS * stretch.len()).div_ceil(total.max(1)).max(1);
+    envelope(stretch, start_s, period_s, buckets, MEAN_S)
+}
+
+fn mean_of(series: &[f64]) -> f64 {
+    let finite: Vec<f64> = series.iter().copied().filter(|value| value.is_finite()).collect();
+    fos_fit::signal::mean(&[&finite])
+}

@@ -1,0 +1,71 @@
+//! What speaks for a finding, as data: its shape in the slow error, or its line in the spectrum.
+
+use std::ops::Range;
+
+use crate::figures::Figure;
+use crate::figures::compare::Subject;
+use crate::figures::evidence::{evidence, line_evidence};
+use fos_data::recording::{Recording, runs};
+use fos_diagnose::detect::{Diagnosis, Finding};
+use fos_diagnose::refine::{Evidence as SlowEvidence, RefineError, Refiner};
+use fos_diagnose::study::Refinement;
+use fos_fit::signal::spectrum::{Spectrum, welch};
+
+/// Length of the windows that the spectrum about a line is taken over, s.
+const LINE_WINDOW_S: f64 = 30.0;
+
+/// What speaks for a finding.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Evidence {
+    /// It shows in the slow error.
+    Slow {
+        /// The error without all other findings, and the effect.
+        found: SlowEvidence,
+        /// First and last second of where it is largest.
+        largest_s: Option<[f64; 2]>,
+    },
+    /// It is a line.
+    Line {
+        /// Of the error as logged, unit²/Hz.
+        spectrum: Spectrum,
+        /// Where the line is, Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl Evidence {
+    /// For a finding of a diagnosis of `refinement` on the log `field`; none where there is nothing to show.
+    pub(super) fn of(
+        refiner: &Refiner<'_>,
+        refinement: &Refinement,
+        diagnosis: &Diagnosis,
+        finding: &Finding,
+        field: &Recording,
+    ) -> Result<Option<Self>, RefineError> {
+        if let Some(found) = refiner.evidence(refinement, &diagnosis.findings, finding)? {
+            return Ok(Some(Self::Slow { found, largest_s: finding.shows_from_to_s }));
+        }
+        let Some(&frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
+        let error = field.error_series(&refinement.column)?.values;
+        let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
+        let stretches: Vec<&[f64]> = field
+            .segments
+            .iter()
+            .flat_map(|segment| finite(segment.rows.clone()))
+            .map(|rows| &error[rows])
+            .collect();
+        let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
+        // narrow bins, so that a line stands out: half a minute, if there is so much
+        let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
+        let spectrum = welch(&stretches, field.rate.true_hz, length);
+        Ok(spectrum.map(|spectrum| Self::Line { spectrum, frequency_hz }))
+    }
+
+    /// As a figure; `effect` is its name in a sentence.
+    pub(super) fn drawn(&self, subject: Subject<'_>, effect: &str) -> Figure {
+        match self {
+            Self::Slow { found, largest_s } => evidence(subject, effect, found, *largest_s),
+            Self::Line { spectrum, frequency_hz } => line_evidence(subject, effect, spectrum, *frequency_hz),
+        }
+    }
+}
