@@ -16,7 +16,7 @@ use fos_fit::model::UnitModel;
 pub struct Examination {
     /// First and last time stamp of the judged rows, s.
     pub judged_s: (f64, f64),
-    /// The axis.
+    /// Errors, worst stretches and dependences, on the judged rows.
     pub comparison: AxisComparison,
     /// What is left, row by row.
     #[serde(skip)]

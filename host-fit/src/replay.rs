@@ -16,7 +16,7 @@ use fos_fit::playback::Playback;
 /// Why an image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The image.
+    /// It cannot be decoded, or its model not be run.
     #[error("the image cannot be run: {0}")]
     Image(#[from] ImageError),
     /// A column is missing.
@@ -29,7 +29,7 @@ pub enum ReplayError {
     NoColumn {
         /// `axis` or `quantity`.
         what: &'static str,
-        /// Which.
+        /// Place in the model, from 0.
         index: usize,
     },
     /// The log has reference columns, or other poses.
@@ -53,13 +53,13 @@ pub struct Replay {
 /// Counts and digests of a replay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Rows.
+    /// Rows that the model was run over.
     pub rows: usize,
     /// Rows that were tracked; the others were coasted.
     pub tracked: usize,
     /// How it is known which.
     pub still_known_by: KnownBy,
-    /// The axes.
+    /// One for each axis of the image.
     pub axes: Vec<AxisSummary>,
     /// Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model.
     pub gravity: Option<Gravity>,
@@ -88,7 +88,7 @@ pub struct Gravity {
 /// One axis of a replay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisSummary {
-    /// The column.
+    /// As in the log format, as `gx_rads`.
     pub column: String,
     /// Rows with an innovation.
     pub innovations: usize,

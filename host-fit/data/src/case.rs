@@ -87,7 +87,7 @@ pub struct DataSheetFigures {
 /// Names of the logs of a case, without ending; up to three.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CaseFiles {
-    /// The quiet log.
+    /// Name of the quiet log; absent where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<String>,
     /// The log to be explained.
@@ -101,17 +101,17 @@ pub struct CaseFiles {
 /// A case that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// A file.
+    /// A file cannot be read, as the system says.
     #[error(transparent)]
     File(#[from] FileError),
     /// `meta.json` is not what it should be.
     #[error("{}:{line}:{column}: not the description of a case: {reason}\nhelp: it needs \"case\", \"target\", \"nominal_rate_hz\" and \"files\"", path.display())]
     Meta {
-        /// The file.
+        /// Path of the description.
         path: PathBuf,
-        /// Line.
+        /// Line of the error, from 1.
         line: usize,
-        /// Column.
+        /// Column of the error, from 1.
         column: usize,
         /// What the reader said.
         reason: String,
@@ -121,21 +121,21 @@ pub enum CaseError {
         "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
     )]
     Schema {
-        /// The file.
+        /// Path of the description.
         path: PathBuf,
-        /// Its schema.
+        /// The schema that it names.
         found: String,
     },
     /// There is no log to explain.
     #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"field\" }}", path.display())]
     NoField {
-        /// The file.
+        /// Path of the description.
         path: PathBuf,
     },
     /// A log of that name is there in no format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
     NoLog {
-        /// The folder.
+        /// That of the case.
         folder: PathBuf,
         /// Name without ending.
         name: String,
@@ -150,7 +150,7 @@ pub enum CaseError {
 pub struct Case {
     /// What is known.
     pub meta: CaseMeta,
-    /// The quiet log.
+    /// A log in which nothing is missing; absent where the case has none.
     pub baseline: Option<Recording>,
     /// The log to explain.
     pub field: Recording,

@@ -96,7 +96,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// Its unit.
+    /// The unit that its name says.
     pub fn unit(self) -> Unit {
         Unit::of_column(self.0)
     }

@@ -12,7 +12,7 @@ pub enum Refused {
         line: usize,
         /// Where in it, from 1.
         column: usize,
-        /// Why.
+        /// What the reader says of it.
         reason: String,
     },
     /// Another schema; which.

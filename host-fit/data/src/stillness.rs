@@ -39,7 +39,7 @@ pub enum KnownBy {
 }
 
 impl KnownBy {
-    /// In words.
+    /// How a sentence goes on: `by its column …`.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Column => "by its column `still`",

@@ -65,7 +65,7 @@ struct Kept {
 /// Why a batch cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
-    /// A file.
+    /// A file cannot be read or written, as the system says.
     #[error(transparent)]
     File(#[from] FileError),
     /// A correction.
@@ -83,9 +83,9 @@ pub enum BatchError {
     /// The folder cannot be listed.
     #[error("{}: {source}", path.display())]
     Folder {
-        /// The folder.
+        /// As it was given.
         path: PathBuf,
-        /// Why.
+        /// What the system says.
         source: std::io::Error,
     },
 }

@@ -52,9 +52,9 @@ pub struct Comparison {
 /// One axis against the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisComparison {
-    /// The column.
+    /// As in the log format, as `gx_rads`.
     pub column: String,
-    /// Its unit.
+    /// Unit of the column; errors are in its square.
     pub unit: String,
     /// Rows at rest that were judged.
     pub rows: usize,

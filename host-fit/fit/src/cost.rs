@@ -15,7 +15,7 @@ const PER_INPUT: f64 = 81.0;
 /// What the terms and inputs of an axis cost; the axis itself and what all axes share come on top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cost {
-    /// Terms.
+    /// Physical and stochastic together.
     pub terms: usize,
     /// Factors of all terms.
     pub factors: usize,

@@ -24,16 +24,16 @@ pub struct UnitModel {
     pub quantities: Vec<LoggedQuantity>,
     /// The inputs u_0, u_1, …
     pub inputs: Vec<NamedInput>,
-    /// The axes.
+    /// Each with terms of its own over the same inputs.
     pub axes: Vec<FittedAxis>,
 }
 
 /// A logged quantity: a column of a log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LoggedQuantity {
-    /// The column.
+    /// Where it is logged, as `temp_c`.
     pub column: String,
-    /// What it is.
+    /// What a device knows it as: its thermometer, one of its axes, or given by the application.
     pub quantity: Quantity,
 }
 

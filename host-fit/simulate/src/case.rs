@@ -17,7 +17,7 @@ use fos_data::case::CaseMeta;
 pub struct SimulatedCase {
     /// What the user is told.
     pub meta: CaseMeta,
-    /// The quiet log.
+    /// The quiet log, column by column.
     pub baseline: Vec<NamedSeries>,
     /// The log to be explained.
     pub field: Vec<NamedSeries>,

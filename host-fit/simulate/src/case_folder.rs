@@ -19,9 +19,9 @@ pub enum CaseFolderError {
     /// A value that JSON cannot hold.
     #[error("{}: {source}", path.display())]
     Json {
-        /// The file.
+        /// The file that was to be written.
         path: PathBuf,
-        /// Why.
+        /// What the serialiser says.
         source: serde_json::Error,
     },
 }

@@ -84,9 +84,9 @@ pub enum Band {
 /// What is known of an effect before it is planted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Description {
-    /// Its identifier.
+    /// Identifier, as `thermal_lag`.
     pub name: &'static str,
-    /// Where it shows.
+    /// In means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     /// Its parameter and the range it is drawn from, logarithmically.
     pub parameter: Option<(&'static str, [f64; 2])>,
@@ -213,7 +213,7 @@ impl Effect {
 }
 
 impl Outside {
-    /// All of them.
+    /// Ten that no library has.
     pub const ALL: [Self; 10] = [
         Self::TempTimesSupply,
         Self::TempWiggle,

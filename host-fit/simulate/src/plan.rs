@@ -14,7 +14,7 @@ pub const NOMINAL_RATE_HZ: f64 = 200.0;
 /// How long the logs are, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Durations {
-    /// The quiet log.
+    /// Length of the quiet log, s.
     pub baseline_s: f64,
     /// The log to be explained.
     pub field_s: f64,
@@ -124,17 +124,17 @@ pub enum PlanError {
     /// The set-up cannot show the effect on this axis.
     #[error("{effect} does not show on {} in the set-up {setup:?}{}", .target.column(), places(*.effect))]
     Unsuited {
-        /// The effect.
+        /// What was to be planted.
         effect: Effect,
         /// The set-up.
         setup: Setup,
-        /// The axis.
+        /// The axis that it should show on.
         target: Axis,
     },
     /// The effect is nothing on this log: a parameter out of reach, or a log too short.
     #[error("{effect} with parameter {parameter} makes no error in a field of this length")]
     Nothing {
-        /// The effect.
+        /// What was to be planted.
         effect: Effect,
         /// Its parameter.
         parameter: f64,

@@ -21,9 +21,9 @@ use super::world::World;
 /// What was planted, as it came out.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planted {
-    /// Which.
+    /// What was planted.
     pub effect: Effect,
-    /// Where it shows.
+    /// In means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     /// In no library.
     pub outside: bool,

@@ -219,7 +219,7 @@ impl Scene {
 }
 
 impl Setup {
-    /// All of them.
+    /// On a bench, on a desk, in a pose rig, on a shaker, on a rate table.
     pub const ALL: [Self; 5] = [Self::Bench, Self::Desk, Self::PoseRig, Self::Shaker, Self::RateTable];
 
     /// In words, as the log's author would put it.

@@ -32,7 +32,7 @@ pub(super) struct World {
 }
 
 impl World {
-    /// Samples.
+    /// Samples in all.
     pub(super) fn len(&self) -> usize {
         self.temp_c.len()
     }

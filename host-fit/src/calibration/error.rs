@@ -9,17 +9,17 @@ pub enum CalibrationError {
     /// A case cannot be simulated.
     #[error("case {case}: {source}")]
     Plan {
-        /// Its number.
+        /// Place in the suite, from 0.
         case: usize,
-        /// Why.
+        /// What of its plan is impossible.
         source: PlanError,
     },
     /// A case cannot be diagnosed.
     #[error("case {case}: {source}")]
     Diagnose {
-        /// Its number.
+        /// Place in the suite, from 0.
         case: usize,
-        /// Why.
+        /// Why there is no answer.
         source: Box<fos_diagnose::detect::DiagnoseError>,
     },
     /// What came out cannot be kept.

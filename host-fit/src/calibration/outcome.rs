@@ -23,7 +23,7 @@ pub struct Outcome {
     pub kind: Kind,
     /// How it was set up.
     pub setup: String,
-    /// The column.
+    /// The axis that was diagnosed, as `gx_rads`.
     pub target: String,
     /// What was planted: identifier, parameter, size, size left after the best rival.
     pub planted: Vec<PlantedIn>,
@@ -46,7 +46,7 @@ pub struct Outcome {
 /// What was planted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlantedIn {
-    /// Identifier.
+    /// Identifier, as `thermal_lag`.
     pub effect: String,
     /// Name and value of its parameter.
     pub parameter: Option<(String, f64)>,
@@ -54,22 +54,22 @@ pub struct PlantedIn {
     pub size: f64,
     /// Size left after the best rival.
     pub left: Option<f64>,
-    /// The rival.
+    /// Identifier of that rival; none where there is none.
     pub rival: Option<String>,
 }
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundIn {
-    /// Identifier.
+    /// Identifier, as `thermal_lag`.
     pub effect: String,
     /// Name and value of its parameter.
     pub parameter: Option<(String, f64)>,
-    /// Score.
+    /// Gain in −2 ln L after all prices; accepted from 9, lines from 15.
     pub score: f64,
     /// Predicted reduction, and its 90 % interval.
     pub expected: (f64, [f64; 2]),
-    /// Rivals.
+    /// Identifiers of the effects that the log cannot tell from it.
     pub confounded_with: Vec<String>,
     /// Each rival comes with an experiment.
     pub separated: bool,

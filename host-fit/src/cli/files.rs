@@ -39,11 +39,11 @@ pub(super) enum OneFile {
     IsRead {
         /// The argument.
         output: String,
-        /// Its value.
+        /// The path that is to be written.
         at: PathBuf,
         /// The other argument.
         input: String,
-        /// Its value.
+        /// The path that is read.
         read: PathBuf,
     },
     /// Something else that is written.

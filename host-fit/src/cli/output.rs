@@ -77,9 +77,9 @@ pub(super) fn print_aside(text: Arguments<'_>) {
 /// A file that was written.
 #[derive(Debug, Serialize)]
 pub(super) struct Written {
-    /// Where.
+    /// Where it lies, as the arguments name it.
     pub(super) path: String,
-    /// What it is.
+    /// As in `manual page`.
     pub(super) what: String,
 }
 

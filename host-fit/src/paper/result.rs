@@ -32,7 +32,7 @@ impl std::fmt::Display for Entry {
 /// One method at one order. Errors in the square of the axis' unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// The method.
+    /// Method and samples.
     pub entry: Entry,
     /// Model order: the largest output lag, L.
     pub order: u16,
@@ -66,9 +66,9 @@ pub struct Judged {
 /// The comparison of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The column.
+    /// As in the log format, as `gx_rads`.
     pub column: String,
-    /// Its unit.
+    /// Unit of the column; errors are in its square.
     pub unit: String,
     /// True sample rate, Hz.
     pub rate_hz: f64,

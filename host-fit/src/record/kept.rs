@@ -74,7 +74,7 @@ impl Kept {
         unreachable!("there are more numbers than files in a folder")
     }
 
-    /// Where it is.
+    /// The file of bytes as they arrived.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -22,7 +22,7 @@ const RESTART: u32 = 1 << 31;
 /// Why a stream makes no log.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// It cannot be read.
+    /// The port or file behind the stream fails, as the system says.
     #[error(
         "the stream cannot be read: {0}\nhelp: is the device connected, and may you read its port (on Linux: are you in the group dialout)?"
     )]
@@ -79,7 +79,7 @@ pub struct Recorded {
 /// What came and what was lost.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// Samples.
+    /// Samples that came whole.
     pub samples: u64,
     /// Samples that the tick counter misses: gaps in the log.
     pub lost: u64,

@@ -18,11 +18,11 @@ use fos_fit::candidates::monomial_text_named;
 /// One axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisSection {
-    /// The column.
+    /// As in the log format, as `gx_rads`.
     pub column: String,
-    /// In words.
+    /// As in `gyro x`.
     pub label: String,
-    /// Unit.
+    /// Unit of the column, as `rad/s`.
     pub unit: String,
     /// Its model as it is now.
     pub model: Option<ModelSummary>,
@@ -44,7 +44,7 @@ pub struct AxisSection {
 /// The model of an axis in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelSummary {
-    /// Terms.
+    /// Physical and stochastic together.
     pub terms: usize,
     /// Candidates that were searched.
     pub candidates: usize,

@@ -13,7 +13,7 @@ pub struct LogSummary {
     pub path: String,
     /// Digest of the file.
     pub sha256: String,
-    /// Rows.
+    /// Samples that were read, of all segments together.
     pub rows: usize,
     /// From the first sample to the last, s.
     pub seconds: f64,
@@ -40,9 +40,9 @@ pub struct LogSummary {
 /// A channel of a log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ColumnSummary {
-    /// Name.
+    /// Its column, as `gx_rads`.
     pub name: String,
-    /// Unit.
+    /// Unit that its values are in, as `rad/s`.
     pub unit: &'static str,
 }
 

@@ -56,11 +56,11 @@ pub struct Report {
     pub provenance: Vec<String>,
     /// The log where the model fails.
     pub field: LogSummary,
-    /// The quiet log.
+    /// A log in which nothing is missing; absent where none was given.
     pub quiet: Option<LogSummary>,
     /// The log that errors are of.
     pub judged: Option<LogSummary>,
-    /// The axes.
+    /// One for each axis that was examined.
     pub axes: Vec<ReportAxis>,
     /// The command lines that do the same.
     pub commands: Vec<String>,

@@ -16,7 +16,7 @@ use fos_fit::cost::Cost;
 /// An effect that was found, to be added or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Offer {
-    /// Its identifier.
+    /// As in the library, as `thermal_lag`.
     pub effect: String,
     /// Whether something of it can be taken off sample by sample.
     pub can_be_added: bool,
@@ -33,11 +33,11 @@ pub struct Offer {
 /// An effect in plain language: texts of the library.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Card {
-    /// Identifier.
+    /// As in the library, as `thermal_lag`.
     pub id: String,
     /// Name, as in a sentence.
     pub name: String,
-    /// Where it shows.
+    /// In block means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     /// What happens in the sensor.
     pub mechanism: String,

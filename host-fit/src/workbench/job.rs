@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What a job is doing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(super) struct Job {
-    /// In words.
+    /// As in `fitting gyro x`.
     what: String,
     /// Steps done.
     done: Option<usize>,

@@ -85,14 +85,14 @@ impl Snapshot {
 pub(super) enum Change {
     /// The logs are there.
     Read {
-        /// They.
+        /// Logs, what is said of them, and their axes.
         read: Box<Read>,
         /// The axis to look at first.
         first: Option<String>,
     },
     /// What is known of an axis.
     Axis {
-        /// Which.
+        /// Its column, as `gx_rads`.
         column: String,
         /// How it changes.
         edit: Box<dyn FnOnce(&mut KnownAxis) + Send>,

@@ -34,12 +34,12 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Why the workbench cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The address.
+    /// Nothing can listen there.
     #[error("cannot listen at {address}: {source}\nhelp: another --port, or --port 0 for any that is free")]
     Listen {
-        /// The address.
+        /// IP address and port that were asked for.
         address: SocketAddr,
-        /// Why.
+        /// What the system says.
         source: std::io::Error,
     },
     /// The system does not say where it listens.

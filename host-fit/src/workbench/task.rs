@@ -19,14 +19,14 @@ pub(super) enum Task {
     Diagnose(String),
     /// Add an effect to it.
     Add {
-        /// The axis.
+        /// Its column, as `gx_rads`.
         column: String,
-        /// The effect.
+        /// Its identifier, as `thermal_lag`.
         effect: String,
     },
     /// Take effects back.
     Undo {
-        /// The axis.
+        /// Its column, as `gx_rads`.
         column: String,
         /// So many are kept.
         keep: usize,

@@ -50,7 +50,7 @@ impl FileVersion {
         Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
     }
 
-    /// Where it is.
+    /// The file that was read, and that is written.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -58,7 +58,7 @@ pub(super) struct Mapping {
     pub(super) column: String,
     pub(super) unit: Unit,
     pub(super) conversion: Affine,
-    /// The entry.
+    /// As it was written, `target=column…`.
     spec: String,
 }
 
@@ -70,7 +70,7 @@ pub enum MapError {
         "column map \"{spec}\": not an entry\nhelp: write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
     )]
     Form {
-        /// The entry.
+        /// As it was written, `target=column…`.
         spec: String,
     },
     /// Not a unit known here.
@@ -79,7 +79,7 @@ pub enum MapError {
         known_units()
     )]
     UnknownUnit {
-        /// The entry.
+        /// As it was written, `target=column…`.
         spec: String,
         /// The unit in it.
         unit: String,
@@ -89,7 +89,7 @@ pub enum MapError {
         "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"\nhelp: write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
     )]
     Arithmetic {
-        /// The entry.
+        /// As it was written, `target=column…`.
         spec: String,
         /// The arithmetic in it.
         arithmetic: String,
@@ -100,9 +100,9 @@ pub enum MapError {
         expected.symbol()
     )]
     WrongKind {
-        /// The entry.
+        /// As it was written, `target=column…`.
         spec: String,
-        /// The channel.
+        /// As in the log format, as `gx_rads`.
         target: String,
         /// Unit of the channel.
         expected: Unit,
@@ -114,7 +114,7 @@ pub enum MapError {
         "column map: {target} is given twice (columns \"{first}\" and \"{second}\")\nhelp: keep one of them"
     )]
     Twice {
-        /// The channel.
+        /// As in the log format, as `gx_rads`.
         target: String,
         /// Its first column.
         first: String,
@@ -130,7 +130,7 @@ pub enum MapError {
     /// A map that is no text.
     #[error("column map {path}: it is no text\nhelp: write a table [columns] of channel = \"column:unit\"")]
     NotText {
-        /// The file.
+        /// As it was given.
         path: String,
     },
 }

@@ -31,7 +31,7 @@ pub enum RecordingError {
         "{path} runs at {rate_hz:.3} Hz, the logs before it at {expected_hz:.3} Hz: the lags of one model cannot serve both\nhelp: fit them one by one"
     )]
     RatesDiffer {
-        /// The log.
+        /// As it was given.
         path: String,
         /// Its rate, Hz.
         rate_hz: f64,
@@ -41,7 +41,7 @@ pub enum RecordingError {
     /// Recordings without a channel in common.
     #[error("{path} and {others} have no channel in common\nhelp: map their columns with --map")]
     NothingInCommon {
-        /// The log.
+        /// As it was given.
         path: String,
         /// The logs before it.
         others: String,
@@ -50,7 +50,7 @@ pub enum RecordingError {
     /// Parquet that cannot be read or written.
     #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
     Parquet {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// What the library says.
         source: parquet::errors::ParquetError,
@@ -58,7 +58,7 @@ pub enum RecordingError {
     /// Not a table of text, nor anything else known.
     #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet", path.display())]
     NotALog {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// What is not as it should be.
         problem: String,
@@ -66,9 +66,9 @@ pub enum RecordingError {
     /// Something else, which is known.
     #[error("{}: {is}\nhelp: {help}", path.display())]
     OtherFormat {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
-        /// What it is.
+        /// What it is known as, in a sentence.
         is: String,
         /// How a log is made of it.
         help: &'static str,
@@ -78,11 +78,11 @@ pub enum RecordingError {
         "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave it out (--axis names the others) and what needs it, or map the column that holds it to it, as in {name}=column"
     )]
     NoValues {
-        /// The log.
+        /// As it was given.
         path: String,
-        /// The channel.
+        /// As in the log format, as `gx_rads`.
         name: String,
-        /// Its rows.
+        /// Rows of the log.
         rows: usize,
     },
     /// A compressed log that does not unpack.
@@ -91,7 +91,7 @@ pub enum RecordingError {
         path.display()
     )]
     NotUnpacked {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The last line that can be read, the first is 1; 0 if there is none.
         line: u64,
@@ -101,19 +101,19 @@ pub enum RecordingError {
     /// Rows that are not in the order of time.
     #[error("{}: {column} goes back {backs} times in {rows} rows: they are not in the order of time, or two logs are mixed\nhelp: sort the rows by {column}; give logs that were merged one by one", path.display())]
     OutOfOrder {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The column of time stamps.
         column: String,
         /// How often it goes back by more than a sample.
         backs: u64,
-        /// Rows.
+        /// Rows in all.
         rows: usize,
     },
     /// The rate that was stated is not that of the stamps.
     #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave the rate out if the stamps are right; if they are in another unit, name it, as --map t_s={column}:ms", path.display())]
     OtherRate {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The column of time stamps.
         column: String,
@@ -125,17 +125,17 @@ pub enum RecordingError {
     /// Two columns have one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
-        /// The name.
+        /// As in the header, which has it twice.
         name: String,
     },
     /// The column map names a column that is not there.
     #[error("{}: the column map names \"{column}\", which the log does not have{}\nhelp: names are those of the header, with its capitals", path.display(), suggest(closest, available))]
     UnknownColumn {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
-        /// The column.
+        /// As the file or the column map names it.
         column: String,
         /// The most similar column.
         closest: Option<String>,
@@ -154,9 +154,9 @@ pub enum RecordingError {
         }
     )]
     TextColumn {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
-        /// The column.
+        /// As the file or the column map names it.
         column: String,
         /// The first cell of text in it; none in a file without lines.
         first: Option<Box<BadRow>>,
@@ -168,7 +168,7 @@ pub enum RecordingError {
         suggest(closest, available)
     )]
     NoTime {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The column most like a time.
         closest: Option<String>,
@@ -181,7 +181,7 @@ pub enum RecordingError {
         path.display()
     )]
     NoClock {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The column of the stamps.
         column: String,
@@ -192,7 +192,7 @@ pub enum RecordingError {
         path.display()
     )]
     NoSuchClock {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The column of the stamps.
         column: String,
@@ -208,7 +208,7 @@ pub enum RecordingError {
     /// Too little to work with.
     #[error("{}: {rows} usable rows\nhelp: a log has at least 2; was it cut short?", path.display())]
     TooFewRows {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// Usable rows.
         rows: usize,
@@ -216,7 +216,7 @@ pub enum RecordingError {
     /// A row that cannot be used, in strict mode.
     #[error("{}:{row}\nhelp: correct or remove that row, or load without strict to skip such rows", path.display())]
     BadRow {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// The row.
         row: BadRow,
@@ -229,7 +229,7 @@ pub enum RecordingError {
         path.display()
     )]
     TooManyBadRows {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
         /// Rows that cannot be used.
         unusable: u64,
@@ -246,7 +246,7 @@ pub enum RecordingError {
         suggest(closest, available)
     )]
     NoChannel {
-        /// The channel.
+        /// As in the log format, as `gx_rads`.
         name: String,
         /// The most similar channel.
         closest: Option<String>,
@@ -259,7 +259,7 @@ pub enum RecordingError {
         left_out(text_columns, first.as_deref())
     )]
     NoAxes {
-        /// The file.
+        /// As it was given.
         path: String,
         /// Columns that hold text.
         text_columns: Vec<String>,
@@ -271,7 +271,7 @@ pub enum RecordingError {
         "column \"{name}\" has {found} values where the first has {expected}\nhelp: give all columns one length"
     )]
     Lengths {
-        /// The column.
+        /// The first that has another length.
         name: String,
         /// Values in the first column.
         expected: usize,
@@ -281,7 +281,7 @@ pub enum RecordingError {
     /// A file name that does not tell the format to write.
     #[error("{}: cannot tell the format from the name\nhelp: end it in .csv, .csv.gz or .parquet", path.display())]
     UnknownFormat {
-        /// The file.
+        /// As it was given.
         path: PathBuf,
     },
     /// A column map that was not understood.

@@ -31,18 +31,18 @@ const RATE_DIFFERS: f64 = 2e-3;
 pub enum Oddity {
     /// All values of an axis are the same, or so for a tenth of the log and more.
     Stuck {
-        /// The column.
+        /// As in the log format, as `gx_rads`.
         column: String,
-        /// The value.
+        /// The one that it stays at, in the column's unit.
         value: f64,
         /// For so long, s, of so much.
         seconds: [f64; 2],
     },
     /// Single samples far off all others.
     Spikes {
-        /// The column.
+        /// As in the log format, as `gx_rads`.
         column: String,
-        /// How many.
+        /// Samples that are so far off, in the whole log.
         count: usize,
         /// The worst: its time as stamped, s, its value, and by how many standard deviations it is off.
         worst: [f64; 3],
@@ -59,7 +59,7 @@ pub enum Oddity {
     },
     /// A gyro shows a rate that no unit at rest has.
     TurnsAtRest {
-        /// The column.
+        /// As in the log format, as `gx_rads`.
         column: String,
         /// The median rate, rad/s as read.
         rate: f64,
@@ -71,7 +71,7 @@ pub enum Oddity {
     },
     /// Logs that were joined are not of one noise.
     NoiseDiffers {
-        /// The column.
+        /// As in the log format, as `gx_rads`.
         column: String,
         /// The noise of the loudest over that of the quietest.
         ratio: f64,

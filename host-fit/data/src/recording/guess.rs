@@ -7,7 +7,7 @@ use crate::unit::parse_unit;
 /// What a column seems to be.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Guess {
-    /// The channel.
+    /// As in the log format, as `gx_rads`.
     pub(super) target: String,
     /// The unit, in a spelling that a column map takes; none for a channel without one.
     pub(super) unit: Option<&'static str>,

@@ -92,7 +92,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Rows.
+    /// Number of samples, of all segments together.
     pub fn n_rows(&self) -> usize {
         self.time_s.len()
     }

@@ -33,7 +33,7 @@ pub struct Preview {
 /// A column of a file, and what it may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnPreview {
-    /// Its name.
+    /// As the file has it.
     pub name: String,
     /// The same as it stands in an entry of a column map.
     pub quoted: String,

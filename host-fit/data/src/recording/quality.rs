@@ -51,7 +51,7 @@ pub struct MissingCells {
 /// A row that could not be used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BadRow {
-    /// Where it is.
+    /// Line of a text, row of a table.
     pub place: Place,
     /// Name of the column that gave the reason, if one did.
     pub column: Option<String>,

@@ -50,7 +50,7 @@ const NAMED: f64 = 0.05;
 pub struct Dependence {
     /// Length of the blocks that means were taken over, s.
     pub block_s: f64,
-    /// How many.
+    /// Blocks with enough data.
     pub blocks: usize,
     /// The noise, with no channel taken into account.
     pub noise: NoiseLevels,
@@ -66,9 +66,9 @@ pub struct Dependence {
 /// What is left of an axis, against one channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChannelDependence {
-    /// The channel.
+    /// Its column, as `temp_c`.
     pub channel: String,
-    /// Its unit.
+    /// Unit that the channel's values are in.
     pub unit: String,
     /// A curve of the channel against a constant.
     pub curve: Test,
@@ -90,7 +90,7 @@ impl ChannelDependence {
 /// The rows that a model was fitted to: what its noise is learnt from.
 #[derive(Debug, Clone)]
 pub struct Trained<'a> {
-    /// The recording.
+    /// The log that was fitted.
     pub recording: &'a Recording,
     /// Where it is still.
     pub stillness: &'a Stillness,

@@ -25,7 +25,7 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// The column that was explained.
     pub target: String,
-    /// Its unit.
+    /// Unit of the column, which noise and corrections are in.
     pub unit: String,
     /// The outcome.
     pub verdict: Verdict,
@@ -48,11 +48,11 @@ pub struct Diagnosis {
 /// A missing effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// Its identifier.
+    /// As in the library, as `thermal_lag`.
     pub effect: String,
-    /// Its name.
+    /// As in a sentence.
     pub name: String,
-    /// Where it shows.
+    /// In block means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     /// Its parameter, by name.
     pub params: BTreeMap<String, f64>,
@@ -93,18 +93,18 @@ pub struct Finding {
 pub struct Size {
     /// The regressor.
     pub of: String,
-    /// Value.
+    /// In `unit`.
     pub value: f64,
     /// 95 % interval.
     pub interval: [f64; 2],
-    /// Unit.
+    /// As data sheets state it; `value` and `interval` are in it.
     pub unit: String,
 }
 
 /// The experiment that tells a finding from a rival.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Separation {
-    /// The rival.
+    /// Identifier of the rival.
     pub effect: String,
     /// The experiment.
     pub experiment: String,
@@ -124,7 +124,7 @@ pub struct CorrectionTerm {
 /// An effect that was tried and rejected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rejected {
-    /// Its identifier.
+    /// As in the library, as `thermal_lag`.
     pub effect: String,
     /// Its score alone on the log.
     pub score: f64,
@@ -133,7 +133,7 @@ pub struct Rejected {
 /// An effect that could not be tried.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Untested {
-    /// Its identifier.
+    /// As in the library, as `thermal_lag`.
     pub effect: String,
     /// What of its columns the log does not have, in words: that they are not there, begin too late, never change.
     pub needs: Vec<String>,

@@ -16,7 +16,7 @@ const GRID_RATIO: f64 = 1.5;
 /// An effect with a value of its parameter.
 #[derive(Debug, Clone)]
 pub(super) struct Hypothesis {
-    /// The effect.
+    /// From the library, or one of the user's.
     pub(super) effect: Rc<Effect>,
     /// The value of its parameter, if it has one.
     pub(super) value: Option<f64>,

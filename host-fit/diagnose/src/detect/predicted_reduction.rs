@@ -48,7 +48,7 @@ impl Estimate {
 pub(super) struct SlowEffect {
     /// It is a constant in every later log: its error is no variance but a square about the bias of the log it was found in.
     pub(super) is_step: bool,
-    /// Its regressors.
+    /// One column for each regressor.
     pub(super) columns: Vec<Vec<f64>>,
     /// The same as a correction takes them, kept inside limits.
     pub(super) corrected: Vec<Vec<f64>>,

@@ -28,7 +28,7 @@ impl<'a> Inputs<'a> {
         Self { recording, kept: RefCell::default() }
     }
 
-    /// The recording.
+    /// The log that the inputs are computed from.
     pub fn recording(&self) -> &'a Recording {
         self.recording
     }

@@ -41,7 +41,7 @@ pub struct Effect {
     pub id: String,
     /// Name, as in a sentence.
     pub name: String,
-    /// Where it shows.
+    /// In block means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     /// Which axes it can strike.
     #[serde(default)]
@@ -70,7 +70,7 @@ pub struct Effect {
     /// What it costs on the device.
     #[serde(default)]
     pub device: String,
-    /// Its regressors.
+    /// Terms whose coefficients are fitted; none where it is not looked for by regression.
     #[serde(default)]
     pub terms: Vec<EffectTerm>,
     /// The parameter that is searched for.
@@ -174,7 +174,7 @@ pub struct EffectTerm {
 pub struct Parameter {
     /// Name, with the unit as its last part: `tau_s`.
     pub name: String,
-    /// Unit.
+    /// Unit that `low` and `high` are in; empty for a plain number.
     #[serde(default)]
     pub unit: String,
     /// Least value looked for.
@@ -187,7 +187,7 @@ pub struct Parameter {
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rival {
-    /// Its identifier.
+    /// Identifier of the rival, as `thermal_lag`.
     pub effect: String,
     /// The experiment that separates the two.
     pub separate: String,
@@ -196,7 +196,7 @@ pub struct Rival {
 /// What is wrong with an effect or a library.
 #[derive(Debug, thiserror::Error)]
 pub enum EffectError {
-    /// The file.
+    /// The file of an effect cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
     /// It is no effect.
@@ -204,7 +204,7 @@ pub enum EffectError {
         "{path}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
     )]
     NotAnEffect {
-        /// The file.
+        /// As it was given.
         path: String,
         /// What the reader said, with line and column.
         reason: String,

@@ -9,7 +9,7 @@ use fos_fit::fit::InputSpec;
 /// A product of inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Product {
-    /// Its inputs.
+    /// The factors of the product.
     pub inputs: Vec<InputSpec>,
 }
 
@@ -51,7 +51,7 @@ impl Regressor {
         self.products.iter().flat_map(Product::columns)
     }
 
-    /// Its inputs.
+    /// The inputs of all its products, in their order.
     pub fn inputs(&self) -> impl Iterator<Item = &InputSpec> {
         self.products.iter().flat_map(|product| &product.inputs)
     }

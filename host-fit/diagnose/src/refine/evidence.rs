@@ -33,7 +33,7 @@ pub struct Evidence {
 /// A column in the same blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Against {
-    /// The column.
+    /// As in the log format, as `temp_c`.
     pub column: String,
     /// Its block means.
     pub values: Vec<f64>,

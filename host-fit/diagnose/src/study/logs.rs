@@ -11,7 +11,7 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError, Source, load};
 /// A log that a study names and that is not to be had.
 #[derive(Debug, thiserror::Error)]
 pub enum LogAgainError {
-    /// It cannot be read.
+    /// It is there, and cannot be read as a log.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// It is nowhere.
@@ -23,7 +23,7 @@ pub enum LogAgainError {
     NotThere {
         /// As it was given.
         log: String,
-        /// The study.
+        /// The file of the study that names it.
         study: PathBuf,
         /// Where it was looked for.
         tried: Vec<PathBuf>,
@@ -35,9 +35,9 @@ pub enum LogAgainError {
         study.display()
     )]
     Another {
-        /// Where it is.
+        /// The log that lies there.
         log: PathBuf,
-        /// The study.
+        /// The file of the study that names it.
         study: PathBuf,
         /// Its digest.
         found: String,

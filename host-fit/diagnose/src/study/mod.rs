@@ -51,7 +51,7 @@ pub struct Study {
 /// The program that wrote a study.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tool {
-    /// Its name.
+    /// As on the command line.
     pub name: String,
     /// Its version.
     pub version: String,
@@ -91,7 +91,7 @@ pub struct StudyStep {
 /// A study that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The file.
+    /// What the system says of the file.
     #[error(transparent)]
     File(#[from] FileError),
     /// It cannot be written back.
@@ -100,11 +100,11 @@ pub enum StudyError {
     /// It is not a study, or is damaged.
     #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: studies are written by `host-fit fit`")]
     NotAStudy {
-        /// The file.
+        /// As it was given.
         path: String,
-        /// Line.
+        /// Line of the error, from 1.
         line: usize,
-        /// Column.
+        /// Column of the error, from 1.
         column: usize,
         /// What the reader said.
         reason: String,
@@ -114,7 +114,7 @@ pub enum StudyError {
         "{path}: {reason}: such a study was not written by this program\nhelp: `host-fit fit` writes a new one from the log"
     )]
     Unsound {
-        /// The file.
+        /// As it was given.
         path: String,
         /// What is wrong.
         reason: String,
@@ -124,9 +124,9 @@ pub enum StudyError {
         "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
     )]
     Schema {
-        /// The file.
+        /// As it was given.
         path: String,
-        /// Its schema.
+        /// The schema that it names.
         found: String,
     },
 }

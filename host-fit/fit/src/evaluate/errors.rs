@@ -23,7 +23,7 @@ const PAPER_TIME_S: f64 = 3600.0;
 /// absent where the data are too short for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelErrors {
-    /// The model.
+    /// Its name, as in tables.
     pub model: String,
     /// Mean square of measured − predicted from measured history, on the raw samples.
     pub one_step_mse: f64,

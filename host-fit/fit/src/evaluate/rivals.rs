@@ -19,7 +19,7 @@ pub enum Rival {
 const FOR_EVER_S: f64 = 1e9;
 
 impl Rival {
-    /// All of them.
+    /// Constant mean, first-order Gauss-Markov, last value.
     pub const ALL: [Rival; 3] = [Rival::Mean, Rival::GaussMarkov, Rival::LastValue];
 
     /// As in tables.

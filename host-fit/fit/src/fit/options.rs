@@ -83,7 +83,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them.
+    /// The four autoregressions, then FOS.
     pub const ALL: [Self; 5] = [
         Self::Linear(autoregression::Method::YuleWalker),
         Self::Linear(autoregression::Method::Covariance),

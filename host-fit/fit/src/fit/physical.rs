@@ -29,7 +29,7 @@ pub struct PhysicalPart {
 /// A term whose coefficient is lost in its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnknownTerm {
-    /// Its input.
+    /// Place of its input among those of the model, from 0.
     pub input: u8,
     /// Its coefficient when it was left out.
     pub coefficient: f64,

@@ -97,7 +97,7 @@ impl Blocks {
         self
     }
 
-    /// How many.
+    /// Blocks with enough data.
     pub fn len(&self) -> usize {
         self.blocks.len()
     }

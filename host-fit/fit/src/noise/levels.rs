@@ -146,7 +146,7 @@ impl NoiseLevels {
 /// A regression of block means with everything that does not change from one set of noise levels to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Regression<'a> {
-    /// The blocks.
+    /// Equally long stretches of rows; those with too little data are left out.
     pub blocks: &'a Blocks,
     /// The output.
     pub y: &'a [f64],

@@ -71,7 +71,7 @@ impl Wavelet {
             .map(|&(name, scaling)| Self { name, scaling })
     }
 
-    /// The name.
+    /// As in `db4`.
     pub fn name(&self) -> &'static str {
         self.name
     }

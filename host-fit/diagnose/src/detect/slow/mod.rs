@@ -90,7 +90,7 @@ pub(super) struct SlowResult {
 /// The search.
 #[derive(Debug)]
 pub(super) struct SlowSearch<'a> {
-    /// The blocks.
+    /// Equally long stretches of the log; those with too little data are left out.
     pub(super) blocks: &'a Blocks,
     /// Block means of the target's error.
     pub(super) y: &'a [f64],
