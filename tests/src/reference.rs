@@ -1,36 +1,92 @@
-//! Answers that others computed or published, for tests; they are not part of the project.
+//! Answers to compare with: our own fixtures, computed by another road (`tests/fixtures/reference`), and what others computed or
+//! published, where that is at hand ([`outside`]).
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-/// A file of reference answers; `None`, saying so, if it is not there.
-pub fn json(name: &str) -> Option<Value> {
-    let path = folder()?.join(name).with_extension("json");
-    match std::fs::read_to_string(&path) {
-        Ok(text) => Some(serde_json::from_str(&text).expect("JSON")),
-        Err(_) => {
-            println!("skipped: no reference file {}", path.display());
-            None
+use crate::outside;
+
+/// Answers, and the series they are of.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// The file, without its ending.
+    pub name: String,
+    /// As the file has them.
+    pub answers: Value,
+    /// The series, one per channel; none where the answers hold what they are of.
+    pub channels: Vec<Vec<f64>>,
+}
+
+/// The fixture of that name.
+///
+/// # Panics
+///
+/// There is none, or it is broken.
+pub fn own(name: &str) -> Reference {
+    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/reference").join(name))
+}
+
+/// What others say under that name, if it is at hand.
+///
+/// # Panics
+///
+/// It is missing and was promised ([`outside::path`]), or is broken.
+pub fn outside(name: &str) -> Option<Reference> {
+    let path = outside::path(&format!("reference/{name}.json"))?;
+    Some(read(&path.with_extension("")))
+}
+
+/// Our own, and what others say if it is at hand: answers of one shape.
+///
+/// # Panics
+///
+/// As [`own`] and [`outside`].
+pub fn each(of_ours: &str, of_others: &str) -> impl Iterator<Item = Reference> {
+    std::iter::once(own(of_ours)).chain(outside(of_others))
+}
+
+fn read(stem: &Path) -> Reference {
+    let name = stem.file_name().expect("a name").to_string_lossy().into_owned();
+    let beside = |extension: &str| stem.with_added_extension(extension);
+    let bytes =
+        |path: PathBuf| std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let answers: Value = serde_json::from_slice(&bytes(beside("json"))).expect("JSON");
+    let series = &answers["series"];
+    let samples: Vec<f64> = match series["dtype"].as_str() {
+        None => series.as_array().map(|_| numbers(series)).unwrap_or_default(),
+        Some("float64 little-endian") => {
+            bytes(beside("f64")).as_chunks().0.iter().map(|code| f64::from_le_bytes(*code)).collect()
         }
+        Some("int16 little-endian") => bytes(beside("i16"))
+            .as_chunks()
+            .0
+            .iter()
+            .map(|code| f64::from(i16::from_le_bytes(*code)))
+            .collect(),
+        Some(other) => panic!("{name}: series of {other}"),
+    };
+    let n_channels = series["channels"].as_array().map_or(1, Vec::len);
+    let mut channels: Vec<Vec<f64>> = match samples.len() {
+        0 => vec![],
+        length => samples.chunks_exact(length / n_channels).map(<[f64]>::to_vec).collect(),
+    };
+    for (channel, lsb) in channels.iter_mut().zip(series["lsb"].as_array().into_iter().flatten()) {
+        channel.iter_mut().for_each(|code| *code *= number(lsb));
     }
+    Reference { name, answers, channels }
 }
 
-/// Its series, channel after channel.
-pub fn samples(name: &str) -> Vec<f64> {
-    let path = folder().expect("found before").join(name).with_extension("f64");
-    let bytes = std::fs::read(path).expect("beside its JSON");
-    bytes.as_chunks().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect()
-}
-
-/// The folder `shared/reference` beside the repository, however deep the working tree is.
-fn folder() -> Option<PathBuf> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let found = here.ancestors().map(|folder| folder.join("shared/reference")).find(|folder| folder.is_dir());
-    if found.is_none() {
-        println!("skipped: no folder shared/reference beside the repository");
+impl Reference {
+    /// The series of answers that are of one.
+    ///
+    /// # Panics
+    ///
+    /// They are of none or of several.
+    pub fn series(&self) -> &[f64] {
+        assert_eq!(self.channels.len(), 1, "{}", self.name);
+        &self.channels[0]
     }
-    found
 }
 
 /// # Panics

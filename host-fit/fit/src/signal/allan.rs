@@ -106,7 +106,7 @@ fn equivalent_degrees_of_freedom(points: usize, m: usize) -> f64 {
 mod tests {
     use super::*;
     use fos_testkit::noise::{random_walk, white_noise};
-    use fos_testkit::reference;
+    use fos_testkit::reference::{self, number};
 
     /// The 1000-point test suite of NIST SP 1065, section 12.4.
     fn nist_1000() -> Vec<f64> {
@@ -131,14 +131,15 @@ mod tests {
     }
 
     #[test]
-    fn agrees_with_the_reference_file() {
-        let Some(reference) = reference::json("allan_nbs1000") else { return };
-        let series = reference::numbers(&reference["series"]);
-        assert_eq!(series.len(), 1000);
-        for (tau, expected) in reference["published"]["oadev"].as_object().unwrap() {
-            let found = allan_deviation(&[&series], 1.0, &[tau.parse().unwrap()])[0].deviation;
-            let tolerance = reference["tolerance_relative"].as_f64().unwrap();
-            assert!((found / expected.as_f64().unwrap() - 1.0).abs() < tolerance, "τ = {tau} s: {found}");
+    fn agrees_with_another_road_and_with_nist_sp_1065() {
+        for reference in reference::each("allan", "allan_nbs1000") {
+            assert_eq!(reference.series().len(), 1000);
+            let tolerance = number(&reference.answers["tolerance_relative"]);
+            for (tau, expected) in reference.answers["published"]["oadev"].as_object().unwrap() {
+                let taus = [tau.parse().unwrap()];
+                let found = allan_deviation(&[reference.series()], 1.0, &taus)[0].deviation;
+                assert!((found / number(expected) - 1.0).abs() < tolerance, "τ = {tau} s: {found}");
+            }
         }
     }
 

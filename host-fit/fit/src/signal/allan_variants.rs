@@ -48,12 +48,17 @@ mod tests {
     use super::super::allan::allan_deviation;
     use super::*;
     use fos_testkit::noise::white_noise;
-    use fos_testkit::reference::{self, number, numbers};
+    use fos_testkit::reference::{self, Reference, number};
 
     #[test]
-    fn agree_with_nist_sp_1065() {
-        let Some(answers) = reference::json("allan_nbs1000") else { return };
-        let series = numbers(&answers["series"]);
+    fn agree_with_another_road_and_with_nist_sp_1065() {
+        for reference in reference::each("allan", "allan_nbs1000") {
+            assert_as_published(&reference);
+        }
+    }
+
+    fn assert_as_published(reference: &Reference) {
+        let (answers, series) = (&reference.answers, reference.series());
         let tolerance = number(&answers["tolerance_relative"]);
         for (key, kind) in [
             ("adev", plain_allan_deviation as fn(&[&[f64]], usize) -> Option<f64>),
@@ -62,7 +67,7 @@ mod tests {
             let published = answers["published"][key].as_object().unwrap();
             assert_eq!(published.len(), 3);
             for (samples, expected) in published {
-                let found = kind(&[&series], samples.parse().unwrap()).unwrap();
+                let found = kind(&[series], samples.parse().unwrap()).unwrap();
                 assert!((found / number(expected) - 1.0).abs() < tolerance, "{key} {samples}: {found}");
             }
         }

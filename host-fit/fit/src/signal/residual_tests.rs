@@ -122,13 +122,18 @@ pub fn arch_lm(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
 mod tests {
     use super::*;
     use fos_testkit::noise::{autoregression, white_noise};
-    use fos_testkit::reference::{self, assert_all_close, number, numbers};
+    use fos_testkit::reference::{self, Reference, assert_all_close, number, numbers};
 
     #[test]
     fn agree_with_statsmodels_and_scipy() {
-        let Some(answers) = reference::json("residual_tests_shared") else { return };
-        let series = reference::samples("residual_tests_shared");
-        let series: &[&[f64]] = &[&series];
+        for reference in reference::each("residuals", "residual_tests_shared") {
+            assert_as_statsmodels_and_scipy(&reference);
+        }
+    }
+
+    fn assert_as_statsmodels_and_scipy(reference: &Reference) {
+        let answers = &reference.answers;
+        let series: &[&[f64]] = &[reference.series()];
         let tolerance = number(&answers["tolerance_relative"]);
         let close = |what: &str, value: f64, expected: &serde_json::Value| {
             let expected = number(expected);

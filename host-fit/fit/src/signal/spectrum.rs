@@ -110,9 +110,23 @@ pub fn hann(length: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use fos_testkit::noise::{autoregression, white_noise};
+    use fos_testkit::reference::{self, Reference, assert_all_close, number, numbers};
 
     fn integral(spectrum: &Spectrum) -> f64 {
         spectrum.density.iter().sum::<f64>() * spectrum.resolution_hz
+    }
+
+    #[test]
+    fn agrees_with_scipy() {
+        let reference = reference::own("spectrum");
+        let Reference { answers, .. } = &reference;
+        for case in answers["cases"].as_array().unwrap() {
+            let length = case["segment_length"].as_u64().unwrap() as usize;
+            let found = welch(&[reference.series()], number(&answers["rate_hz"]), length).unwrap();
+            let tolerance = number(&answers["tolerance_relative"]);
+            assert_all_close("frequency", &found.frequency_hz, &numbers(&case["frequency_hz"]), tolerance);
+            assert_all_close("density", &found.density, &numbers(&case["density"]), tolerance);
+        }
     }
 
     #[test]
