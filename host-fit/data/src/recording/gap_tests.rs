@@ -9,7 +9,7 @@ use rand_distr::{Distribution, Normal};
 use super::*;
 
 /// True period of the made logs: 1.3 % off 200 Hz.
-const T: f64 = 0.005 * 1.013;
+pub(super) const T: f64 = 0.005 * 1.013;
 
 fn record(time_s: Vec<f64>) -> Recording {
     let values = vec![0.0; time_s.len()];
@@ -18,7 +18,7 @@ fn record(time_s: Vec<f64>) -> Recording {
 }
 
 /// Row and missing samples of every gap.
-fn gaps(recording: &Recording) -> Vec<(usize, u64)> {
+pub(super) fn gaps(recording: &Recording) -> Vec<(usize, u64)> {
     recording.segments[1..].iter().map(|s| (s.rows.start, s.missing_before)).collect()
 }
 
@@ -30,7 +30,7 @@ fn jittered(n: usize, sd: f64, seed: u64) -> Vec<f64> {
 }
 
 /// Arrival times at a host that polls every 1 to `longest` samples, reading what is there at 0.2 T a sample.
-fn bursts(n: usize, longest: f64, seed: u64) -> Vec<f64> {
+pub(super) fn bursts(n: usize, longest: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut stamps = Vec::with_capacity(n);
     let mut poll = 0.0_f64;

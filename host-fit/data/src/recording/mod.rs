@@ -50,6 +50,8 @@ mod write;
 #[cfg(test)]
 mod gap_tests;
 #[cfg(test)]
+mod generated_log_tests;
+#[cfg(test)]
 mod load_tests;
 #[cfg(test)]
 mod real_log_tests;

@@ -1,22 +1,13 @@
-//! Logs that other people recorded, where they are at hand: `../shared` beside the workspace or above it.
+//! Logs that other people recorded, where they are at hand ([`fos_testkit::outside`]). What they show is made from seeds in
+//! `generated_log_tests.rs`.
 
-use std::path::{Path, PathBuf};
+use fos_testkit::outside;
 
+use super::gap_tests::gaps;
 use super::*;
 
-/// A file under `shared`; says so and gives `None` where there is none.
-fn shared(name: &str) -> Option<PathBuf> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let found =
-        workspace.ancestors().map(|folder| folder.join("shared").join(name)).find(|path| path.exists());
-    if found.is_none() {
-        println!("skipped: no ../shared/{name}");
-    }
-    found
-}
-
 fn load_shared(name: &str) -> Option<Recording> {
-    let recording = load(shared(name)?, &LoadOptions::default()).unwrap();
+    let recording = load(outside::path(name)?, &LoadOptions::default()).unwrap();
     println!(
         "{name}: {} rows, {:?}, {} gaps, {} missing",
         recording.n_rows(),
@@ -25,11 +16,6 @@ fn load_shared(name: &str) -> Option<Recording> {
         recording.quality.samples_missing
     );
     Some(recording)
-}
-
-/// Row and missing samples of every boundary.
-fn gaps(recording: &Recording) -> Vec<(usize, u64)> {
-    recording.segments[1..].iter().map(|s| (s.rows.start, s.missing_before)).collect()
 }
 
 #[test]
@@ -66,7 +52,7 @@ fn arrival_times_in_bursts_show_the_mean_rate_and_no_gap() {
 
 #[test]
 fn gauss_become_microtesla_by_a_map_and_single_losses_show_in_bursts() {
-    let Some(path) = shared("data/mpu6050_static_10min_hmc5883l_mag.csv.gz") else { return };
+    let Some(path) = outside::path("data/mpu6050_static_10min_hmc5883l_mag.csv.gz") else { return };
     let columns = ColumnMap::from_specs(["mag_x_ut=mx_gauss:gauss"]).unwrap();
     let log = load(path, &LoadOptions { columns, ..LoadOptions::default() }).unwrap();
     assert!((log.channel("mag_x_ut").unwrap().values[0] - 21.37615).abs() < 1e-9);
@@ -107,7 +93,7 @@ fn nan_cells_stay_in_their_column() {
 
 #[test]
 fn raw_counts_become_si_by_a_map() {
-    let Some(path) = shared("data/xsens_mti_multipose_100hz_rawcounts.csv.gz") else { return };
+    let Some(path) = outside::path("data/xsens_mti_multipose_100hz_rawcounts.csv.gz") else { return };
     let columns = ColumnMap::from_specs(["gx_rads=gx_cnt:-32768/6258:rad/s"]).unwrap();
     let log = load(path, &LoadOptions { columns, ..LoadOptions::default() }).unwrap();
     assert!((log.axis("gx").unwrap().values[0] - 18.0 / 6258.0).abs() < 1e-12);
@@ -119,7 +105,7 @@ fn raw_counts_become_si_by_a_map() {
 fn simulated_cases_with_jitter_have_no_gap() {
     for case in ["case_001", "case_002", "case_006"] {
         for part in ["baseline", "field", "eval"] {
-            let Some(log) = load_shared(&format!("cases/{case}/{part}.parquet")) else { return };
+            let Some(log) = load_shared(&format!("cases/{case}/{part}.parquet")) else { continue };
             assert_eq!(gaps(&log), [], "{case}/{part}");
             assert!((log.rate.true_hz / 200.0 - 1.0).abs() < 0.02, "{}", log.rate.true_hz);
         }

@@ -1,10 +1,8 @@
-//! The diagnosis against series with one planted effect whose answer was computed independently, where the reference files
-//! are at hand.
+//! The diagnosis against series with one planted effect whose answer was computed by another road: our own fixtures, and those of
+//! others where they are at hand.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
-use serde_json::Value;
-
 use fos_fit::candidates::Candidates;
 use fos_fit::fit::{Search, StopRule, fit, refit};
 use fos_fit::moments::Rows;
@@ -12,7 +10,7 @@ use fos_fit::moments::Rows;
 use crate::detect::{Diagnosis, Question, Verdict, diagnose};
 use crate::effects::{Inputs, Library, Regressor};
 use fos_data::recording::{LoadOptions, Recording, Source};
-use fos_testkit::reference::{self, number};
+use fos_testkit::reference::{self, Reference, number};
 
 /// Channels of the files, as the library knows them: the effects do not care that the unit of y is anybody's guess.
 const COLUMNS: [(&str, &str); 5] = [
@@ -23,17 +21,13 @@ const COLUMNS: [(&str, &str); 5] = [
     ("mag_uT", "mag_x_ut"),
 ];
 
-fn recording(answers: &Value, name: &str) -> Recording {
-    let samples = reference::samples(name);
-    let series = &answers["series"];
-    let length = series["samples"].as_u64().unwrap() as usize;
+fn recording(Reference { name, answers, channels }: &Reference) -> Recording {
     let rate = number(&answers["sample_rate_hz"]);
-    let time = (0..length).map(|n| n as f64 / rate).collect();
+    let time = (0..channels[0].len()).map(|n| n as f64 / rate).collect();
     let mut columns = vec![("t_s".to_owned(), time)];
-    for ((theirs, ours), channel) in COLUMNS.into_iter().zip(samples.chunks_exact(length)) {
-        let at = columns.len() - 1;
-        assert_eq!(series["channels"][at], theirs);
-        columns.push((ours.to_owned(), channel.to_vec()));
+    for (at, ((theirs, ours), channel)) in COLUMNS.into_iter().zip(channels).enumerate() {
+        assert_eq!(answers["series"]["channels"][at], theirs);
+        columns.push((ours.to_owned(), channel.clone()));
     }
     Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).unwrap()
 }
@@ -96,17 +90,18 @@ fn prompt_mse(recording: &Recording, diagnosis: &Diagnosis) -> f64 {
 }
 
 /// Diagnoses the series; the only finding must be `effect` on `column`, and a search over that channel must come within half
-/// a percent of the error that the true effect leaves. The diagnosis, where the files are.
-fn assert_found(name: &str, library: &Library, effect: &str, column: &str) -> Option<Diagnosis> {
-    let answers = reference::json(name)?;
-    let recording = recording(&answers, name);
-    let expected = &answers["expected"];
+/// a percent of the error that the true effect leaves.
+fn assert_found(reference: &Reference, effect: &str, column: &str) -> Diagnosis {
+    let name = &reference.name;
+    let recording = recording(reference);
+    let expected = &reference.answers["expected"];
     // rounding of another factorisation
     assert!((searched_mse(&recording, &[]) / number(&expected["mse_ar2_only"]) - 1.0).abs() < 1e-9);
 
-    let diagnosis = diagnosed(&recording, library);
+    let diagnosis = diagnosed(&recording, &Library::built_in());
     println!("{name}: {:?}, {}", diagnosis.verdict, diagnosis.sentence);
     println!("  without delay: {:e}", prompt_mse(&recording, &diagnosis));
+    assert_eq!(diagnosis.verdict, Verdict::Missing, "{name}: {}", diagnosis.sentence);
     assert_eq!(diagnosis.findings.len(), 1, "and no other");
     let finding = &diagnosis.findings[0];
     assert_eq!(finding.effect, effect);
@@ -120,30 +115,30 @@ fn assert_found(name: &str, library: &Library, effect: &str, column: &str) -> Op
     let truth = number(&expected["mse_with_true_effect"]);
     println!("  refitted: {found:e}, with the true effect {truth:e}");
     // less than that would be noise that was fitted
-    assert!((found / truth - 1.0).abs() < 0.005, "{found:e} for {truth:e}");
-    Some(diagnosis)
+    assert!((found / truth - 1.0).abs() < 0.005, "{name}: {found:e} for {truth:e}");
+    diagnosis
 }
 
 #[test]
 fn names_a_bias_that_is_linear_in_temperature() {
-    let found = assert_found("effect_temp_linear", &Library::built_in(), "temp_linear", "temp_c");
-    assert!(found.is_none_or(|found| found.verdict == Verdict::Missing));
+    for reference in reference::each("effect_temp_linear", "effect_temp_linear") {
+        assert_found(&reference, "temp_linear", "temp_c");
+    }
 }
 
 #[test]
 fn names_a_bias_that_follows_the_supply() {
-    let found = assert_found("effect_supply_ratio", &Library::built_in(), "supply_sensitivity", "supply_v");
-    assert!(found.is_none_or(|found| found.verdict == Verdict::Missing));
+    for reference in reference::each("effect_supply_sensitivity", "effect_supply_ratio") {
+        assert_found(&reference, "supply_sensitivity", "supply_v");
+    }
 }
 
 #[test]
 fn names_a_bias_that_follows_vibration() {
-    let name = "effect_vibration_rectification";
-    let Some(found) = assert_found(name, &Library::built_in(), "vibration_rectification", "ax_mps2") else {
-        return;
-    };
-    assert_eq!(found.verdict, Verdict::Missing);
-    // of the three axes one is logged: that is enough for what vibration does, and too little for what tilt does
-    assert!(found.untested.iter().any(|untested| untested.effect == "cross_axis"));
-    assert!(found.untested.iter().all(|untested| untested.effect != "vibration_rectification"));
+    for reference in reference::each("effect_vibration_rectification", "effect_vibration_rectification") {
+        let found = assert_found(&reference, "vibration_rectification", "ax_mps2");
+        // of the three axes one is logged: that is enough for what vibration does, and too little for what tilt does
+        assert!(found.untested.iter().any(|untested| untested.effect == "cross_axis"));
+        assert!(found.untested.iter().all(|untested| untested.effect != "vibration_rectification"));
+    }
 }
