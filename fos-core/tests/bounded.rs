@@ -2,10 +2,10 @@
 
 #[path = "bounded/any_model.rs"]
 mod any_model;
-mod models;
 
 use fos_core::{AxisParameters, InnovationStatistics, ModelError, Range, Real, Sample, Term, Validity, y};
-use models::{Draw, Noise, OwnedModel, PERIOD_S, Roomy, cases, models, plain};
+use fos_testkit::models::{Draw, OwnedModel, PERIOD_S, Roomy, cases, models, plain};
+use fos_testkit::noise::Noise;
 use proptest::prelude::*;
 
 fn coast<R: Real>(predictor: &mut Roomy<R>, measured: &[R]) -> (f64, Validity) {

@@ -2,15 +2,15 @@
 
 #[path = "image/layout.rs"]
 mod layout;
-mod models;
 
 use fos_core::image::{HEADER_LENGTH, encode};
 use fos_core::{
     Axis, AxisParameters, FittedOn, Image, ImageError, Info, InnovationStatistics, Input, ModelError,
     Quantity, Range, Sample, Source, StillnessLimits, Term, Transform, u, y,
 };
+use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, Roomy, cases, models};
+use fos_testkit::noise::Noise;
 use layout::{INFO, assemble, bytes, crc_32, sealed};
-use models::{Draw, Noise, OwnedAxis, OwnedModel, Roomy, cases, models};
 use proptest::prelude::*;
 
 fn encoded(model: &OwnedModel<f32>, info: &Info<'_>) -> Vec<u8> {

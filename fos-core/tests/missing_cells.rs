@@ -1,10 +1,9 @@
 //! Missing cells at the edges of a logged quantity: an input of a model, and the same transform on its own, as a host
 //! runs it, start and stay alike.
 
-mod models;
-
 use fos_core::{Range, Sample, Source, Transform, Transformer};
-use models::{Noise, OwnedModel, PERIOD_S, Roomy, input, plain};
+use fos_testkit::models::{OwnedModel, PERIOD_S, Roomy, input, plain};
+use fos_testkit::noise::Noise;
 
 const ROWS: usize = 400;
 /// Missing at first, once in between, for a while, and at the end; more than a window of any transform below.

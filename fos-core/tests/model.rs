@@ -1,12 +1,11 @@
 //! What a model may be, and what f32 costs.
 
-mod models;
-
 use fos_core::{
     Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Predictor, Quantity, Range,
     Real, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
 };
-use models::{Noise, OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
+use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
+use fos_testkit::noise::Noise;
 
 /// A small model of everything: an input over a quantity, one over the clock, one over the remainder.
 fn sound() -> OwnedModel<f64> {

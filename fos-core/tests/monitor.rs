@@ -1,9 +1,8 @@
 //! Does the monitor stay silent on what it should, and find what it should as soon as it says?
 
-mod models;
-
 use fos_core::{AxisParameters, Correction, InnovationStatistics, ModelError, Monitor, Real, Validity};
-use models::{Noise, OwnedModel, PERIOD_S, plain};
+use fos_testkit::models::{OwnedModel, PERIOD_S, plain};
+use fos_testkit::noise::Noise;
 
 const SCALE: f64 = 0.02;
 const MEAN: f64 = 0.1;

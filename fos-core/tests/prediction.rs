@@ -1,12 +1,11 @@
 //! One-step, k-step and free-run prediction: against values computed by another road and against a naive twin.
 
-mod models;
 #[path = "prediction/twin.rs"]
 mod twin;
 
 use fos_core::{AxisParameters, Range, Sample, Term, y};
+use fos_testkit::models::{Draw, OwnedModel, Roomy, cases, models, plain};
 use fos_testkit::reference::{self, number};
-use models::{Draw, OwnedModel, Roomy, cases, models, plain};
 use proptest::prelude::*;
 use twin::{compare, events};
 

@@ -1,11 +1,10 @@
 //! Bad samples, gaps and restarts: what comes out stays finite, says so, and is forgotten.
 
-mod models;
-
 use fos_core::{
     AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Source, Term, Transform, Validity, u, y,
 };
-use models::{Draw, Noise, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
+use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
+use fos_testkit::noise::Noise;
 use proptest::prelude::*;
 
 const DEPTH: usize = 3;

@@ -1,9 +1,8 @@
 //! Is a phone on a table still, and a phone in a hand not?
 
-mod models;
-
 use fos_core::{StillnessDetector, StillnessLimits};
-use models::{Noise, PERIOD_S};
+use fos_testkit::models::PERIOD_S;
+use fos_testkit::noise::Noise;
 
 /// Standard deviations of one sample of a phone's sensors at 200 Hz: 180 µg/√Hz and 0.007 dps/√Hz over 80 Hz.
 const ACCEL_NOISE: f64 = 0.016;

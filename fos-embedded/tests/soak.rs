@@ -1,7 +1,6 @@
 //! A day of sensor time through hub and store, with random faults and model updates: nothing wanders, nothing leaks,
 //! and a unit that is restarted from its flash says what the one says that ran all along.
 
-mod flash;
 mod models;
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,13 +9,13 @@ use std::fmt;
 use std::hint::black_box;
 use std::time::Instant;
 
-use flash::{Flash, PAGE, PAGES};
 use fos_core::image::encode;
 use fos_core::{AxisModel, FittedOn, Info, Input, Model, Quantity, Range, Source, Term, Transform, u, y};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::{Motion, Output};
 use fos_embedded::raw::{Faults, RawSample};
 use fos_embedded::store::ModelStore;
+use fos_testkit::flash::{Flash, PAGE, PAGES};
 use models::{PHYSICAL, Random, SCALES, SIX, SPREAD, STOCHASTIC, TestHub, limits, parameters};
 
 /// Counts what a thread allocates, and what it holds: tests that run beside it are none of its business.

@@ -1,13 +1,11 @@
 //! The model store on a simulated NOR flash whose power is cut at every single operation.
 
-mod flash;
-
-use flash::{Fault, Flash, PAGE, PAGES};
 use fos_core::{
     Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Range, Term, image, y,
 };
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::{ModelStore, StoreError};
+use fos_testkit::flash::{Fault, Flash, PAGE, PAGES};
 
 type Store = ModelStore<Blocking<Flash>, 1024>;
 

@@ -2,7 +2,7 @@
 #![no_main]
 
 use fos_fuzz::drawn::{event, events, model};
-use fos_fuzz::models::Draw;
+use fos_testkit::models::Draw;
 use fos_fuzz::twin::{Twin, compare_with};
 use libfuzzer_sys::arbitrary::Unstructured;
 use libfuzzer_sys::fuzz_target;

@@ -4,17 +4,15 @@
 //! First how many updates were stored, then changes of the flash: place, length, bytes.
 #![no_main]
 
-#[path = "../../fos-embedded/tests/flash/mod.rs"]
-mod flash;
 
 use std::sync::LazyLock;
 
-use flash::{Flash, PAGE, PAGES};
+use fos_testkit::flash::{Flash, PAGE, PAGES};
 use fos_core::image::{Info, encode};
 use fos_core::{Image, Term, y};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::ModelStore;
-use fos_fuzz::models::{OwnedModel, plain};
+use fos_testkit::models::{OwnedModel, plain};
 use libfuzzer_sys::fuzz_target;
 
 type Store = ModelStore<Blocking<Flash>, 1024>;

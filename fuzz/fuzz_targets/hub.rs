@@ -9,7 +9,7 @@ use fos_core::{
 use fos_embedded::hub::{Hub, Motion, OTHER_POSE, SIX};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_fuzz::drawn::{between, events, model};
-use fos_fuzz::models::{Draw, OwnedModel, Roomy};
+use fos_testkit::models::{Draw, OwnedModel, Roomy};
 use fos_fuzz::twin::{Event, Twin};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use libfuzzer_sys::fuzz_target;

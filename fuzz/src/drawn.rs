@@ -4,7 +4,7 @@
 use fos_core::{AxisParameters, Transform};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
 
-use crate::models::{Draw, OwnedModel, Picks, axis_of, drawn_axis, model_of, shifted_input, source_of};
+use fos_testkit::models::{Draw, OwnedModel, Picks, axis_of, drawn_axis, model_of, shifted_input, source_of};
 use crate::twin::Event;
 
 /// Events in one run: a twin that keeps everything takes its time.

@@ -5,8 +5,6 @@ use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
 use fos_embedded::c_api::{FOS_VALUES_RAW, fos_scales};
 
 pub mod drawn;
-#[path = "../../fos-core/tests/models/mod.rs"]
-pub mod models;
 #[path = "../../fos-core/tests/prediction/twin.rs"]
 pub mod twin;
 

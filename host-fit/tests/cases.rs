@@ -9,7 +9,7 @@ use fos_testkit::outside;
 
 /// The case of another simulator, diagnosed.
 fn answer(name: &str) -> Option<Diagnosis> {
-    let case = Case::read(outside::path(&format!("cases/{name}"))?).expect("a case");
+    let case = Case::read(&outside::path(&format!("cases/{name}"))?).expect("a case");
     Some(diagnose(&question(&case, &Library::built_in())).expect("an answer"))
 }
 

@@ -1,5 +1,7 @@
 //! What tests of several crates share, and tests over the public interfaces of the workspace (`tests/`).
 
+pub mod flash;
+pub mod models;
 pub mod noise;
 pub mod outside;
 pub mod reference;

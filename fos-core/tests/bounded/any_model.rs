@@ -9,7 +9,8 @@ use fos_core::{
     Transform,
 };
 
-use crate::models::{Noise, OwnedAxis, OwnedModel, PERIOD_S, Roomy, plain};
+use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, plain};
+use fos_testkit::noise::Noise;
 
 /// What a run over many models came to.
 #[derive(Default)]

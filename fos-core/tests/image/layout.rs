@@ -6,8 +6,8 @@ use fos_core::{
     Transform, u, y,
 };
 
-use crate::models::{OwnedAxis, OwnedModel};
 use fos_core::Info;
+use fos_testkit::models::{OwnedAxis, OwnedModel};
 
 /// What some bytes mean.
 #[derive(Debug, Clone)]

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 use fos_core::{AxisParameters, Channel, Correction, Input, Sample, Source, Term, Transform, Validity};
 
-use crate::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy};
+use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy};
 
 #[derive(Debug, Clone)]
 pub enum Event {

@@ -1,5 +1,4 @@
-//! Models that own their parts, models at random, and seeded noise, for the tests beside this folder.
-#![allow(dead_code, missing_docs, unreachable_pub)] // every test uses its own part of it
+//! Models that own their parts, and models at random.
 
 use fos_core::{
     Axis, AxisModel, AxisParameters, Channel, Factor, FittedOn, InnovationStatistics, Input, Model,
@@ -8,24 +7,35 @@ use fos_core::{
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+/// Of every model here, s.
 pub const PERIOD_S: f64 = 0.005;
 
 /// Room for every model here: 8 inputs and 6 axes, lags up to 12: 12·14 + 8 values.
 pub type Roomy<R> = Predictor<R, 6, 8, 128, 256>;
 
+/// [`AxisModel`] with terms of its own.
 #[derive(Debug, Clone)]
 pub struct OwnedAxis<R> {
+    /// Scales, limits, statistics.
     pub parameters: AxisParameters<R>,
+    /// Terms of inputs alone.
     pub physical: Vec<Term<R>>,
+    /// Terms of the past of the axis, too.
     pub stochastic: Vec<Term<R>>,
 }
 
+/// [`Model`] with parts of its own, so that a test can change one.
 #[derive(Debug, Clone)]
 pub struct OwnedModel<R> {
+    /// From sample to sample.
     pub period_s: f64,
+    /// When the unit counts as still.
     pub stillness: Option<StillnessLimits<R>>,
+    /// What comes with a sample, in the order of the sources of the inputs.
     pub quantities: Vec<Quantity>,
+    /// What terms may use.
     pub inputs: Vec<Input<R>>,
+    /// In the order of the measured values.
     pub axes: Vec<OwnedAxis<R>>,
 }
 
@@ -57,10 +67,14 @@ impl<R: Real> OwnedModel<R> {
         })
     }
 
+    /// # Errors
+    ///
+    /// What is wrong with the model.
     pub fn predictor(&self) -> Result<Roomy<R>, ModelError> {
         self.borrow(Predictor::new)
     }
 
+    /// The same in another scalar.
     pub fn convert<S: Real>(&self) -> OwnedModel<S> {
         let terms = |terms: &[Term<R>]| terms.iter().map(Term::convert).collect();
         OwnedModel {
@@ -271,46 +285,5 @@ pub fn cases(cases: u32) -> ProptestConfig {
         failure_persistence: None,
         rng_seed: RngSeed::Fixed(0xf05),
         ..ProptestConfig::default()
-    }
-}
-
-/// Seeded noise: SplitMix64 (Steele, Lea, Flood 2014) and the polar method (Marsaglia, Bray 1964).
-pub struct Noise {
-    state: u64,
-    spare: Option<f64>,
-}
-
-impl Noise {
-    pub fn new(seed: u64) -> Self {
-        Self { state: seed, spare: None }
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in 0 … 1.
-    pub fn uniform(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 * 2.0_f64.powi(-53)
-    }
-
-    /// Normal, mean 0, variance 1.
-    pub fn normal(&mut self) -> f64 {
-        if let Some(spare) = self.spare.take() {
-            return spare;
-        }
-        loop {
-            let (a, b) = (2.0 * self.uniform() - 1.0, 2.0 * self.uniform() - 1.0);
-            let square = a * a + b * b;
-            if square > 0.0 && square < 1.0 {
-                let radius = (-2.0 * square.ln() / square).sqrt();
-                self.spare = Some(b * radius);
-                return a * radius;
-            }
-        }
     }
 }

@@ -1,29 +1,33 @@
 //! A simulated NOR flash: its power can be cut in the middle of an operation, and its bits wear out.
-#![allow(dead_code, reason = "no test uses all of it")]
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 
 /// Bytes that are erased together.
-pub(crate) const PAGE: usize = 4096;
-pub(crate) const PAGES: usize = 6;
+pub const PAGE: usize = 4096;
+/// Pages there are.
+pub const PAGES: usize = 6;
 
 /// NOR flash: a write only clears bits, an erase sets those of whole pages.
 #[derive(Clone)]
-pub(crate) struct Flash {
-    pub(crate) bytes: Vec<u8>,
+pub struct Flash {
+    /// What is stored.
+    pub bytes: Vec<u8>,
     /// Operations until the power goes, and how many halves of the last are done.
-    pub(crate) power: Option<(usize, usize)>,
+    pub power: Option<(usize, usize)>,
     /// Writes and erases so far.
-    pub(crate) operations: usize,
+    pub operations: usize,
     /// Bits that stay 0 whatever is erased: (byte, mask).
-    pub(crate) worn: Vec<(usize, u8)>,
+    pub worn: Vec<(usize, u8)>,
     /// Erases of each page so far.
-    pub(crate) erased: [u32; PAGES],
+    pub erased: [u32; PAGES],
 }
 
+/// What a flash answers where it does not do as told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Fault {
+pub enum Fault {
+    /// The power went before all was done.
     PowerCut,
+    /// A write that is not aligned, that reaches beyond, or that would set a bit.
     Misuse,
 }
 
@@ -34,7 +38,8 @@ impl NorFlashError for Fault {
 }
 
 impl Flash {
-    pub(crate) fn new() -> Self {
+    /// All erased, and nothing worn.
+    pub fn new() -> Self {
         Self {
             bytes: vec![0xff; PAGES * PAGE],
             power: None,
@@ -61,10 +66,17 @@ impl Flash {
         }
     }
 
-    pub(crate) fn wear(&mut self) {
+    /// Bits that are worn fall back to 0.
+    pub fn wear(&mut self) {
         for (place, mask) in &self.worn {
             self.bytes[*place] &= !mask;
         }
+    }
+}
+
+impl Default for Flash {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
