@@ -20,6 +20,7 @@ extern crate std;
 
 mod axis;
 mod convert;
+mod error;
 mod function;
 mod history;
 pub mod image;
@@ -39,11 +40,10 @@ mod transformer;
 mod validity;
 
 pub use axis::Correction;
+pub use error::ModelError;
 pub use image::{Image, ImageError, Info};
 pub use input::{Input, Source};
-pub use model::{
-    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, ModelError, Quantity,
-};
+pub use model::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Quantity};
 pub use monitor::{Drift, Monitor};
 pub use pose::{GRAVITY_MPS2, OTHER_POSE, PoseGate};
 pub use predictor::{Predictor, Sample};

@@ -5,8 +5,9 @@ use heapless::Vec;
 use crate::axis::{AxisProgram, Correction, RunningAxis};
 use crate::history::{History, Window};
 use crate::input::RunningInput;
-use crate::model::{AxisParameters, is_positive};
+use crate::model::AxisParameters;
 use crate::program::{Layout, Program};
+use crate::real::is_positive;
 use crate::{Channel, Input, Model, ModelError, Real, Source, Term, Validity};
 
 /// Everything logged at one instant.

@@ -57,6 +57,11 @@ pub trait Real:
     }
 }
 
+/// Finite and above 0.
+pub(crate) fn is_positive<R: Real>(value: R) -> bool {
+    value.is_finite() && value > R::ZERO
+}
+
 impl Real for f32 {
     const ZERO: f32 = 0.0;
     const ONE: f32 = 1.0;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::is_positive;
+use crate::real::is_positive;
 use crate::{ModelError, Real};
 
 /// Windows that must be quiet in a row before the unit counts as still.

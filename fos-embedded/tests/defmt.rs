@@ -87,7 +87,7 @@ fn loggable() -> BTreeSet<String> {
         named::<FittedOn>("fos-core/model.rs"),
         named::<InnovationStatistics<f32>>("fos-core/model.rs"),
         named::<Model<'_, f32>>("fos-core/model.rs"),
-        named::<ModelError>("fos-core/model.rs"),
+        named::<ModelError>("fos-core/error.rs"),
         named::<Quantity>("fos-core/model.rs"),
         named::<Drift>("fos-core/monitor.rs"),
         named::<Monitor<f32>>("fos-core/monitor.rs"),
