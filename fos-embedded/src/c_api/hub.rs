@@ -2,8 +2,8 @@
 
 use core::ffi::{c_char, c_void};
 
+use super::convert::{axis_of, motion_of, quantity_of};
 use super::place::{Place, bytes, check_extent, exclusive, shared};
-use super::values::{axis_of, motion_of, quantity_of};
 use super::{
     FOS_API_VERSION, FOS_DRIFT_MEAN, FOS_DRIFT_VARIANCE, FOS_MAX_HISTORY, FOS_MAX_INPUTS, FOS_MAX_TERMS,
     fos_motion, fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_status,

@@ -8,6 +8,7 @@
 #![allow(clippy::missing_safety_doc, reason = "the head of the header says it once for all")]
 #![allow(non_camel_case_types, reason = "the names of the header")]
 
+mod convert;
 mod hub;
 mod panic;
 mod place;

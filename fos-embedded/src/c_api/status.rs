@@ -52,6 +52,9 @@ pub enum fos_status {
     OtherQuantity = 17,
 }
 
+// c/layout.c has the same number
+const _: () = assert!(size_of::<fos_status>() == 4);
+
 /// In the order of their numbers.
 const ALL: [fos_status; 18] = [
     fos_status::Ok,

@@ -1,12 +1,11 @@
-//! The structures and numbers of the interface, and what they are in Rust.
+//! The structures and numbers of the interface.
 
 use core::ffi::{CStr, c_char};
 
-use fos_core::{Axis, FittedOn, Quantity, Validity};
+use fos_core::Validity;
 
-use super::fos_status;
-use crate::hub::{AXES, Motion, Output, SIX};
-use crate::raw::{Faults, RawSample, Scales};
+use crate::hub::AXES;
+use crate::raw::Faults;
 
 /// Version of this interface: raised when a program that was compiled with the header before would no longer run
 /// rightly. fos_api_version() is that of the library.
@@ -186,7 +185,6 @@ const _: () = {
     assert!(size_of::<fos_scales>() == 32 && align_of::<fos_scales>() == 8);
     assert!(size_of::<fos_raw_sample>() == 24 && align_of::<fos_raw_sample>() == 4);
     assert!(size_of::<fos_output>() == 96 && align_of::<fos_output>() == 4);
-    assert!(size_of::<fos_status>() == 4);
     assert!(FOS_AXES == AXES);
     assert!(FOS_VALIDITY_VALID == Validity::VALID.bits());
     assert!(FOS_VALIDITY_WARMING_UP == Validity::WARMING_UP.bits());
@@ -213,92 +211,6 @@ const _: () = {
     // a fault that is added there and not here does not compile
     assert!(Faults::all().bits() == 2 * FOS_FAULT_RATE - 1);
 };
-
-impl fos_scales {
-    pub(super) fn to_scales(self) -> Result<Scales, fos_status> {
-        let values = match self.values {
-            FOS_VALUES_RAW => FittedOn::Raw,
-            FOS_VALUES_FACTORY_CORRECTED => FittedOn::FactoryCorrected,
-            _ => return Err(fos_status::Argument),
-        };
-        // what the largest code stands for must be a number
-        let largest = |scale: f32| (scale * 32_768.0).is_finite();
-        let valid = self.accel_mps2 > 0.0
-            && largest(self.accel_mps2)
-            && self.gyro_rads > 0.0
-            && largest(self.gyro_rads)
-            && largest(self.temperature_k)
-            && (self.temperature_k.abs() * 32_768.0 + self.temperature_zero_c.abs()).is_finite()
-            && self.period_s > 0.0
-            && self.period_s.is_finite();
-        if !valid {
-            return Err(fos_status::Argument);
-        }
-        Ok(Scales {
-            accel_mps2: self.accel_mps2,
-            gyro_rads: self.gyro_rads,
-            temperature_k: self.temperature_k,
-            temperature_zero_c: self.temperature_zero_c,
-            period_s: self.period_s,
-            values,
-        })
-    }
-}
-
-impl fos_raw_sample {
-    pub(super) fn to_sample(self) -> RawSample {
-        RawSample {
-            skipped: self.skipped,
-            accel: self.accel,
-            gyro: self.gyro,
-            temperature: (self.has_temperature != 0).then_some(self.temperature),
-            faults: Faults::from_bits_truncate(self.faults),
-        }
-    }
-}
-
-impl From<&Output> for fos_output {
-    fn from(output: &Output) -> Self {
-        Self {
-            tick: output.tick,
-            measured: output.measured,
-            corrected: output.corrected,
-            innovation: output.innovation,
-            temperature_c: output.temperature_c,
-            validity: output.validity.map(|validity| validity.bits()),
-            faults: output.faults.bits(),
-            still: u8::from(output.still),
-            drift: u8::from(output.drift),
-        }
-    }
-}
-
-pub(super) fn motion_of(motion: fos_motion) -> Result<Option<Motion>, fos_status> {
-    match motion {
-        FOS_MOTION_DETECT => Ok(None),
-        FOS_MOTION_MOVING => Ok(Some(Motion::Moving)),
-        FOS_MOTION_STILL => Ok(Some(Motion::Still)),
-        _ => Err(fos_status::Argument),
-    }
-}
-
-pub(super) fn axis_of(axis: usize) -> Result<Axis, fos_status> {
-    SIX.get(axis).copied().ok_or(fos_status::Argument)
-}
-
-pub(super) fn quantity_of(quantity: fos_quantity) -> Result<Quantity, fos_status> {
-    match quantity {
-        FOS_QUANTITY_SUPPLY_V => Ok(Quantity::Supply),
-        FOS_QUANTITY_LOAD_PCT => Ok(Quantity::Load),
-        FOS_QUANTITY_MAGNETIC_X_UT => Ok(Quantity::MagneticX),
-        FOS_QUANTITY_MAGNETIC_Y_UT => Ok(Quantity::MagneticY),
-        FOS_QUANTITY_MAGNETIC_Z_UT => Ok(Quantity::MagneticZ),
-        reference @ FOS_QUANTITY_REFERENCE.. => {
-            axis_of(usize::from(reference - FOS_QUANTITY_REFERENCE)).map(Quantity::Reference)
-        }
-        _ => Err(fos_status::Argument),
-    }
-}
 
 /// One FOS_VALIDITY_... in words, for a log: "valid" for 0, "unknown validity" for what is not exactly one of them.
 /// Never NULL; the text is static.

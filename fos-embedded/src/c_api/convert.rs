@@ -1,0 +1,98 @@
+//! What the structures and numbers of the interface are in Rust.
+
+use fos_core::{Axis, FittedOn, Quantity};
+
+use super::{
+    FOS_MOTION_DETECT, FOS_MOTION_MOVING, FOS_MOTION_STILL, FOS_QUANTITY_LOAD_PCT,
+    FOS_QUANTITY_MAGNETIC_X_UT, FOS_QUANTITY_MAGNETIC_Y_UT, FOS_QUANTITY_MAGNETIC_Z_UT,
+    FOS_QUANTITY_REFERENCE, FOS_QUANTITY_SUPPLY_V, FOS_VALUES_FACTORY_CORRECTED, FOS_VALUES_RAW, fos_motion,
+    fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_status,
+};
+use crate::hub::{Motion, Output, SIX};
+use crate::raw::{Faults, RawSample, Scales};
+
+impl fos_scales {
+    pub(super) fn to_scales(self) -> Result<Scales, fos_status> {
+        let values = match self.values {
+            FOS_VALUES_RAW => FittedOn::Raw,
+            FOS_VALUES_FACTORY_CORRECTED => FittedOn::FactoryCorrected,
+            _ => return Err(fos_status::Argument),
+        };
+        // what the largest code stands for must be a number
+        let largest = |scale: f32| (scale * 32_768.0).is_finite();
+        let valid = self.accel_mps2 > 0.0
+            && largest(self.accel_mps2)
+            && self.gyro_rads > 0.0
+            && largest(self.gyro_rads)
+            && largest(self.temperature_k)
+            && (self.temperature_k.abs() * 32_768.0 + self.temperature_zero_c.abs()).is_finite()
+            && self.period_s > 0.0
+            && self.period_s.is_finite();
+        if !valid {
+            return Err(fos_status::Argument);
+        }
+        Ok(Scales {
+            accel_mps2: self.accel_mps2,
+            gyro_rads: self.gyro_rads,
+            temperature_k: self.temperature_k,
+            temperature_zero_c: self.temperature_zero_c,
+            period_s: self.period_s,
+            values,
+        })
+    }
+}
+
+impl fos_raw_sample {
+    pub(super) fn to_sample(self) -> RawSample {
+        RawSample {
+            skipped: self.skipped,
+            accel: self.accel,
+            gyro: self.gyro,
+            temperature: (self.has_temperature != 0).then_some(self.temperature),
+            faults: Faults::from_bits_truncate(self.faults),
+        }
+    }
+}
+
+impl From<&Output> for fos_output {
+    fn from(output: &Output) -> Self {
+        Self {
+            tick: output.tick,
+            measured: output.measured,
+            corrected: output.corrected,
+            innovation: output.innovation,
+            temperature_c: output.temperature_c,
+            validity: output.validity.map(|validity| validity.bits()),
+            faults: output.faults.bits(),
+            still: u8::from(output.still),
+            drift: u8::from(output.drift),
+        }
+    }
+}
+
+pub(super) fn motion_of(motion: fos_motion) -> Result<Option<Motion>, fos_status> {
+    match motion {
+        FOS_MOTION_DETECT => Ok(None),
+        FOS_MOTION_MOVING => Ok(Some(Motion::Moving)),
+        FOS_MOTION_STILL => Ok(Some(Motion::Still)),
+        _ => Err(fos_status::Argument),
+    }
+}
+
+pub(super) fn axis_of(axis: usize) -> Result<Axis, fos_status> {
+    SIX.get(axis).copied().ok_or(fos_status::Argument)
+}
+
+pub(super) fn quantity_of(quantity: fos_quantity) -> Result<Quantity, fos_status> {
+    match quantity {
+        FOS_QUANTITY_SUPPLY_V => Ok(Quantity::Supply),
+        FOS_QUANTITY_LOAD_PCT => Ok(Quantity::Load),
+        FOS_QUANTITY_MAGNETIC_X_UT => Ok(Quantity::MagneticX),
+        FOS_QUANTITY_MAGNETIC_Y_UT => Ok(Quantity::MagneticY),
+        FOS_QUANTITY_MAGNETIC_Z_UT => Ok(Quantity::MagneticZ),
+        reference @ FOS_QUANTITY_REFERENCE.. => {
+            axis_of(usize::from(reference - FOS_QUANTITY_REFERENCE)).map(Quantity::Reference)
+        }
+        _ => Err(fos_status::Argument),
+    }
+}
