@@ -6,7 +6,7 @@ use fos_core::{
 
 use super::axes::{Modelled, at, channel_of};
 use super::gravity::Gravity;
-use super::quantities::QuantitySource;
+use super::quantity_source::QuantitySource;
 use super::{Hub, HubError, Output};
 
 /// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks

@@ -6,6 +6,7 @@ mod gravity;
 mod load;
 mod output;
 mod quantities;
+mod quantity_source;
 mod rate;
 mod watch;
 
@@ -20,8 +21,9 @@ pub use error::HubError;
 use gravity::Gravity;
 pub use gravity::leads_away;
 pub use output::Output;
-use quantities::QuantitySource;
-pub use quantities::{MAX_LOGGED, is_given};
+pub use quantities::MAX_LOGGED;
+use quantity_source::QuantitySource;
+pub use quantity_source::is_given;
 use rate::RateEstimator;
 use watch::Watch;
 
@@ -273,6 +275,17 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             self.rate.disturbed();
         }
         if raw.skipped > 0 { raw.faults | Faults::GAP } else { raw.faults }
+    }
+
+    /// What the sensor itself measures of the logged quantities.
+    fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
+        for (source, value) in self.sources.iter().zip(&mut self.quantities) {
+            match source {
+                QuantitySource::Thermometer => *value = temperature_c,
+                QuantitySource::Measured(channel) => *value = at(measured, *channel),
+                QuantitySource::Application(_) => {}
+            }
+        }
     }
 
     fn is_still(&mut self, measured: &[f32; AXES]) -> bool {

@@ -1,29 +1,13 @@
-//! What is logged beside the axes: which of it the sensor gives, which the application.
+//! What is logged beside the axes: what the application gives of it, and all of it as columns.
 
 use fos_core::{Info, Quantity};
 use heapless::{String, Vec};
 
 use super::Hub;
-use super::axes::{AXES, at};
+use super::quantity_source::QuantitySource;
 
 /// So many quantities are logged at most, temperature among them.
 pub const MAX_LOGGED: usize = 17;
-
-/// Where a logged quantity of the model comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum QuantitySource {
-    Thermometer,
-    /// One of the six, as measured.
-    Measured(u8),
-    /// What the application gives, or NaN until it does.
-    Application(Quantity),
-}
-
-impl QuantitySource {
-    fn is_application(&self) -> bool {
-        matches!(self, Self::Application(_))
-    }
-}
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
     /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a
@@ -79,20 +63,4 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         }
         Some(columns)
     }
-
-    /// What the sensor itself measures of them.
-    pub(super) fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
-        for (source, value) in self.sources.iter().zip(&mut self.quantities) {
-            match source {
-                QuantitySource::Thermometer => *value = temperature_c,
-                QuantitySource::Measured(channel) => *value = at(measured, *channel),
-                QuantitySource::Application(_) => {}
-            }
-        }
-    }
-}
-
-/// Whether a logged quantity is the application's to give; the others the sensor itself measures.
-pub const fn is_given(quantity: Quantity) -> bool {
-    !matches!(quantity, Quantity::Temperature | Quantity::Measured(_))
 }
