@@ -138,7 +138,7 @@ fn loggable() -> BTreeSet<String> {
         named::<TestLogError>("fos-embedded/test_log/fields.rs"),
         named::<HubLogHeader>("fos-embedded/test_log/hub_log.rs"),
         named::<HubLogRecord<'_>>("fos-embedded/test_log/hub_log.rs"),
-        named::<PredictorLogHeader>("fos-embedded/test_log/predictor_log.rs"),
+        named::<PredictorLogHeader>("fos-embedded/test_log/predictor_header.rs"),
         named::<PredictorLogRecord<'_>>("fos-embedded/test_log/predictor_log.rs"),
         named::<CheckError>("fos-embedded/test_vector.rs"),
         named::<Expected>("fos-embedded/test_vector.rs"),

@@ -15,9 +15,11 @@
 mod digest;
 mod fields;
 mod hub_log;
+mod predictor_header;
 mod predictor_log;
 
 pub use digest::{HubDigest, PredictorDigest};
 pub use fields::TestLogError;
 pub use hub_log::{HubLogHeader, HubLogRecord};
-pub use predictor_log::{PredictorLogHeader, PredictorLogRecord};
+pub use predictor_header::PredictorLogHeader;
+pub use predictor_log::PredictorLogRecord;

@@ -31,22 +31,10 @@
 
 use fos_core::{Correction, Predictor, Sample};
 
-use super::TestLogError;
 use super::fields::{Fields, bytes_of};
+use super::predictor_header::RECORD_LENGTH;
+use super::{PredictorLogHeader, TestLogError};
 use crate::hub::Motion;
-
-/// Bytes of a record before its values.
-const RECORD_LENGTH: usize = 8;
-
-/// What the records of a log hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PredictorLogHeader {
-    /// Measured values of a record.
-    pub n_axes: u8,
-    /// Logged quantities of a record.
-    pub n_quantities: u8,
-}
 
 /// One sample of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,15 +51,6 @@ pub struct PredictorLogRecord<'a> {
 }
 
 impl PredictorLogHeader {
-    /// The first four bytes of a log.
-    pub const MAGIC: &'static str = "FOSR";
-
-    /// The version that this crate writes, and the only one it reads.
-    pub const VERSION: u16 = 1;
-
-    /// Bytes before the first record.
-    pub const LENGTH: usize = 8;
-
     /// Reads the header at the start of `log`.
     ///
     /// # Errors
@@ -80,22 +59,6 @@ impl PredictorLogHeader {
     pub fn decode(log: &[u8]) -> Result<Self, TestLogError> {
         let mut fields = Fields::of_header(log, Self::LENGTH, Self::MAGIC, Self::VERSION)?;
         Ok(Self { n_axes: fields.u8()?, n_quantities: fields.u8()? })
-    }
-
-    /// The bytes that a log begins with.
-    pub fn encode(&self) -> [u8; Self::LENGTH] {
-        let fields =
-            Self::MAGIC.bytes().chain(Self::VERSION.to_le_bytes()).chain([self.n_axes, self.n_quantities]);
-        let mut header = [0; Self::LENGTH];
-        for (byte, field) in header.iter_mut().zip(fields) {
-            *byte = field;
-        }
-        header
-    }
-
-    /// Bytes of a record.
-    pub fn record_length(&self) -> usize {
-        RECORD_LENGTH + 4 * (usize::from(self.n_axes) + usize::from(self.n_quantities))
     }
 
     /// Refuses a log that does not have what `model` needs.
