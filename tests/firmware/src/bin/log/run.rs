@@ -18,16 +18,7 @@ use fos_embedded::store::ModelStore;
 use fos_firmware::fail;
 
 use super::flash::{PAGE, RamFlash};
-use super::sensor::Sensor;
-
-pub(crate) const SCALES: Scales = Scales {
-    accel_mps2: 0.001,
-    gyro_rads: 0.0005,
-    temperature_k: 1.0 / 256.0,
-    temperature_zero_c: 25.0,
-    period_s: 0.005,
-    values: FittedOn::Raw,
-};
+use super::sensor::{SCALES, Sensor};
 
 static TERMS: [Term<f32>; 2] = [Term::new(0.5, &[y(1)]), Term::new(-0.25, &[y(2)])];
 

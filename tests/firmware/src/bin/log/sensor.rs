@@ -1,10 +1,18 @@
 //! A sensor on a bad day.
 
 use embedded_hal::spi::ErrorKind;
+use fos_core::FittedOn;
 use fos_embedded::raw::Scales;
 use fos_embedded::sample_source::{Batch, Imu, SensorClock, SourceError};
 
-use super::run::SCALES;
+pub(crate) const SCALES: Scales = Scales {
+    accel_mps2: 0.001,
+    gyro_rads: 0.0005,
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: FittedOn::Raw,
+};
 
 /// It is found at the second attempt, runs over once, and is unplugged at the end.
 pub(crate) struct Sensor {
