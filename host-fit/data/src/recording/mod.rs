@@ -49,7 +49,7 @@ mod write;
 
 #[cfg(test)]
 mod gap_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "gzip", feature = "parquet"))]
 mod generated_log_tests;
 #[cfg(test)]
 mod load_tests;
