@@ -40,7 +40,7 @@ pub fn examine(
     let model: &UnitModel = refinement.last().map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let field_rest = stillness::find(&logs.field);
+    let field_stillness = stillness::find(&logs.field);
     let quiet =
         logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, stillness::find(quiet)));
     let trained_rows = 0..study.data.trained_rows;
@@ -49,13 +49,13 @@ pub fn examine(
         Some((recording, stillness)) => Some(Trained { recording, stillness, rows: trained_rows }),
         None => own_field.then_some(Trained {
             recording: &logs.field,
-            stillness: &field_rest,
+            stillness: &field_stillness,
             rows: trained_rows,
         }),
     };
     let rows = if own_field { study.data.trained_rows } else { 0 }..logs.field.n_rows();
     let (comparison, trace) =
-        compare(model, &lag_1, &logs.field, &field_rest, rows, trained.as_ref(), progress)?;
+        compare(model, &lag_1, &logs.field, &field_stillness, rows, trained.as_ref(), progress)?;
     let judged_s = comparison.judged_s;
     // a refinement is of one axis
     let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;

@@ -140,9 +140,9 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         .collect();
     let predictions = singles.iter().filter_map(|o| {
         let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
-        let realised = o.measured_reduction?;
+        let measured = o.measured_reduction?;
         let counts = o.found.len() == 1 && found.effect != "bias_step" && found.expected.0 > 0.0;
-        counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&realised))
+        counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&measured))
     });
     let seconds = outcomes.iter().map(|o| o.seconds);
     vec![

@@ -58,17 +58,17 @@ impl Demo {
             minutes(&later)
         );
 
-        let quiet_rest = stillness::find(&quiet);
+        let quiet_stillness = stillness::find(&quiet);
         let options = FitOptions::default();
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
         let mut fits = Vec::new();
         for axis in axes {
-            fits.push(fit_axis(&quiet, &quiet_rest, axis, &options)?);
+            fits.push(fit_axis(&quiet, &quiet_stillness, axis, &options)?);
             bar.inc(1);
         }
         let (mut study, ..) =
-            study_of(&quiet, &quiet_rest, fits, options, LoadOptions::default(), |_| bar.inc(1))?;
+            study_of(&quiet, &quiet_stillness, fits, options, LoadOptions::default(), |_| bar.inc(1))?;
         bar.finish_and_clear();
         say!(
             self,
@@ -78,11 +78,12 @@ impl Demo {
         );
 
         let alone = study.axis_alone(AXIS)?;
-        let field_rest = stillness::find(&field);
+        let field_stillness = stillness::find(&field);
         let lag_1 = study.axes.iter().find(|report| report.column == AXIS).map_or(0.0, |report| report.lag_1);
-        let trained = Trained { recording: &quiet, stillness: &quiet_rest, rows: 0..study.data.trained_rows };
+        let trained =
+            Trained { recording: &quiet, stillness: &quiet_stillness, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
-            compare(&alone, &[lag_1], &field, &field_rest, 0..field.n_rows(), Some(&trained), |_| {})?;
+            compare(&alone, &[lag_1], &field, &field_stillness, 0..field.n_rows(), Some(&trained), |_| {})?;
         plots::write_all(&path("figures"), &comparison, &curves(&comparison, &trace, &field))?;
         let failing = &comparison.axes[0];
         let (before, quiet_error) = (failing.errors.last(), study.steps.last());

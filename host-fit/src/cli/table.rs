@@ -8,7 +8,7 @@ use comfy_table::presets;
 use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::numbers::{count, within};
 use super::output::{Failure, number, optional, print_json, print_line, progress, table};
-use crate::paper::{Cell, Comparison, Curves, Entry, Settings, compare, figures};
+use crate::paper::{Cell, Comparison, Curves, Entry, PaperError, Settings, compare, figures};
 use crate::plots;
 use fos_data::stillness;
 use fos_fit::fit::Search;
@@ -80,7 +80,8 @@ impl Table {
             let entries = 8 + self.degree;
             let bar = progress((entries * usize::from(self.max_order)) as u64, &axis);
             let series = recording.error_series(&axis)?;
-            let (comparison, split) = compare(&recording, &stillness, &series, &settings, |_| bar.inc(1))?;
+            let (comparison, split) =
+                compare(&recording, &stillness, &series, &settings, |_| bar.inc(1)).map_err(helpful)?;
             bar.finish_and_clear();
             if let Some(folder) = &self.figures {
                 let curves = Curves::of(&comparison, &recording, &series.values, &split);
@@ -99,6 +100,16 @@ impl Table {
             print_line!("\nfigures written to {}", folder.display());
         }
         Ok(())
+    }
+}
+
+/// With what to do about it on the command line.
+fn helpful(error: PaperError) -> Failure {
+    match error {
+        PaperError::Split(short) => {
+            format!("{short}\nhelp: a longer log, or shorter --train and --evaluate").into()
+        }
+        PaperError::Constant(_) => error.into(),
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Split {
 /// Why a log cannot be split.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "{at_rest_s:.0} s at rest; {needed_s:.0} s are needed to train, to evaluate, and to predict at least as long as that\nhelp: a longer log, or shorter --train and --evaluate"
+    "{at_rest_s:.0} s at rest; {needed_s:.0} s are needed to train, to evaluate, and to predict at least as long as that"
 )]
 pub struct SplitError {
     /// Time at rest, s.

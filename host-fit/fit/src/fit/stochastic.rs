@@ -81,7 +81,9 @@ fn search(
         Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
         Stopped::Rounding => "stopped: what other terms take off the MSE is within its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
         Stopped::MostMoves => "stopped after as many exchanges as are allowed; another might lower the error further".to_owned(),
-        other => format!("stopped: {other:?}"),
+        Stopped::MseRatio => "stopped: MseRatio".to_owned(),
+        Stopped::NothingLeft => "stopped: NothingLeft".to_owned(),
+        Stopped::Exact => "stopped: Exact".to_owned(),
     };
     Ok(StochasticPart {
         constant: fit.refit.constant,
