@@ -113,7 +113,8 @@ fn what_is_written_today_is_written_as_it_was() {
 #[test]
 fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
     // `reference`: answers computed by others, with a README of its own
-    let mut known: Vec<PathBuf> = ["README.md", "c_api_v1.h", "reference"].map(|name| folder().join(name)).into();
+    let mut known: Vec<PathBuf> =
+        ["README.md", "c_api_v1.h", "reference"].map(|name| folder().join(name)).into();
     for format in FORMATS {
         for version in &fixtures()[format.name] {
             let path = file_of(format, *version);
