@@ -25,8 +25,6 @@ pub(super) struct Effects {
     json: bool,
 }
 
-/// An effect of a user's own: every key, with what it means.
-
 impl Effects {
     pub(super) fn run(&self) -> Result<(), Failure> {
         if self.example {

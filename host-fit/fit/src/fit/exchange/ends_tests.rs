@@ -1,4 +1,5 @@
 //! The refinement of a greedy search ends, whatever the data.
+#![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_testkit::series::every_kind;
 
