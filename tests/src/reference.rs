@@ -1,5 +1,5 @@
 //! Answers to compare with: our own fixtures, computed by another road (`tests/fixtures/reference`), and what others computed or
-//! published, where that is at hand ([`outside`]).
+//! published, where that is at hand ([`outside()`]).
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ pub fn outside(name: &str) -> Option<Reference> {
 ///
 /// # Panics
 ///
-/// As [`own`] and [`outside`].
+/// As [`own`] and [`outside()`].
 pub fn each(of_ours: &str, of_others: &str) -> impl Iterator<Item = Reference> {
     std::iter::once(own(of_ours)).chain(outside(of_others))
 }

@@ -61,7 +61,7 @@ impl Tally {
         self.sum / f64::from(self.n.max(1))
     }
 
-    /// Instructions, to the [step](Self::STEP) below; 0 of nothing.
+    /// Instructions, to the step below; 0 of nothing.
     pub fn median(&self) -> usize {
         let mut left = self.n / 2;
         for (step, count) in self.counts.iter().enumerate() {
