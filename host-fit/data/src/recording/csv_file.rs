@@ -60,7 +60,7 @@ pub(super) fn read(
     let mut parser = Parser::new(path, map, &header, &first_lines)?;
     let mut take = |number, line: &[u8]| match parser.take(number, line) {
         Ok(()) => Ok(()),
-        Err(row) if strict => Err(RecordingError::BadRow { path: path.to_owned(), row }),
+        Err(row) if strict => Err(RecordingError::BadRow { path: path.to_owned(), row: Box::new(row) }),
         Err(row) => {
             parser.skip(row);
             Ok(())

@@ -219,7 +219,7 @@ pub enum RecordingError {
         /// As it was given.
         path: PathBuf,
         /// The row.
-        row: BadRow,
+        row: Box<BadRow>,
     },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(

@@ -276,7 +276,7 @@ fn refuse_unusable(path: &Path, table: &Table, strict: bool) -> Result<(), Recor
     let quality = &table.quality;
     let Some(first) = quality.first_unusable.first() else { return Ok(()) };
     if strict {
-        return Err(RecordingError::BadRow { path: path.to_owned(), row: first.clone() });
+        return Err(RecordingError::BadRow { path: path.to_owned(), row: Box::new(first.clone()) });
     }
     if quality.rows_unusable as f64 > MAX_UNUSABLE * quality.rows_in_file as f64 {
         return Err(RecordingError::TooManyBadRows {
