@@ -191,7 +191,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
         rate("parameter: τ within 30 %, frequency within 0.02 Hz", Goal::AtLeast(0.90, 0.95), within),
         quantile("  median error of τ", Goal::AtMost(0.04, 0.015), 0.5, errors),
         quantile(
-            "share of the achievable fall on eval: median",
+            "share of the achievable reduction on eval: median",
             Goal::AtLeast(0.98, 0.998),
             0.5,
             shared.iter().copied(),
@@ -202,7 +202,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
             Goal::AtMost(0.01, 0.0),
             outcomes.iter().map(|o| o.measured_reduction.is_some_and(|fall| fall < -0.02)),
         ),
-        rate("predicted fall's 90 % interval holds", Goal::Within([0.80, 0.97], [0.87, 0.93]), predictions),
+        rate("predicted reduction's 90 % interval holds", Goal::Within([0.80, 0.97], [0.87, 0.93]), predictions),
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),
         quantile("  longest", Goal::Seconds(5.0, 1.0), 1.0, seconds),
     ]

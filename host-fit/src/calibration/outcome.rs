@@ -147,7 +147,7 @@ struct Corrected<'a> {
 }
 
 impl Corrected<'_> {
-    /// Achievable and realised fall of the error on the evaluation log: of 1-s means, or of the samples.
+    /// Achievable and measured reduction of the error on the evaluation log: of 1-s means, or of the samples.
     fn falls(
         &self,
         answer: &Diagnosis,

@@ -289,7 +289,7 @@ fn of_study(bytes: &[u8]) -> Result<String, String> {
                 let _ = writeln!(outputs, "{name}: coefficient {:?}", term.coefficient);
             }
             if let Some(added) = added {
-                let _ = writeln!(outputs, "{name}: realised fall {:?}", added.measured_reduction);
+                let _ = writeln!(outputs, "{name}: measured reduction {:?}", added.measured_reduction);
                 for part in &added.finding.correction {
                     let _ = writeln!(outputs, "{name}: {} times {:?}", part.regressor, part.coefficient);
                 }

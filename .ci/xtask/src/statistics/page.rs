@@ -21,7 +21,7 @@ pub(crate) const ROWS: [(&str, &str); 6] = [
     ("false alarm, nothing missing", "false alarm with nothing missing"),
     ("an effect of no library is called unexplained", "outside the library: unexplained"),
     ("an effect of no library is given a library's name", "outside the library: wrong name claimed"),
-    ("the 90 % interval of the foretold fall holds", "predicted fall's 90 % interval holds"),
+    ("the 90 % interval of the predicted reduction holds", "predicted reduction's 90 % interval holds"),
 ];
 
 /// A row of the page.
