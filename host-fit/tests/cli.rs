@@ -99,7 +99,8 @@ fn what_it_cannot_do_it_says_with_the_place_and_the_remedy() {
     let short: String =
         (0..50).map(|n| format!("{},{}\n", f64::from(n) * 0.01, f64::from(n * n % 7))).collect();
     write("short.csv", &format!("t_s,gx_rads\n{short}"));
-    assert!(fails(folder, 1, &["fit", "short.csv"]).contains("help"));
+    let said = fails(folder, 1, &["fit", "short.csv"]);
+    assert!(said.contains("help: a longer log, a larger --train") && !said.contains('`'), "{said}");
     let said = fails(folder, 1, &["fit", "short.csv", "--axis", "gy"]);
     assert!(said.contains("gy_rads"), "{said}");
 

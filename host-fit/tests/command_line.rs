@@ -56,3 +56,36 @@ fn nothing_is_coloured_where_no_terminal_is() {
     assert!(said.starts_with("error: none.csv: cannot open it"), "{said:?}");
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
+
+/// The crates under the program are used without it, from a page or from another program: what to do is said in their own
+/// words, options by the names of their fields.
+#[test]
+fn no_library_names_a_flag_or_a_subcommand() {
+    let command = host_fit::cli::command();
+    let flags = command.get_subcommands().flat_map(|subcommand| subcommand.get_arguments());
+    let mut said: Vec<String> =
+        flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
+    said.extend(command.get_subcommands().map(|subcommand| format!("host-fit {}", subcommand.get_name())));
+    let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
+    assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
+
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<_> =
+        ["data", "fit", "simulate", "diagnose"].map(|name| root.join(name).join("src")).into();
+    let (mut files, mut found) = (0, Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder of the workspace") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                files += 1;
+                let text = std::fs::read_to_string(&path).expect("source");
+                let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+                found.extend(code.filter_map(named).map(|said| format!("{}: {said}", path.display())));
+            }
+        }
+    }
+    assert!(files > 100, "{files}");
+    assert_eq!(found, [""; 0]);
+}

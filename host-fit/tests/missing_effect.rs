@@ -145,7 +145,7 @@ fn what_cannot_be_added_says_why() {
     let folder = with_hidden("temp_linear", "bench", "6");
     let folder = folder.path();
     for (effect, reason) in [
-        ("gauss_markov", "host-fit fit"),
+        ("gauss_markov", "fit the stochastic part again"),
         ("saturation", "full scale"),
         ("sf_error", "ref_gx_rads"),
         ("lever_arm", "does not strike"),

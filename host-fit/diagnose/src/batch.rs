@@ -78,7 +78,7 @@ pub enum BatchError {
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
     /// There is no case.
-    #[error("{}: no folder in it has a meta.json\nhelp: `host-fit simulate --suite 20 {}` writes some", .0.display(), .0.display())]
+    #[error("{}: no folder in it has a meta.json\nhelp: each case is a folder with a meta.json and its logs", .0.display())]
     NoCases(PathBuf),
     /// The folder cannot be listed.
     #[error("{}: {source}", path.display())]

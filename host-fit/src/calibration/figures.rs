@@ -202,7 +202,11 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
             Goal::AtMost(0.01, 0.0),
             outcomes.iter().map(|o| o.measured_reduction.is_some_and(|fall| fall < -0.02)),
         ),
-        rate("predicted reduction's 90 % interval holds", Goal::Within([0.80, 0.97], [0.87, 0.93]), predictions),
+        rate(
+            "predicted reduction's 90 % interval holds",
+            Goal::Within([0.80, 0.97], [0.87, 0.93]),
+            predictions,
+        ),
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),
         quantile("  longest", Goal::Seconds(5.0, 1.0), 1.0, seconds),
     ]

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{OutputFolder, Reading};
+use super::arguments::{OutputFolder, Reading, library};
 use super::diagnose::print_diagnosis;
 use super::output::{Failure, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
 use crate::plots;
-use fos_diagnose::effects::Library;
 use fos_diagnose::refine::RefineError;
 use fos_diagnose::study::Study;
 
@@ -47,7 +46,7 @@ pub(super) struct Add {
 
 impl Add {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;

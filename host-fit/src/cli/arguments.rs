@@ -9,6 +9,7 @@ use clap::Args;
 use super::output::Failure;
 use fos_data::recording::{ColumnMap, LoadOptions, Recording, load};
 use fos_data::stillness::Stillness;
+use fos_diagnose::effects::{EffectError, Library};
 
 /// A file that a command writes.
 #[derive(Debug, Clone)]
@@ -90,6 +91,16 @@ impl Reading {
             strict: given.strict,
         })
     }
+}
+
+/// The built-in effects and those of these files.
+pub(super) fn library(files: &[PathBuf]) -> Result<Library, Failure> {
+    Library::with_files(files).map_err(|error| match error {
+        EffectError::NotAnEffect { .. } => {
+            format!("{error}\nhelp: `host-fit effects --example` prints a complete file to start from").into()
+        }
+        _ => error.into(),
+    })
 }
 
 /// Reads several logs of one unit as one recording, never spliced.

@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::OutputFolder;
+use super::arguments::{OutputFolder, library};
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::program::this_build;
 use fos_diagnose::batch;
-use fos_diagnose::effects::Library;
 
 /// Diagnose and correct every case in a folder; what is done is kept, and a broken run goes on where it was
 #[derive(Debug, Args)]
@@ -29,7 +28,7 @@ pub(super) struct Batch {
 
 impl Batch {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         let bar = progress(0, "diagnosing");
         let answers = batch::run(&self.folder, &self.output, &library, &this_build(), |done, all, case| {
             bar.set_length(all as u64);

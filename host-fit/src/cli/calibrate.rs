@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::OutputFile;
+use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
 use fos_data::file::write_atomically;
-use fos_diagnose::effects::Library;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
 #[derive(Debug, Args)]
@@ -38,7 +37,7 @@ pub(super) struct Calibrate {
 
 impl Calibrate {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         let bar = progress(self.cases as u64, "diagnosing");
         let keep = |path: &OutputFile| KeptOutcomes::beside(path, self.seed, self.cases, &library);
         let kept = self.outcomes.as_ref().map(keep).transpose()?;

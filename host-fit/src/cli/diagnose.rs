@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::Reading;
+use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
 use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
 use super::refinement::{LogArguments, column_of, read_logs};
@@ -42,7 +42,7 @@ pub(super) struct Diagnose {
 
 impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         let spinner = spinner("looking for what is missing");
         let answers = match self.of.extension().is_some_and(|extension| extension == "json") {
             true => vec![self.of_study(&library)?],

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::library;
 use super::output::{Failure, print_json, print_line, print_text, table};
-use fos_diagnose::effects::EXAMPLE;
-use fos_diagnose::effects::{Effect, Library};
+use fos_diagnose::effects::{EXAMPLE, Effect};
 
 /// List the library of physical effects, or explain one
 #[derive(Debug, Args)]
@@ -31,7 +31,7 @@ impl Effects {
             print_text!("{EXAMPLE}");
             return Ok(());
         }
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         match &self.effect {
             Some(id) if self.json => print_json(library.get(id)?),
             Some(id) => {

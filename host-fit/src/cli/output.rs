@@ -98,6 +98,15 @@ pub(super) fn print_error(failure: &dyn Display) {
     tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
+/// An error of the libraries, which name options as their fields are called, `` `max_lag` ``, as the user of a subcommand
+/// knows them: `--max-lag`.
+pub(super) fn with_flags(text: &str, subcommand: &clap::Command) -> String {
+    subcommand.get_arguments().fold(text.to_owned(), |text, argument| match argument.get_long() {
+        Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
+        None => text,
+    })
+}
+
 /// The word before a warning, in colour on a terminal only.
 pub(super) fn print_warning(text: &str) {
     let style = AnsiColor::Yellow.on_default().bold();

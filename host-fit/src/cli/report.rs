@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::arguments::{OutputFile, Reading};
+use super::arguments::{OutputFile, Reading, library};
 use super::output::{Failure, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, read_logs};
 use crate::report::{Report as Content, html, markdown};
 use fos_data::file::write_atomically;
-use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study;
 
 /// Write what a study says into one file: model against measurement, what is missing, how the error fell
@@ -49,7 +48,7 @@ enum Format {
 
 impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         let study = Study::read(&self.study)?;
         let refined: Vec<String> =
             study.refinements.iter().map(|refinement| refinement.column.clone()).collect();

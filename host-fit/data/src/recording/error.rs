@@ -39,7 +39,9 @@ pub enum RecordingError {
         expected_hz: f64,
     },
     /// Recordings without a channel in common.
-    #[error("{path} and {others} have no channel in common\nhelp: map their columns with --map")]
+    #[error(
+        "{path} and {others} have no channel in common\nhelp: name their columns in the column map, as in gx_rads=gyro_x:dps"
+    )]
     NothingInCommon {
         /// As it was given.
         path: String,
@@ -75,7 +77,7 @@ pub enum RecordingError {
     },
     /// A channel without a single number.
     #[error(
-        "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave it out (--axis names the others) and what needs it, or map the column that holds it to it, as in {name}=column"
+        "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave out the axis and what needs it, or name the column that holds it in the column map, as in {name}=column"
     )]
     NoValues {
         /// As it was given.
@@ -111,7 +113,7 @@ pub enum RecordingError {
         rows: usize,
     },
     /// The rate that was stated is not that of the stamps.
-    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave the rate out if the stamps are right; if they are in another unit, name it, as --map t_s={column}:ms", path.display())]
+    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave the rate out if the stamps are right; if they are in another unit, name it in the column map, as in t_s={column}:ms", path.display())]
     OtherRate {
         /// As it was given.
         path: PathBuf,
@@ -255,7 +257,7 @@ pub enum RecordingError {
     },
     /// Not one of the inertial channels.
     #[error(
-        "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the axis with --axis COLUMN, or map the columns with --map",
+        "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the column to take as the axis, or name the columns in the column map, as in gx_rads=gyro_x:dps",
         left_out(text_columns, first.as_deref())
     )]
     NoAxes {

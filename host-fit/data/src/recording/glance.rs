@@ -91,11 +91,11 @@ impl fmt::Display for Oddity {
             Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
             Self::NotGravity { magnitude } => write!(
                 f,
-                "the accelerometers show {magnitude:.3} m/s² together, and gravity is {GRAVITY:.2}: another unit (--map ax_mps2=ax:g), or without gravity"
+                "the accelerometers show {magnitude:.3} m/s² together, and gravity is {GRAVITY:.2}: another unit (in the column map ax_mps2=ax:g), or without gravity"
             ),
             Self::TurnsAtRest { column, rate } => write!(
                 f,
-                "{column} shows {rate:.3} rad/s where the unit is at rest: another unit (--map {column}=NAME:dps), or it turns"
+                "{column} shows {rate:.3} rad/s where the unit is at rest: another unit (in the column map {column}=NAME:dps), or it turns"
             ),
             Self::RatesDiffer { rates_hz: [one, other] } => write!(
                 f,

@@ -110,10 +110,8 @@ impl Assembly<'_> {
             .collect();
         let mut cautions = Vec::new();
         if self.question.quiet.is_none() {
-            cautions.push(
-                "no quiet log: slow wander of the sensor itself may be taken for an effect; give one with --quiet"
-                    .to_owned(),
-            );
+            cautions
+                .push("no quiet log: slow wander of the sensor itself may be taken for an effect".to_owned());
         }
         Ok(Diagnosis {
             target: self.column.to_owned(),

@@ -200,9 +200,7 @@ pub enum EffectError {
     #[error(transparent)]
     File(#[from] FileError),
     /// It is no effect.
-    #[error(
-        "{path}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
-    )]
+    #[error("{path}: not an effect: {reason}")]
     NotAnEffect {
         /// As it was given.
         path: String,
@@ -210,12 +208,14 @@ pub enum EffectError {
         reason: String,
     },
     /// There is no such effect.
-    #[error("there is no effect {id:?}{}\nhelp: `host-fit effects` lists them", .closest.as_ref().map(|c| format!("; did you mean {c:?}?")).unwrap_or_default())]
+    #[error("there is no effect {id:?}{}\nhelp: the library has {}", .closest.as_ref().map(|c| format!("; did you mean {c:?}?")).unwrap_or_default(), .known.join(", "))]
     Unknown {
         /// What was asked for.
         id: String,
         /// The most similar identifier.
         closest: Option<String>,
+        /// All identifiers.
+        known: Vec<String>,
     },
     /// What was found is no effect that is known.
     #[error(
@@ -283,6 +283,7 @@ impl Library {
             id: id.to_owned(),
             closest: fos_data::closest::closest(id, self.effects.iter().map(|effect| effect.id.as_str()))
                 .map(str::to_owned),
+            known: self.effects.iter().map(|effect| effect.id.clone()).collect(),
         })
     }
 

@@ -21,7 +21,7 @@ pub enum RefineError {
     Effect(#[from] EffectError),
     /// fos-core refuses the model.
     #[error(
-        "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too (`host-fit undo`), or fit fewer axes together"
+        "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too, or fit fewer axes together"
     )]
     Model(#[from] ModelError),
     /// The study has no such axis, or nothing was added to it.
@@ -29,7 +29,7 @@ pub enum RefineError {
     Study(#[from] StudyAxisError),
     /// It is there already.
     #[error(
-        "{0} is in the model already\nhelp: `host-fit history STUDY` shows what was added, `host-fit undo STUDY` takes the last back"
+        "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"
     )]
     Twice(String),
     /// There is nothing to take off.

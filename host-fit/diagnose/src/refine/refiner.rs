@@ -400,7 +400,7 @@ fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
 fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",
-        Band::Stochastic => "fit the stochastic part again on this log: `host-fit fit LOG`",
+        Band::Stochastic => "fit the stochastic part again on this log",
         Band::Wide if effect.search != Search::Line => {
             "a filter in front of the model, or another output rate"
         }

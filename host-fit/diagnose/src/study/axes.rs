@@ -9,7 +9,7 @@ use super::refinement::Refinement;
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
     /// It has no such axis.
-    #[error("the study has no axis {column}; it has {}\nhelp: --axis names one of them", .axes.join(", "))]
+    #[error("the study has no axis {column}; it has {}", .axes.join(", "))]
     NoAxis {
         /// What was asked for.
         column: String,
@@ -17,7 +17,7 @@ pub enum StudyAxisError {
         axes: Vec<String>,
     },
     /// Nothing was added.
-    #[error("nothing was added to {0}\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect")]
+    #[error("nothing was added to {0}\nhelp: add an effect first")]
     NothingAdded(String),
 }
 

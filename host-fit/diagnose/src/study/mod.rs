@@ -98,7 +98,7 @@ pub enum StudyError {
     #[error(transparent)]
     Unchanged(#[from] CompareAndSwapError),
     /// It is not a study, or is damaged.
-    #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: studies are written by `host-fit fit`")]
+    #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: a study is what a fit writes")]
     NotAStudy {
         /// As it was given.
         path: String,
@@ -110,9 +110,7 @@ pub enum StudyError {
         reason: String,
     },
     /// Its fields contradict one another.
-    #[error(
-        "{path}: {reason}: such a study was not written by this program\nhelp: `host-fit fit` writes a new one from the log"
-    )]
+    #[error("{path}: {reason}: such a study was not written by this program\nhelp: fit the log again")]
     Unsound {
         /// As it was given.
         path: String,

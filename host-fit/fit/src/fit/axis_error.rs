@@ -15,7 +15,7 @@ pub enum AxisError {
     Recording(#[from] RecordingError),
     /// Too little to fit to.
     #[error(
-        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger --train{}",
+        "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger `train`{}",
         what_fits(", or ", fits)
     )]
     TooShort {
@@ -32,7 +32,7 @@ pub enum AxisError {
     },
     /// More than a search can hold.
     #[error(
-        "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller --max-lag, --input-lags or --degree{}",
+        "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller `max_lag`, `input_lags` or `degree`{}",
         what_fits(", as ", fits)
     )]
     TooMany {
@@ -45,7 +45,7 @@ pub enum AxisError {
     },
     /// An accelerometer without a reference, in more than one pose.
     #[error(
-        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: --train {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: --axis gx,gy,gz",
+        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: `train` {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: `axis` gx,gy,gz",
         first.0, force(&first.1), second.0, force(&second.1)
     )]
     TwoPoses {
@@ -70,7 +70,7 @@ pub enum AxisError {
     },
     /// An input that does not change where it is fitted.
     #[error(
-        "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of --physical and --input, or fit on rows in which it changes (--train)"
+        "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of `physical` and `input`, or fit on rows in which it changes (`train`)"
     )]
     Steady {
         /// The column of the input.
@@ -80,7 +80,7 @@ pub enum AxisError {
     },
     /// An input that has no value where it is fitted.
     #[error(
-        "{column} has no value in the rows that are fitted\nhelp: leave it out of --physical and --input, or fit on rows in which it is logged (--train)"
+        "{column} has no value in the rows that are fitted\nhelp: leave it out of `physical` and `input`, or fit on rows in which it is logged (`train`)"
     )]
     NotKnown {
         /// The column of the input.

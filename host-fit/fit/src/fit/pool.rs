@@ -71,12 +71,12 @@ fn what_fits(rows: usize, n_inputs: usize, options: &FitOptions) -> String {
     };
     match options.method {
         Method::Linear(_) => {
-            largest(most, 1).map_or_else(String::new, |max_lag| format!("--max-lag {max_lag}"))
+            largest(most, 1).map_or_else(String::new, |max_lag| format!("`max_lag` {max_lag}"))
         }
         Method::Fos => {
             let at = |degree| {
                 let max_lag = largest(most.min(MAX_CANDIDATES), degree)?;
-                Some(format!("--max-lag {max_lag} --degree {degree}"))
+                Some(format!("`max_lag` {max_lag} `degree` {degree}"))
             };
             (1..=options.degree).rev().filter_map(at).collect::<Vec<_>>().join(" or ")
         }
@@ -108,7 +108,7 @@ mod tests {
         }
     }
 
-    /// `--max-lag 3000` spent half a minute and gigabytes on 4.5 million candidates before it said that the rows are too few.
+    /// 3000 lags spent half a minute and gigabytes on 4.5 million candidates before it said that the rows are too few.
     #[test]
     fn refuses_too_many_before_they_are_made_and_says_what_fits() {
         let refused = |rows, options: &FitOptions| {
@@ -117,19 +117,19 @@ mod tests {
         };
         let text = refused(29_990, &options(3000, 2, 0));
         assert!(text.contains("29990 rows at rest") && text.contains("4504504 candidates"), "{text}");
-        assert!(text.ends_with("or --max-lag 107 --degree 2 or --max-lag 3000 --degree 1"), "{text}");
+        assert!(text.ends_with("or `max_lag` 107 `degree` 2 or `max_lag` 3000 `degree` 1"), "{text}");
         // what is named is enough, and one more is not
         assert!(check("gx_rads", 29_990, 5, &options(107, 2, 0)).is_ok());
         assert!(check("gx_rads", 29_990, 5, &options(108, 2, 0)).is_err());
 
         // rows enough, but not memory; and beyond what can be counted
         let text = refused(100_000_000, &options(200, 2, 0));
-        assert!(text.contains("20304 candidates") && text.contains("--max-lag 108 --degree 2"), "{text}");
-        assert!(refused(1000, &options(u16::MAX, 3, 0)).contains("--max-lag 8 --degree 3"));
+        assert!(text.contains("20304 candidates") && text.contains("`max_lag` 108 `degree` 2"), "{text}");
+        assert!(refused(1000, &options(u16::MAX, 3, 0)).contains("`max_lag` 8 `degree` 3"));
         // nothing fits
-        assert!(refused(20, &options(10, 2, 0)).ends_with("a longer log, a larger --train"));
+        assert!(refused(20, &options(10, 2, 0)).ends_with("a longer log, a larger `train`"));
         let linear = Method::Linear(autoregression::Method::Burg);
         let text = refused(1000, &FitOptions { method: linear, ..options(300, 2, 0) });
-        assert!(text.ends_with("or --max-lag 199"), "{text}");
+        assert!(text.ends_with("or `max_lag` 199"), "{text}");
     }
 }
