@@ -9,7 +9,7 @@ use super::error_in_blocks::ErrorInBlocks;
 use super::faults::{self, Converter, Fault};
 use super::hypothesis::Hypotheses;
 use super::question::{DiagnoseError, Given, MIN_BLOCKS, Question};
-use super::slow::{FREE_WALK, SlowSearch};
+use super::slow::SlowSearch;
 use super::testable::Testable;
 use crate::effects::{Effect, Inputs};
 
@@ -21,6 +21,9 @@ const SHAKEN: f64 = 1.5;
 
 /// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as much.
 const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
+
+/// Standard deviation of the logarithm of a random walk that nothing is known of.
+const FREE_WALK: f64 = 3.0;
 
 /// What a diagnosis begins with: the log reduced, what is known of the noise, what the model has already.
 pub(super) struct Prepared {

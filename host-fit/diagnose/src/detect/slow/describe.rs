@@ -1,11 +1,16 @@
 //! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from it.
 
-use super::{ExtraNoise, Found, INSEPARABLE, SlowResult, SlowSearch, State, Tried};
+use super::candidates::Tried;
+use super::model::{SlowSearch, State};
+use super::result::{ExtraNoise, Found, SlowResult};
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Search;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::NoiseLevels;
 use fos_fit::noise::{Gls, dot};
+
+/// Rivals within this much of a finding, in −2 ln L, cannot be told from it: odds of 33 to 1.
+const INSEPARABLE: f64 = 7.0;
 
 /// A value this near to a limit of the search counts as at it.
 const GRID_EDGE: f64 = 1.3;

@@ -1,0 +1,63 @@
+//! Noise beyond the baseline's: a larger random walk, a further Gauss-Markov process.
+
+use super::model::{ACCEPT, SlowSearch, State};
+use super::result::ExtraNoise;
+use crate::detect::hypothesis::Hypothesis;
+use fos_fit::noise::{Fitted, GaussMarkov, NoiseLevels};
+
+/// Correlation times that a further Gauss-Markov process is looked for from, s.
+const GAUSS_MARKOV_STARTS_S: [f64; 4] = [5.0, 20.0, 80.0, 250.0];
+
+impl SlowSearch<'_> {
+    /// The better of the two kinds of further noise on top of `state`, with its score.
+    pub(super) fn best_noise(&self, state: &State) -> Option<(ExtraNoise, Fitted, f64)> {
+        if state.noise != ExtraNoise::None {
+            return None;
+        }
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let price = (self.blocks.len() as f64).ln();
+        let start = state.fitted.levels;
+        let walk = self.fit(&accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
+        let walk_score = state.fitted.deviance - walk.deviance - price;
+        let deviation = (fos_fit::signal::variance(&[&state.fitted.gls.residual]).sqrt() * start.flicker)
+            .max(start.flicker);
+        let longest = self.blocks.len() as f64 * self.blocks.length_s / 5.0;
+        let processes = GAUSS_MARKOV_STARTS_S
+            .into_iter()
+            .filter(|tau_s| (2.0 * self.blocks.length_s..longest).contains(tau_s))
+            .map(|tau_s| {
+                let process = GaussMarkov { deviation, tau_s };
+                self.fit(
+                    &accepted,
+                    ExtraNoise::GaussMarkov(process),
+                    NoiseLevels::from_logs(&self.prior.mean),
+                )
+            });
+        let process = processes.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        let process = process.and_then(|fitted| {
+            // a shorter one is white noise in block means, and of that there is a level already
+            let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
+            let process = fitted.levels.gauss_markov.filter(is_slow)?;
+            let score = state.fitted.deviance - fitted.deviance - 2.0 * price;
+            Some((ExtraNoise::GaussMarkov(process), fitted, score))
+        });
+        let walk = (ExtraNoise::Walk, walk, walk_score);
+        match process {
+            Some(process) if process.2 > walk.2 => Some(process),
+            _ => Some(walk),
+        }
+    }
+
+    /// Further noise that an effect has made unnecessary goes.
+    pub(super) fn drop_unneeded_noise(&self, state: &mut State) {
+        if state.noise == ExtraNoise::None {
+            return;
+        }
+        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+        let price = (self.blocks.len() as f64).ln();
+        if without.deviance - state.fitted.deviance < price + ACCEPT {
+            *state = State { noise: ExtraNoise::None, fitted: without, accepted: state.accepted.clone() };
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The value of an effect's parameter between those of the grid, the noise levels held.
+
+use super::model::SlowSearch;
+use super::result::ExtraNoise;
+use crate::detect::hypothesis::Hypothesis;
+use crate::effects::{Effect, Search};
+use fos_data::recording::RecordingError;
+use fos_fit::noise::Fitted;
+
+/// Parts of a block in which the moment of a step is looked for.
+const STEP_PARTS: i32 = 5;
+
+/// Parabolas through the best three values of a parameter.
+const REFINEMENTS: usize = 4;
+
+impl SlowSearch<'_> {
+    /// Looks for the best value of the parameter between the neighbours on the grid, the levels held: parabolas through
+    /// the best three.
+    pub(super) fn refine(
+        &self,
+        accepted: &[&Hypothesis],
+        noise: ExtraNoise,
+        fitted: &Fitted,
+        start: Hypothesis,
+    ) -> Result<Hypothesis, RecordingError> {
+        let Some(value) = start.value else { return Ok(start) };
+        if start.effect.search == Search::Step {
+            return self.refine_step(accepted, noise, fitted, start, value);
+        }
+        let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
+            let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?;
+            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
+            Ok((log, self.at(&all, noise, fitted.levels).deviance, hypothesis))
+        };
+        let middle = value.ln();
+        let width = self.grid_width(&start.effect);
+        let limited = |log: f64| match &start.effect.parameter {
+            Some(parameter) => log.clamp(parameter.low.ln(), parameter.high.ln()),
+            None => log,
+        };
+        let mut points = vec![evaluate(middle)?];
+        for neighbour in [limited(middle - width), limited(middle + width)] {
+            if (neighbour - middle).abs() > 1e-3 {
+                points.push(evaluate(neighbour)?);
+            }
+        }
+        for _ in 0..REFINEMENTS {
+            points.sort_by(|a, b| a.1.total_cmp(&b.1));
+            points.truncate(3);
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if points.len() < 3 {
+                // at a limit of the search: half way to the neighbour makes it three
+                points.push(evaluate(0.5 * (points[0].0 + points[points.len() - 1].0))?);
+                continue;
+            }
+            let next = vertex(&points.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>());
+            let (low, high) = match &start.effect.parameter {
+                Some(parameter) => (parameter.low.ln(), parameter.high.ln()),
+                None => (middle - width, middle + width),
+            };
+            let Some(next) = next.map(|next| next.clamp(low, high)) else { break };
+            if points.iter().any(|point| (point.0 - next).abs() < 1e-3) {
+                break;
+            }
+            points.push(evaluate(next)?);
+        }
+        points.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(points.swap_remove(0).2)
+    }
+
+    /// Looks for the moment of a step inside the blocks on both sides of it.
+    fn refine_step(
+        &self,
+        accepted: &[&Hypothesis],
+        noise: ExtraNoise,
+        fitted: &Fitted,
+        start: Hypothesis,
+        time_s: f64,
+    ) -> Result<Hypothesis, RecordingError> {
+        let mut best = (f64::INFINITY, start);
+        for part in -STEP_PARTS..=STEP_PARTS {
+            let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * self.blocks.length_s;
+            let hypothesis = self.hypotheses.make(&best.1.effect, Some(at))?;
+            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
+            let deviance = self.at(&all, noise, fitted.levels).deviance;
+            if deviance < best.0 {
+                best = (deviance, hypothesis);
+            }
+        }
+        Ok(best.1)
+    }
+
+    fn grid_width(&self, effect: &Effect) -> f64 {
+        let grid = self.hypotheses.grid(effect);
+        match grid[..] {
+            [Some(first), Some(second), ..] => (second / first).ln(),
+            _ => 0.0,
+        }
+    }
+}
+
+/// Where the parabola through three points is least; the better end if it is bent the other way.
+fn vertex(points: &[(f64, f64)]) -> Option<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = *points else { return None };
+    let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+    let bend = (right - left) / (x2 - x0);
+    if bend > 0.0 {
+        Some(0.5 * (x0 + x1) - left / (2.0 * bend))
+    } else {
+        Some(if y0 < y2 { x0 - (x1 - x0) } else { x2 + (x2 - x1) })
+    }
+}

@@ -1,0 +1,115 @@
+//! Forward selection among hypotheses, and effects estimated together whether they are missing or not.
+
+use std::rc::Rc;
+
+use super::candidates::Tried;
+use super::model::{ACCEPT, SlowSearch, State};
+use super::result::SlowResult;
+use crate::detect::hypothesis::Hypothesis;
+use crate::effects::Effect;
+use fos_data::recording::RecordingError;
+
+/// Most effects that are found one after the other.
+const MAX_FOUND: usize = 4;
+
+impl SlowSearch<'_> {
+    /// Searches.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(in crate::detect) fn run(&self) -> Result<SlowResult, RecordingError> {
+        let mut state = self.null();
+        let mut tried = Tried::default();
+        // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit anew and may
+        // lose some of it
+        for round in 0..MAX_FOUND {
+            fos_data::interrupt::check();
+            let first_pass = self.first_pass(&state)?;
+            let candidates = self.fitted(&state, &first_pass)?;
+            if round == 0 {
+                tried = self.tried(&first_pass, &candidates);
+            }
+            let noise = self.best_noise(&state);
+            let best = candidates.into_iter().next();
+            let best_score = best.as_ref().map_or(f64::NEG_INFINITY, |candidate| candidate.score);
+            match (best, noise) {
+                (_, Some((noise, fitted, score))) if score >= ACCEPT && score > best_score => {
+                    state = State { noise, fitted, ..state };
+                }
+                (Some(best), _) if best.score >= ACCEPT => {
+                    state.accepted.push(best.hypothesis);
+                    state.fitted = best.fitted;
+                    self.drop_unneeded_noise(&mut state);
+                    self.exchange(&mut state)?;
+                }
+                _ => break,
+            }
+        }
+        self.drop_unsupported(&mut state);
+        self.describe(state, tried)
+    }
+
+    /// Estimates these effects together, whether they are missing or not.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(in crate::detect) fn estimate(&self, wanted: &[Rc<Effect>]) -> Result<SlowResult, RecordingError> {
+        let mut state = self.null();
+        for effect in wanted {
+            let alone = SlowSearch { effects: std::slice::from_ref(effect), ..*self };
+            if let Some(best) = alone.candidates(&state)?.into_iter().next() {
+                state.accepted.push(best.hypothesis);
+                state.fitted = best.fitted;
+            }
+        }
+        // the first was estimated before the others were there
+        let again = if wanted.len() > 1 { state.accepted.len() } else { 0 };
+        for place in 0..again {
+            let (without, current) = self.without(&state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
+            let again = self.candidate(&rest, &without, current)?;
+            state.accepted[place] = again.hypothesis;
+            let all: Vec<&Hypothesis> = state.accepted.iter().collect();
+            state.fitted = self.fit(&all, state.noise, again.fitted.levels);
+        }
+        self.describe(state, Tried::default())
+    }
+
+    /// Each effect gives way to another that explains more in its place, until none does: the first that was found was
+    /// found before the others were known.
+    fn exchange(&self, state: &mut State) -> Result<(), RecordingError> {
+        if state.accepted.len() < 2 {
+            return Ok(());
+        }
+        for place in 0..state.accepted.len() {
+            let (without, current) = self.without(state, place);
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
+            let own = self.candidate(&rest, &without, current.clone())?;
+            let better = self.candidates(&without)?.into_iter().next();
+            let winner = match better {
+                Some(better) if better.score > own.score + 0.5 => better,
+                _ => own,
+            };
+            state.accepted[place] = winner.hypothesis;
+            state.fitted = winner.fitted;
+        }
+        Ok(())
+    }
+
+    /// Effects that lost their support to later ones go.
+    fn drop_unsupported(&self, state: &mut State) {
+        let mut place = 0;
+        // ends: one is passed, or one fewer is left
+        while place < state.accepted.len() {
+            let (without, current) = self.without(state, place);
+            let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
+            if without.fitted.deviance - state.fitted.deviance - self.price(k, &current) < ACCEPT {
+                *state = without;
+            } else {
+                place += 1;
+            }
+        }
+    }
+}
