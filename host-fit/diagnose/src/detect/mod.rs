@@ -26,8 +26,6 @@ mod testable;
 
 #[cfg(test)]
 mod faults_tests;
-#[cfg(test)]
-mod lines_tests;
 
 pub use answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,

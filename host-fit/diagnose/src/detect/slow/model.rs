@@ -20,21 +20,21 @@ const CLOCK_PRICE: f64 = 4.0;
 
 /// The search.
 #[derive(Debug)]
-pub(in crate::detect) struct SlowSearch<'a> {
+pub(crate) struct SlowSearch<'a> {
     /// Equally long stretches of the log; those with too little data are left out.
-    pub(in crate::detect) blocks: &'a Blocks,
+    pub(crate) blocks: &'a Blocks,
     /// Block means of the target's error.
-    pub(in crate::detect) y: &'a [f64],
+    pub(crate) y: &'a [f64],
     /// Regressors that are in every model: the constant, what the model already has.
-    pub(in crate::detect) given: &'a [Vec<f64>],
+    pub(crate) given: &'a [Vec<f64>],
     /// Makes the hypotheses.
-    pub(in crate::detect) hypotheses: &'a Hypotheses<'a>,
+    pub(crate) hypotheses: &'a Hypotheses<'a>,
     /// The effects to try.
-    pub(in crate::detect) effects: &'a [Rc<Effect>],
+    pub(crate) effects: &'a [Rc<Effect>],
     /// What is known of the noise levels.
-    pub(in crate::detect) prior: LevelPrior,
+    pub(crate) prior: LevelPrior,
     /// The same where a random walk larger than the baseline's is tried.
-    pub(in crate::detect) free_walk_prior: LevelPrior,
+    pub(crate) free_walk_prior: LevelPrior,
 }
 
 /// A model under construction.

@@ -9,24 +9,24 @@ use fos_fit::noise::{Fitted, GaussMarkov, LevelPrior};
 
 /// A slow effect that was found.
 #[derive(Debug, Clone)]
-pub(in crate::detect) struct Found {
+pub(crate) struct Found {
     /// The effect and the value of its parameter.
-    pub(in crate::detect) hypothesis: Hypothesis,
+    pub(crate) hypothesis: Hypothesis,
     /// Where its regressors stand among those of the fit.
-    pub(in crate::detect) place: Range<usize>,
+    pub(crate) place: Range<usize>,
     /// Standard error of the logarithm of the parameter.
-    pub(in crate::detect) log_error: Option<f64>,
+    pub(crate) log_error: Option<f64>,
     /// By how much −2 ln L falls with it, given everything else.
-    pub(in crate::detect) gain: f64,
+    pub(crate) gain: f64,
     /// The gain after the price of its coefficients, its parameter, and its grid.
-    pub(in crate::detect) score: f64,
+    pub(crate) score: f64,
     /// Hypotheses that could stand in its place, with how much worse they are in −2 ln L.
-    pub(in crate::detect) rivals: Vec<(Hypothesis, f64)>,
+    pub(crate) rivals: Vec<(Hypothesis, f64)>,
 }
 
 /// Noise beyond the baseline's.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::detect) enum ExtraNoise {
+pub(crate) enum ExtraNoise {
     /// None.
     None,
     /// A further Gauss-Markov process.
@@ -37,23 +37,23 @@ pub(in crate::detect) enum ExtraNoise {
 
 /// What was found in the slow band.
 #[derive(Debug, Clone)]
-pub(in crate::detect) struct SlowResult {
+pub(crate) struct SlowResult {
     /// The effects, in the order of the regressors of the fit.
-    pub(in crate::detect) found: Vec<Found>,
+    pub(crate) found: Vec<Found>,
     /// Noise beyond the baseline's, its gain and its score.
-    pub(in crate::detect) noise: ExtraNoise,
+    pub(crate) noise: ExtraNoise,
     /// By how much −2 ln L falls with it.
-    pub(in crate::detect) noise_gain: f64,
+    pub(crate) noise_gain: f64,
     /// The gain after its price.
-    pub(in crate::detect) noise_score: f64,
+    pub(crate) noise_score: f64,
     /// The regression with all that was found.
-    pub(in crate::detect) fitted: Fitted,
+    pub(crate) fitted: Fitted,
     /// What was known of the levels, without further noise.
-    pub(in crate::detect) quiet_prior: LevelPrior,
+    pub(crate) quiet_prior: LevelPrior,
     /// The prior of the levels it was fitted with.
-    pub(in crate::detect) prior: LevelPrior,
+    pub(crate) prior: LevelPrior,
     /// Every effect that was tried alone: its best score; first those that explain most.
-    pub(in crate::detect) tried: Vec<(String, f64)>,
+    pub(crate) tried: Vec<(String, f64)>,
     /// Effects of which no regressor adds anything to what is given.
-    pub(in crate::detect) silent: Vec<Rc<Effect>>,
+    pub(crate) silent: Vec<Rc<Effect>>,
 }

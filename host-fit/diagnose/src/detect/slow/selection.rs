@@ -18,7 +18,7 @@ impl SlowSearch<'_> {
     /// # Errors
     ///
     /// A column is missing.
-    pub(in crate::detect) fn run(&self) -> Result<SlowResult, RecordingError> {
+    pub(crate) fn run(&self) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         let mut tried = Tried::default();
         // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit anew and may
@@ -55,7 +55,7 @@ impl SlowSearch<'_> {
     /// # Errors
     ///
     /// A column is missing.
-    pub(in crate::detect) fn estimate(&self, wanted: &[Rc<Effect>]) -> Result<SlowResult, RecordingError> {
+    pub(crate) fn estimate(&self, wanted: &[Rc<Effect>]) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         for effect in wanted {
             let alone = SlowSearch { effects: std::slice::from_ref(effect), ..*self };

@@ -6,7 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::lines::{Line, find};
+use super::find::find;
+use super::line::Line;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::noise::{Blocks, length_for};
 

@@ -1,0 +1,93 @@
+//! Lines one after the other: each that keeps its phase is taken off before the next is looked for; and those that another axis has too.
+
+use super::line::{Line, duty};
+use super::periodogram::{Periodogram, WIDEST_HZ};
+use super::series::{Series, slow_blocks};
+use crate::detect::error_in_blocks::ErrorInBlocks;
+use fos_data::recording::Recording;
+
+/// Most lines named.
+const MAX_LINES: usize = 6;
+
+/// A line of which a sine of constant phase leaves less than this share keeps its phase.
+const COHERENT: f64 = 0.35;
+
+/// Share of a line's power that another axis must have to share it.
+const SHARED: f64 = 0.01;
+
+/// Lines in the spectrum of what a log was reduced to.
+pub(crate) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
+    find(recording, reduced.blocks.known(), &reduced.error)
+}
+
+/// Looks for lines in `error`, one value per row, among the rows that `known` marks.
+pub(super) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<Line> {
+    let slow = slow_blocks(recording, known);
+    let mut error = error.to_vec();
+    let mut found: Vec<Line> = Vec::new();
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    // ends: a line more each time; its band is not looked at again
+    while found.len() < MAX_LINES {
+        fos_data::interrupt::check();
+        let series = Series::new(recording, &slow, &error);
+        let Some(periodogram) = Periodogram::of(&series) else { break };
+        let Some(band) = periodogram.best_band(&taken) else { break };
+        let mut line = periodogram.describe(&band);
+        line.duty = duty(&series, &line);
+        let (sine, without) = series.sine(&periodogram, &band, recording, &slow, &error);
+        let rest = Series::new(recording, &slow, &without);
+        let after = Periodogram::of(&rest);
+        let left = after.as_ref().map_or(0.0, |after| after.excess(&band, &periodogram.floor));
+        line.coherent = left < COHERENT * periodogram.excess(&band, &periodogram.floor);
+        if line.coherent {
+            (line.frequency_hz, line.amplitude, line.phase) = (sine.frequency_hz, sine.amplitude, sine.phase);
+            // the noise once the line and its skirts are gone; white noise of variance s has σ_A² = 2s/n
+            if let Some(after) = after {
+                line.amplitude_error = (2.0 * after.floor[band.start] / rest.known as f64).sqrt();
+            }
+            line.frequency_error = line.amplitude_error / line.amplitude * rest.frequency_bound_hz();
+            error = without;
+        }
+        taken.push(line.band_hz);
+        found.push(line);
+    }
+    found.sort_by(|a, b| b.score.total_cmp(&a.score));
+    merged(found)
+}
+
+/// A line that wanders further than the widest band shows in several next to one another: one line.
+fn merged(found: Vec<Line>) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for line in found {
+        let near = |other: &&mut Line| {
+            !other.coherent
+                && !line.coherent
+                && line.band_hz.0 < other.band_hz.1 + WIDEST_HZ
+                && line.band_hz.1 > other.band_hz.0 - WIDEST_HZ
+        };
+        let Some(other) = lines.iter_mut().find(near) else {
+            lines.push(line);
+            continue;
+        };
+        let (own, more) = (other.amplitude.powi(2), line.amplitude.powi(2));
+        other.frequency_hz = (own * other.frequency_hz + more * line.frequency_hz) / (own + more);
+        other.amplitude = (own + more).sqrt();
+        other.band_hz = (other.band_hz.0.min(line.band_hz.0), other.band_hz.1.max(line.band_hz.1));
+        other.frequency_error = (other.band_hz.1 - other.band_hz.0) / 12.0_f64.sqrt();
+        // in one band while it is not in the other
+        other.duty = (other.duty + line.duty).min(1.0);
+    }
+    lines
+}
+
+/// Whether another axis has the same line, at least a tenth as strong: then it is motion.
+pub(crate) fn is_shared(recording: &Recording, other: &ErrorInBlocks, line: &Line) -> bool {
+    let slow = slow_blocks(recording, other.blocks.known());
+    let series = Series::new(recording, &slow, &other.error);
+    Periodogram::of(&series).is_some_and(|periodogram| {
+        let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
+        let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
+        let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
+        excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
+    })
+}

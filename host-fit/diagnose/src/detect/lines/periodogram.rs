@@ -1,0 +1,168 @@
+//! Power over the local noise floor, and the band that most exceeds it.
+
+use std::ops::Range;
+
+use realfft::RealFftPlanner;
+
+use super::line::Line;
+use super::series::{Series, lowest_hz};
+
+/// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
+const ACCEPT: f64 = 15.0;
+
+/// Ordinates over which the local median is taken: half of the frequency, at least so many, at most so many Hz, over which
+/// the colour of a sensor's noise changes little.
+const MEDIAN_SHARE: f64 = 0.5;
+const FEWEST_ORDINATES: usize = 60;
+const MEDIAN_OVER_HZ: f64 = 3.0;
+
+/// Widest band, Hz.
+pub(super) const WIDEST_HZ: f64 = 0.7;
+
+/// A band is no wider than this share of the stretch that its noise is known from: the median's own error must not add up.
+const BAND_SHARE: f64 = 1.0 / 3.0;
+
+/// Power over the local noise floor.
+pub(super) struct Periodogram {
+    /// |X|²/n per ordinate.
+    pub(super) power: Vec<f64>,
+    /// Mean of the noise around it.
+    pub(super) floor: Vec<f64>,
+    pub(super) resolution_hz: f64,
+    pub(super) samples: usize,
+    /// The first ordinate looked at.
+    first: usize,
+}
+
+impl Periodogram {
+    pub(super) fn of(series: &Series) -> Option<Self> {
+        let n = series.values.len();
+        if n < 2000 || series.known < n / 4 {
+            return None;
+        }
+        let transform = RealFftPlanner::new().plan_fft_forward(n);
+        let mut buffer = series.values.clone();
+        let mut bins = transform.make_output_vec();
+        transform.process(&mut buffer, &mut bins).ok()?;
+        let power: Vec<f64> = bins.iter().map(|bin| bin.norm_sqr() / series.known as f64).collect();
+        let resolution_hz = 1.0 / (n as f64 * series.period_s);
+        let first = ((lowest_hz(series.period_s) / resolution_hz).ceil() as usize).max(1);
+        let floor = floor(&power, first, (MEDIAN_OVER_HZ / resolution_hz) as usize);
+        Some(Self { power, floor, resolution_hz, samples: series.known, first })
+    }
+
+    /// The ordinates of the best band, if it is good enough.
+    pub(super) fn best_band(&self, taken: &[(f64, f64)]) -> Option<Range<usize>> {
+        let ratio = |bin: usize| self.power[bin] / self.floor[bin];
+        let first = self.first;
+        let last = self.power.len() - 1;
+        let widest = ((WIDEST_HZ / self.resolution_hz) as usize).max(1);
+        let mut sums = vec![0.0; self.power.len() + 1];
+        for bin in 0..self.power.len() {
+            let hz = bin as f64 * self.resolution_hz;
+            let free = bin >= first && !taken.iter().any(|(low, high)| (*low..=*high).contains(&hz));
+            sums[bin + 1] = sums[bin] + if free { ratio(bin) } else { 1.0 };
+        }
+        let mut best: Option<(f64, Range<usize>)> = None;
+        let mut width = 1;
+        while width <= widest {
+            for start in (first..last.saturating_sub(width)).step_by((width / 2).max(1)) {
+                if width > 1 && width as f64 > BAND_SHARE * stretch(start, self.most_ordinates()) as f64 {
+                    continue;
+                }
+                let gain = gain(sums[start + width] - sums[start], width);
+                if best.as_ref().is_none_or(|(other, _)| gain > *other) {
+                    best = Some((gain, start..start + width));
+                }
+            }
+            width *= 2;
+        }
+        best.filter(|(gain, _)| gain - self.price() >= ACCEPT).map(|(_, band)| band)
+    }
+
+    fn most_ordinates(&self) -> usize {
+        (MEDIAN_OVER_HZ / self.resolution_hz) as usize
+    }
+
+    /// 2·ln(bands looked at): over all widths, two for each ordinate of the narrowest.
+    fn price(&self) -> f64 {
+        2.0 * (4.0 * self.power.len() as f64).ln()
+    }
+
+    /// Power in excess of `floor` in a band, in units of it.
+    pub(super) fn excess(&self, band: &Range<usize>, floor: &[f64]) -> f64 {
+        let margin = band.len().max(4);
+        let wide = band.start.saturating_sub(margin)..(band.end + margin).min(self.power.len());
+        wide.map(|bin| self.power[bin] / floor[bin] - 1.0).sum::<f64>().max(0.0)
+    }
+
+    pub(super) fn describe(&self, band: &Range<usize>) -> Line {
+        let over = |bin: usize| (self.power[bin] - self.floor[bin]).max(0.0);
+        let total: f64 = band.clone().map(over).sum();
+        let centre: f64 = band.clone().map(|bin| over(bin) * bin as f64).sum::<f64>() / total;
+        let margin = (band.len() / 2).max(2) as f64;
+        let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
+        // Σ|X|²/n over the band is n·A²/4
+        let excess: f64 = band.clone().map(|bin| self.power[bin] - self.floor[bin]).sum();
+        Line {
+            frequency_hz: centre * self.resolution_hz,
+            frequency_error: band.len() as f64 * self.resolution_hz / 12.0_f64.sqrt(),
+            coherent: false,
+            // white noise of variance s has σ_A² = 2s/n
+            amplitude_error: (2.0 * self.floor[band.start] / self.samples as f64).sqrt(),
+            phase: 0.0,
+            amplitude: 2.0 * (excess.max(0.0) / self.samples as f64).sqrt(),
+            band_hz: (
+                (band.start as f64 - margin) * self.resolution_hz,
+                (band.end as f64 + margin) * self.resolution_hz,
+            ),
+            score: gain(sum, band.len()) - self.price(),
+            duty: 1.0,
+        }
+    }
+}
+
+/// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against their mean being 1.
+fn gain(sum: f64, width: usize) -> f64 {
+    let width = width as f64;
+    let mean = sum / width;
+    if mean > 1.0 { 2.0 * width * (mean - 1.0 - mean.ln()) } else { 0.0 }
+}
+
+/// Ordinates that the noise around the one at `start` is known from, at most `most`.
+fn stretch(start: usize, most: usize) -> usize {
+    let wanted = (MEDIAN_SHARE * start as f64) as usize;
+    wanted.clamp(FEWEST_ORDINATES, most.max(FEWEST_ORDINATES))
+}
+
+/// The noise around each ordinate from `first` on: medians over stretches of at most `most`, over ln 2, joined by straight
+/// lines in logarithms of level and frequency.
+fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
+    let mut knots: Vec<(f64, f64)> = Vec::new();
+    let mut start = first;
+    // ends: a stretch is FEWEST_ORDINATES at least
+    while start < power.len() {
+        let mut end = (start + stretch(start, most)).min(power.len());
+        if power.len() - end < FEWEST_ORDINATES {
+            end = power.len();
+        }
+        let mut values = power[start..end].to_vec();
+        let middle = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+        let level = (*median / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
+        knots.push(((0.5 * (start + end) as f64).ln(), level.ln()));
+        start = end;
+    }
+    let mut near = 0;
+    let at = |bin: usize| {
+        let log = (bin.max(first) as f64).ln();
+        while near + 2 < knots.len() && knots[near + 1].0 <= log {
+            near += 1;
+        }
+        let (begin, end) = (knots[near], knots[(near + 1).min(knots.len() - 1)]);
+        // goes on below the first as between the first two
+        let share = if end.0 > begin.0 { ((log - begin.0) / (end.0 - begin.0)).min(1.0) } else { 0.0 };
+        (begin.1 + share * (end.1 - begin.1)).exp()
+    };
+    (0..power.len()).map(at).collect()
+}
