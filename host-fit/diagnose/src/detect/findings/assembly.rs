@@ -1,0 +1,107 @@
+//! Everything that an answer is made of; the findings of faults and of noise, which are a name and a size.
+
+use std::collections::BTreeMap;
+
+use crate::detect::answer::{Finding, Size, Untested};
+use crate::detect::error_in_blocks::ErrorInBlocks;
+use crate::detect::faults::Fault;
+use crate::detect::left_over::LeftOver;
+use crate::detect::lines::Line;
+use crate::detect::question::{DiagnoseError, Question};
+use crate::detect::slow::{ExtraNoise, SlowResult};
+use crate::effects::{Effect, Search, SizeUnit};
+use fos_data::column::Column;
+
+/// Quantile of 95 % intervals.
+pub(super) const TWO_SIDED_95: f64 = 1.96;
+
+/// Everything that an answer is made of.
+pub(crate) struct Assembly<'a> {
+    pub(crate) question: &'a Question<'a>,
+    pub(crate) column: &'a str,
+    pub(crate) reduced: &'a ErrorInBlocks,
+    pub(crate) given: &'a [Vec<f64>],
+    pub(crate) faults: &'a [Fault],
+    pub(crate) lines: &'a [Line],
+    pub(crate) slow: &'a SlowResult,
+    pub(crate) left: LeftOver,
+    pub(crate) untested: Vec<Untested>,
+    pub(crate) learnt_from: String,
+}
+
+impl Assembly<'_> {
+    /// The effect that a search of this kind finds at this value.
+    pub(super) fn found_as(&self, search: Search, value: f64) -> Result<&Effect, DiagnoseError> {
+        Ok(self.question.library.found_as(search, self.column, value)?)
+    }
+
+    pub(super) fn fault_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let of = |search: Search, value: f64| -> Result<Finding, DiagnoseError> {
+            let effect = self.found_as(search, value)?;
+            Ok(Finding { params: param(effect, value), ..bare(effect, f64::MAX.sqrt()) })
+        };
+        self.faults
+            .iter()
+            .map(|fault| match fault {
+                Fault::Saturation { share, .. } => of(Search::Saturation, *share),
+                Fault::Dropped { share } => of(Search::DroppedSamples, *share),
+                Fault::Coarse { multiple, .. } => of(Search::CoarseSteps, *multiple),
+            })
+            .collect()
+    }
+
+    pub(super) fn noise_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
+        let slow = self.slow;
+        Ok(match slow.noise {
+            ExtraNoise::None => None,
+            ExtraNoise::Walk => {
+                let effect = self.found_as(Search::RandomWalk, 0.0)?;
+                Some(Finding { gain: slow.noise_gain, ..bare(effect, slow.noise_score) })
+            }
+            ExtraNoise::GaussMarkov(process) => {
+                let effect = self.found_as(Search::GaussMarkov, process.tau_s)?;
+                let mut finding = Finding {
+                    params: param(effect, process.tau_s),
+                    gain: slow.noise_gain,
+                    ..bare(effect, slow.noise_score)
+                };
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let value = process.deviation / unit.si;
+                finding.sizes = vec![Size {
+                    of: "standard deviation".to_owned(),
+                    value,
+                    interval: [f64::NAN; 2],
+                    unit: unit.to_string(),
+                }];
+                Some(finding)
+            }
+        })
+    }
+}
+
+/// A finding that says no more than its name and score.
+pub(super) fn bare(effect: &Effect, score: f64) -> Finding {
+    Finding {
+        effect: effect.id.clone(),
+        name: effect.name.clone(),
+        band: effect.band,
+        params: BTreeMap::new(),
+        params_interval: BTreeMap::new(),
+        sizes: Vec::new(),
+        gain: score,
+        score,
+        predicted_reduction: 0.0,
+        predicted_reduction_interval: [0.0; 2],
+        measured_reduction: None,
+        confounded_with: Vec::new(),
+        separate: Vec::new(),
+        shows_against: None,
+        shows_from_to_s: None,
+        correction: Vec::new(),
+        limits: BTreeMap::new(),
+    }
+}
+
+pub(super) fn param(effect: &Effect, value: f64) -> BTreeMap<String, f64> {
+    effect.parameter.iter().map(|parameter| (parameter.name.clone(), value)).collect()
+}

@@ -1,0 +1,72 @@
+//! Lines as findings: amplitude, frequency, the two terms that take one off, and the reduction to expect.
+
+use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
+use crate::detect::answer::{CorrectionTerm, Finding, Size};
+use crate::detect::lines;
+use crate::detect::question::DiagnoseError;
+use crate::effects::{Search, SizeUnit};
+use fos_data::column::Column;
+
+/// Quantile of 90 % intervals.
+const TWO_SIDED_90: f64 = 1.645;
+
+/// Relative uncertainty of the variance of the samples of another log: the wander that it happens to have.
+const SPREAD_OF_VARIANCE: f64 = 0.01;
+
+impl Assembly<'_> {
+    pub(crate) fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let known = self.reduced.blocks.known();
+        let samples: Vec<f64> =
+            self.reduced.error.iter().zip(known).filter(|(_, known)| **known).map(|(e, _)| *e).collect();
+        let variance = fos_fit::signal::variance(&[&samples]);
+        let steady = self.lines.iter().filter(|line| line.duty >= lines::STEADY);
+        steady
+            .map(|line| {
+                let search = if line.coherent { Search::Line } else { Search::WanderingLine };
+                let effect = self.found_as(search, line.frequency_hz)?;
+                let mut finding = Finding {
+                    params: param(effect, line.frequency_hz),
+                    score: line.score,
+                    gain: line.score,
+                    ..bare(effect, line.score)
+                };
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let error = TWO_SIDED_95 * line.amplitude_error;
+                finding.sizes = vec![Size {
+                    of: "amplitude".to_owned(),
+                    value: line.amplitude / unit.si,
+                    interval: [(line.amplitude - error) / unit.si, (line.amplitude + error) / unit.si],
+                    unit: unit.to_string(),
+                }];
+                finding.params_interval = finding
+                    .params
+                    .keys()
+                    .map(|name| {
+                        let error = TWO_SIDED_95 * line.frequency_error;
+                        (name.clone(), [line.frequency_hz - error, line.frequency_hz + error])
+                    })
+                    .collect();
+                if line.coherent {
+                    let (sin, cos) = line.phase.sin_cos();
+                    let hz = line.frequency_hz;
+                    finding.correction = [("sine", cos), ("cosine", sin)]
+                        .map(|(transform, part)| CorrectionTerm {
+                            regressor: format!("clock:{transform}({hz})"),
+                            coefficient: line.amplitude * part,
+                            standard_error: line.amplitude_error,
+                        })
+                        .to_vec();
+                    // E Â² = A² + 2σ², and what a wrong Â and phase leave is 2σ² more
+                    let square = |a: f64| {
+                        (0.5 * (a * a - 4.0 * line.amplitude_error.powi(2)) / variance).clamp(0.0, 1.0)
+                    };
+                    let error = TWO_SIDED_90 * line.amplitude_error + SPREAD_OF_VARIANCE * line.amplitude;
+                    finding.predicted_reduction = square(line.amplitude);
+                    finding.predicted_reduction_interval =
+                        [square(line.amplitude - error), square(line.amplitude + error)];
+                }
+                Ok(finding)
+            })
+            .collect()
+    }
+}

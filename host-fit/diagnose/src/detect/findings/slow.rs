@@ -1,0 +1,169 @@
+//! Slow effects as findings: their sizes, where each shows, rivals and experiments, and the reduction to expect from each once
+//! those before it are in the model.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
+use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
+use crate::detect::correction::step_share;
+use crate::detect::error_in_blocks::ErrorInBlocks;
+use crate::detect::limits;
+use crate::detect::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
+use crate::detect::question::{DiagnoseError, is_bias_known};
+use crate::detect::slow::Found;
+use crate::effects::{Effect, Inputs, Search};
+use fos_data::recording::Recording;
+use fos_fit::noise::Regression;
+
+impl Assembly<'_> {
+    /// The slow effects in this order, each with the fall to expect once those before it are in the model.
+    pub(crate) fn slow_findings(&self, order: Vec<&Found>) -> Result<Vec<Finding>, DiagnoseError> {
+        let slow = self.slow;
+        if order.is_empty() {
+            return Ok(Vec::new());
+        }
+        let coefficients = slow.fitted.gls.coefficients();
+        let covariance = slow.fitted.gls.covariance();
+        let kept = &slow.fitted.gls.kept;
+        let inputs = Inputs::new(self.question.field);
+        let mut limits = Vec::new();
+        for found in &order {
+            let hypothesis = &found.hypothesis;
+            let own = Estimate::of(found, slow);
+            limits.push(limits::limits(&inputs, &hypothesis.regressors, &own.coefficients, &own.covariance)?);
+        }
+        let falls = self.falls(&order, &limits)?;
+        let mut findings = Vec::new();
+        for (own, (found, fall)) in order.iter().zip(falls).enumerate() {
+            let effect: &Rc<Effect> = &found.hypothesis.effect;
+            let value = found.hypothesis.value;
+            let mut sizes = Vec::new();
+            let mut correction = Vec::new();
+            for ((column, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone())
+            {
+                let Some(at) = kept.iter().position(|index| *index == place) else { continue };
+                let (coefficient, error) = (coefficients[place], covariance[(at, at)].sqrt());
+                let product = match effect.search {
+                    Search::Terms => found.hypothesis.regressors[column].to_string(),
+                    _ => format!("clock:step({})", value.unwrap_or(0.0)),
+                };
+                if let Some(unit) = effect.unit(term, self.column) {
+                    let half = TWO_SIDED_95 * error;
+                    sizes.push(Size {
+                        of: product.clone(),
+                        value: coefficient / unit.si,
+                        interval: [(coefficient - half) / unit.si, (coefficient + half) / unit.si],
+                        unit: unit.to_string(),
+                    });
+                }
+                correction.push(CorrectionTerm { regressor: product, coefficient, standard_error: error });
+            }
+            let confounded_with: Vec<String> =
+                found.rivals.iter().map(|(rival, _)| rival.effect.id.clone()).collect();
+            let interval = found.log_error.zip(value).map(|(error, value)| {
+                let factor = (TWO_SIDED_95 * error).exp();
+                [value / factor, value * factor]
+            });
+            let params = value.map(|value| param(effect, value)).unwrap_or_default();
+            findings.push(Finding {
+                params_interval: params.keys().filter_map(|name| Some((name.clone(), interval?))).collect(),
+                params,
+                sizes,
+                gain: found.gain,
+                predicted_reduction: fall.median,
+                predicted_reduction_interval: fall.interval,
+                separate: self.separations(&effect.id, &confounded_with),
+                confounded_with,
+                shows_against: found
+                    .hypothesis
+                    .regressors
+                    .iter()
+                    .find_map(|regressor| regressor.columns().next().map(str::to_owned)),
+                shows_from_to_s: self.shows(found, &coefficients),
+                correction,
+                limits: limits[own].clone(),
+                ..bare(effect, found.score)
+            });
+        }
+        Ok(findings)
+    }
+
+    fn separations(&self, id: &str, rivals: &[String]) -> Vec<Separation> {
+        let experiment = |rival: &String| {
+            let effect = self.question.library.get(rival).ok();
+            let known = self.question.library.separation(id, rival).map(str::to_owned);
+            known.or_else(|| effect.map(|effect| effect.experiment.clone()))
+        };
+        rivals
+            .iter()
+            .filter_map(|rival| Some(Separation { effect: rival.clone(), experiment: experiment(rival)? }))
+            .collect()
+    }
+
+    /// The twentieth of the log in which the effect is furthest from its mean.
+    fn shows(&self, found: &Found, coefficients: &[f64]) -> Option<[f64; 2]> {
+        let blocks = &self.reduced.blocks;
+        let columns = found.hypothesis.columns();
+        let size = |block: usize| -> f64 {
+            found.place.clone().zip(&columns).map(|(place, column)| coefficients[place] * column[block]).sum()
+        };
+        let length = (blocks.len() / 20).max(1);
+        let windows = (0..=blocks.len() - length).step_by((length / 4).max(1));
+        let power = |start: &usize| (*start..start + length).map(|block| size(block).powi(2)).sum::<f64>();
+        let start = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
+        let time = &self.question.field.time_s;
+        let (first, last) = (&blocks.blocks[start], &blocks.blocks[start + length - 1]);
+        Some([time[first.rows.start], time[last.rows.end - 1]])
+    }
+
+    /// The fall to expect from each effect once those before it are in the model.
+    fn falls(
+        &self,
+        order: &[&Found],
+        limits: &[BTreeMap<String, [f64; 2]>],
+    ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
+        let judged = self.question.judged.filter(|judged| {
+            let inputs = Inputs::new(judged);
+            let is_known = |regressor| inputs.logged(regressor).as_ref() == Some(regressor);
+            order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
+        });
+        let log: &Recording = judged.unwrap_or(self.question.field);
+        let mut blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?.blocks;
+        blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
+        let inputs = Inputs::new(log);
+        let mut effects: Vec<SlowEffect> = Vec::new();
+        for (found, limits) in order.iter().zip(limits) {
+            let Estimate { coefficients, covariance } = Estimate::of(found, self.slow);
+            let (mut columns, mut corrected) = (Vec::new(), Vec::new());
+            for regressor in &found.hypothesis.regressors {
+                columns.push(blocks.means(&inputs.regressor(regressor)?));
+                corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
+            }
+            if found.hypothesis.effect.search == Search::Step {
+                let time_s = found.hypothesis.value.unwrap_or(0.0);
+                // a step of the past is a constant in another log, about the mean of the one it was found in
+                let share = step_share(self.question.field, time_s);
+                let after = |block: usize| judged.is_some() || blocks.middle_s(block) > time_s;
+                columns
+                    .push((0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect());
+                corrected.push(columns[0].clone());
+            }
+            let is_step = found.hypothesis.effect.search == Search::Step && is_bias_known(log, self.column);
+            effects.push(SlowEffect { is_step, columns, corrected, coefficients, covariance });
+        }
+        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
+        for found in &self.slow.found {
+            regressors.extend(found.hypothesis.columns());
+        }
+        let regression = Regression {
+            blocks: &self.reduced.blocks,
+            y: &self.reduced.means,
+            regressors: &regressors,
+            prior: &self.slow.prior,
+        };
+        let falls =
+            PredictedReductions { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
+        (0..effects.len()).map(|at| Ok(falls.of(&effects[at], &effects[at + 1..])?)).collect()
+    }
+}
