@@ -27,6 +27,8 @@ pub(super) struct PredictedReduction {
 pub(super) struct Estimate {
     pub(super) coefficients: DVector<f64>,
     pub(super) covariance: DMatrix<f64>,
+    /// Which of them could be estimated; of the others the covariance is 0.
+    estimated: Vec<usize>,
 }
 
 impl Estimate {
@@ -40,7 +42,25 @@ impl Estimate {
             covariance: DMatrix::from_fn(places.len(), places.len(), |i, j| {
                 kept(places[i]).zip(kept(places[j])).map_or(0.0, |(i, j)| covariance[(i, j)])
             }),
+            estimated: (0..places.len()).filter(|at| kept(places[*at]).is_some()).collect(),
         }
+    }
+
+    /// The Cholesky factor L of the covariance, L·Lᵀ, of those that could be estimated; rows and columns of the others are 0.
+    /// `None` if that is no covariance, as of data that are not finite.
+    pub(super) fn factor(&self) -> Option<DMatrix<f64>> {
+        let (estimated, k) = (&self.estimated, self.coefficients.len());
+        let of_estimated = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
+            self.covariance[(estimated[i], estimated[j])]
+        });
+        let lower = of_estimated.cholesky()?.l();
+        let mut factor = DMatrix::zeros(k, k);
+        for (i, row) in estimated.iter().enumerate() {
+            for (j, column) in estimated.iter().enumerate() {
+                factor[(*row, *column)] = lower[(i, j)];
+            }
+        }
+        Some(factor)
     }
 }
 
@@ -53,7 +73,8 @@ pub(super) struct SlowEffect {
     /// The same as a correction takes them, kept inside limits.
     pub(super) corrected: Vec<Vec<f64>>,
     pub(super) coefficients: DVector<f64>,
-    pub(super) covariance: DMatrix<f64>,
+    /// Their scatter: normal numbers times it have the covariance of the coefficients.
+    pub(super) factor: DMatrix<f64>,
 }
 
 impl SlowEffect {
@@ -94,14 +115,14 @@ impl PredictedReductions<'_> {
             missing.iter_mut().zip(own).for_each(|(sum, value)| *sum += value);
         }
         let correction = SlowEffect::sum(&effect.corrected, &effect.coefficients, n);
-        let factor = effect.covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(k, k), |c| c.l());
         let levels = self.regression.draws(self.fitted, DRAWS, &mut random)?;
         let mut falls: Vec<f64> = levels
             .iter()
             .map(|levels| {
                 fos_data::interrupt::check();
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-                let coefficients = &effect.coefficients + &factor * DVector::from_fn(k, |_, _| normal());
+                let coefficients =
+                    &effect.coefficients + &effect.factor * DVector::from_fn(k, |_, _| normal());
                 let noise = levels.simulate(self.blocks, &mut random);
                 let truth = SlowEffect::sum(&effect.columns, &coefficients, n);
                 let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
@@ -116,5 +137,46 @@ impl PredictedReductions<'_> {
         falls.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
         Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of three coefficients, some of which could be estimated.
+    fn estimate(estimated: Vec<usize>, covariance: DMatrix<f64>) -> Estimate {
+        Estimate { coefficients: DVector::from_element(3, 1.0), covariance, estimated }
+    }
+
+    fn covariance() -> DMatrix<f64> {
+        DMatrix::from_row_slice(3, 3, &[4.0, 1.2, -0.4, 1.2, 9.0, 0.7, -0.4, 0.7, 2.5])
+    }
+
+    #[test]
+    fn all_estimated_scatter_by_the_factor_of_their_covariance() {
+        let factor = estimate(vec![0, 1, 2], covariance()).factor();
+        assert_eq!(factor, covariance().cholesky().map(|cholesky| cholesky.l()));
+    }
+
+    #[test]
+    fn a_coefficient_that_could_not_be_estimated_does_not_take_the_scatter_of_the_others() {
+        let mut known = covariance();
+        known.row_mut(1).fill(0.0);
+        known.column_mut(1).fill(0.0);
+        let factor = estimate(vec![0, 2], known.clone()).factor().expect("a covariance of the others");
+        assert!((&factor * factor.transpose() - known).amax() < 1e-14);
+        assert!(factor[(2, 2)] > 0.0);
+    }
+
+    /// They were taken for exact: the interval of the reduction was that of the noise alone.
+    #[test]
+    fn what_is_no_covariance_has_no_factor() {
+        let mut indefinite = covariance();
+        (indefinite[(0, 1)], indefinite[(1, 0)]) = (7.0, 7.0);
+        assert_eq!(estimate(vec![0, 1, 2], indefinite).factor(), None);
+        let mut not_finite = covariance();
+        not_finite[(2, 2)] = f64::NAN;
+        assert_eq!(estimate(vec![0, 1, 2], not_finite).factor(), None);
     }
 }

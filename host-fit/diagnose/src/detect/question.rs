@@ -50,6 +50,14 @@ pub enum DiagnoseError {
     /// The noise cannot be told.
     #[error(transparent)]
     Noise(#[from] fos_fit::noise::UnknownLevels),
+    /// The coefficients of an effect have no covariance, as of data that are not finite.
+    #[error(
+        "{effect}: how sure its coefficients are cannot be told from this log: their covariance is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
+    )]
+    UnknownCoefficients {
+        /// Its identifier.
+        effect: String,
+    },
     /// An effect that was asked for does not show in the log.
     #[error("{effect} cannot be estimated from this log: {reason}")]
     NotThere {

@@ -134,13 +134,18 @@ impl Assembly<'_> {
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();
         for (found, limits) in order.iter().zip(limits) {
-            let Estimate { coefficients, covariance } = Estimate::of(found, self.slow);
+            let estimate = Estimate::of(found, self.slow);
+            let effect = &found.hypothesis.effect;
+            let factor = estimate
+                .factor()
+                .ok_or_else(|| DiagnoseError::UnknownCoefficients { effect: effect.id.clone() })?;
+            let coefficients = estimate.coefficients;
             let (mut columns, mut corrected) = (Vec::new(), Vec::new());
             for regressor in &found.hypothesis.regressors {
                 columns.push(blocks.means(&inputs.regressor(regressor)?));
                 corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
             }
-            if found.hypothesis.effect.search == Search::Step {
+            if effect.search == Search::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
                 // a step of the past is a constant in another log, about the mean of the one it was found in
                 let share = step_share(self.question.field, time_s);
@@ -149,8 +154,8 @@ impl Assembly<'_> {
                     .push((0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect());
                 corrected.push(columns[0].clone());
             }
-            let is_step = found.hypothesis.effect.search == Search::Step && is_bias_known(log, self.column);
-            effects.push(SlowEffect { is_step, columns, corrected, coefficients, covariance });
+            let is_step = effect.search == Search::Step && is_bias_known(log, self.column);
+            effects.push(SlowEffect { is_step, columns, corrected, coefficients, factor });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {
