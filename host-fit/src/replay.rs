@@ -52,6 +52,7 @@ pub struct Replay {
 
 /// Counts and digests of a replay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Summary {
     /// Rows that the model was run over.
     pub rows: usize,
@@ -64,16 +65,19 @@ pub struct Summary {
     /// Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model.
     pub gravity: Option<Gravity>,
     /// CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits.
-    #[serde(serialize_with = "hexadecimal")]
+    #[serde(with = "hexadecimal")]
+    #[cfg_attr(test, ts(as = "String"))]
     pub innovations_digest: u64,
     /// CRC-64 of all innovations, corrected values and validities.
-    #[serde(serialize_with = "hexadecimal")]
+    #[serde(with = "hexadecimal")]
+    #[cfg_attr(test, ts(as = "String"))]
     pub corrections_digest: u64,
 }
 
 /// The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more than a
 /// sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Gravity {
     /// Rests.
     pub rests: usize,
@@ -87,18 +91,23 @@ pub struct Gravity {
 
 /// One axis of a replay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisSummary {
     /// As in the log format, as `gx_rads`.
     pub column: String,
     /// Rows with an innovation.
     pub innovations: usize,
     /// Root mean square of the innovations in f32, in the axis' unit.
+    #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f32: f64,
     /// The same in f64.
+    #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f64: f64,
     /// Largest difference between the two, in the axis' unit.
+    #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub largest_difference: f64,
     /// Share of the tracked rows whose correction is valid, and does not lead away from gravity.
+    #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub valid_share: f64,
     /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
     pub errors: Option<ModelErrors>,
@@ -114,8 +123,10 @@ impl Replay {
     }
 }
 
-fn hexadecimal<S: serde::Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(&format_args!("{digest:016x}"))
+mod hexadecimal {
+    pub(super) fn serialize<S: serde::Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{digest:016x}"))
+    }
 }
 
 /// The column of an axis.

@@ -28,6 +28,7 @@ pub struct Stillness {
 
 /// How it is known where the unit is still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum KnownBy {
     /// The log has a `still` column.

@@ -51,6 +51,7 @@ pub struct Comparison {
 
 /// One axis against the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct AxisComparison {
     /// As in the log format, as `gx_rads`.
     pub column: String,

@@ -14,6 +14,7 @@ const PER_INPUT: f64 = 81.0;
 
 /// What the terms and inputs of an axis cost; the axis itself and what all axes share come on top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Cost {
     /// Physical and stochastic together.
     pub terms: usize,

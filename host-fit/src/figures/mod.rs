@@ -26,6 +26,7 @@ use fos_data::column::Column;
 
 /// A picture of one or more panels below each other.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Figure {
     /// Headline.
     pub title: String,
@@ -35,6 +36,7 @@ pub struct Figure {
 
 /// One pair of axes and what is drawn in it.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Panel {
     /// What this panel shows, beside the legend.
     pub title: String,
@@ -50,6 +52,7 @@ pub struct Panel {
 
 /// An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones).
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Axis {
     /// Quantity and unit, as in `Rate (rad/s)`.
     pub label: String,
@@ -73,6 +76,7 @@ impl Axis {
 
 /// Spacing of the values along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Scale {
     /// Even.
     #[default]
@@ -83,6 +87,7 @@ pub enum Scale {
 
 /// Numbers to draw, all of one kind.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Series {
     /// Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
     /// none with an empty one.
@@ -93,30 +98,39 @@ pub struct Series {
     pub shape: Shape,
 }
 
-/// How numbers are drawn. A value that is not finite interrupts a line or band and is otherwise left out.
+/// How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left out.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Shape {
     /// Points (x, y) joined by a line.
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
     Line(Vec<(f64, f64)>),
     /// (x, low, high), filled between low and high.
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>)>"))]
     Band(Vec<(f64, f64, f64)>),
     /// Dots at (x, y).
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
     Points(Vec<(f64, f64)>),
     /// (x, y, low, high): dots joined by a line, each with a bar from low to high.
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
     Bars(Vec<(f64, f64, f64, f64)>),
     /// Stems from zero to (x, y).
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
     Stems(Vec<(f64, f64)>),
     /// A dashed horizontal line.
     Level(f64),
     /// Filled rectangles (left, right, low, high), side by side.
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
     Cells(Vec<(f64, f64, f64, f64)>),
     /// Outlines of rectangles (left, right, low, high).
+    #[cfg_attr(test, ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
     Frames(Vec<(f64, f64, f64, f64)>),
 }
 
 /// Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
 /// Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Ink {
     /// What the sensor said (blue).
     Measured,
@@ -139,6 +153,7 @@ pub enum Ink {
 
 /// Shaded ranges of x with one legend entry for all of them.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Shading {
     /// Text in the legend.
     pub label: String,
@@ -148,6 +163,7 @@ pub struct Shading {
 
 /// One shaded range.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ShadedRange {
     /// Left end, in units of x.
     pub from: f64,

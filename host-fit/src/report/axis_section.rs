@@ -17,6 +17,7 @@ use fos_fit::candidates::monomial_text_named;
 
 /// One axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisSection {
     /// As in the log format, as `gx_rads`.
     pub column: String,
@@ -43,6 +44,7 @@ pub struct AxisSection {
 
 /// The model of an axis in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ModelSummary {
     /// Physical and stochastic together.
     pub terms: usize,
@@ -60,6 +62,7 @@ pub struct ModelSummary {
 
 /// A term of the physical part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct PhysicalTerm {
     /// The product of inputs.
     pub term: String,

@@ -8,6 +8,7 @@ use fos_data::stillness::{self, KnownBy};
 
 /// A log in a few facts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct LogSummary {
     /// Where it was read from.
     pub path: String,
@@ -39,6 +40,7 @@ pub struct LogSummary {
 
 /// A channel of a log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ColumnSummary {
     /// Its column, as `gx_rads`.
     pub name: String,

@@ -15,6 +15,7 @@ use fos_fit::cost::Cost;
 
 /// An effect that was found, to be added or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Offer {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
@@ -32,6 +33,7 @@ pub struct Offer {
 
 /// An effect in plain language: texts of the library.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Card {
     /// As in the library, as `thermal_lag`.
     pub id: String,

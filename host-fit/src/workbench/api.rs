@@ -24,7 +24,9 @@ use super::task::Open;
 use super::told::{Entry, Page};
 use crate::curves::{Against, AxisCurves};
 use crate::export::{c_source, image, rust_source};
+use crate::figures::Figure;
 use crate::plots::View;
+use crate::replay::Summary;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
@@ -71,14 +73,18 @@ pub(super) async fn studies(State(desk): State<Arc<Desk>>) -> Json<Vec<Entry>> {
 
 /// What a new study is of.
 #[derive(Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(optional_fields = nullable))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Wanted {
     #[serde(default)]
+    #[cfg_attr(test, ts(as = "Option<_>", optional))]
     example: bool,
     field: Option<String>,
     quiet: Option<String>,
     judged: Option<String>,
     #[serde(default)]
+    #[cfg_attr(test, ts(as = "Option<_>", optional))]
     columns: Vec<String>,
     rate_hz: Option<f64>,
 }
@@ -187,6 +193,7 @@ pub(super) struct Window {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct AxisSeries {
     axis: String,
     unit: &'static str,
@@ -228,16 +235,24 @@ pub(super) struct Stretch {
     to: Option<f64>,
 }
 
+/// A figure, by what the page looks for it by: `residual`, `against:temp_c`.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct NamedFigure {
+    name: String,
+    figure: Figure,
+}
+
 pub(super) async fn figures(
     State(desk): State<Arc<Desk>>,
     Path(id): Path<u64>,
     Query(stretch): Query<Stretch>,
-) -> Answer<Vec<Value>> {
+) -> Answer<Vec<NamedFigure>> {
     let study = desk.study(id).map_err(not_found)?;
     Ok(Json(beside(move || drawn(&study, &stretch)).await?))
 }
 
-fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
+fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> {
     let read = study.read().map_err(not_now)?;
     let axis = study.axis(&stretch.axis).map_err(wrong)?;
     let found =
@@ -267,7 +282,7 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<Value>, Refused> {
     if rows.is_none() {
         figures.extend(view.dependence().map(|figure| ("dependence".to_owned(), figure)));
     }
-    Ok(figures.into_iter().map(|(name, figure)| json!({ "name": name, "figure": figure })).collect())
+    Ok(figures.into_iter().map(|(name, figure)| NamedFigure { name, figure }).collect())
 }
 
 /// Fewest samples of a stretch that statistics are made of.
@@ -316,7 +331,20 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
     Ok(Report::put_together(file, axes.collect(), &read.logs))
 }
 
-pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
+/// What the exported image does on the log that errors are of.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct Replayed {
+    /// Path of the log.
+    log: String,
+    summary: Summary,
+    /// The command line that says the same.
+    command: String,
+    /// Size of the image.
+    bytes: usize,
+}
+
+pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Replayed> {
     let study = desk.study(id).map_err(not_found)?;
     let answer = beside(move || {
         let read = study.read().map_err(not_now)?;
@@ -326,7 +354,7 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let summary = study.replay(bytes).map_err(wrong)?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
         let command = format!("host-fit replay unit.fosm {}", crate::escaping::quoted(&log.paths()));
-        Ok(json!({ "log": log.paths(), "summary": summary, "command": command, "bytes": length }))
+        Ok(Replayed { log: log.paths(), summary, command, bytes: length })
     });
     Ok(Json(answer.await?))
 }

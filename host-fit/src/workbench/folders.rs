@@ -22,6 +22,7 @@ pub struct Folders {
 
 /// A log that may be opened.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Listed {
     /// As it is opened.
     path: String,

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// What a job is doing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Job {
     /// As in `fitting gyro x`.
     what: String,

@@ -19,6 +19,7 @@ pub(super) struct Read {
 
 /// The logs in a few facts.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Summaries {
     pub(super) field: LogSummary,
     pub(super) quiet: Option<LogSummary>,

@@ -37,6 +37,8 @@ mod tasks;
 mod told;
 
 #[cfg(test)]
+mod page_types;
+#[cfg(test)]
 mod tests;
 
 pub use folders::Folders;

@@ -9,6 +9,7 @@ use fos_fit::evaluate::{AxisTrace, Trace};
 
 /// What is shown beside the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ViewKind {
     /// Predictions from the sample before.
@@ -27,6 +28,7 @@ pub(super) const WIDEST: usize = 8192;
 
 /// A stretch of a time series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Series {
     pub(super) from_s: f64,
     pub(super) to_s: f64,
@@ -47,6 +49,8 @@ pub(super) struct Series {
 /// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
 /// screen shows, half the size of what a browser has to read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "Extremes"))]
 pub(super) struct Band {
     pub(super) low: Vec<Option<f32>>,
     pub(super) high: Vec<Option<f32>>,

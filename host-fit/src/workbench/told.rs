@@ -12,6 +12,7 @@ use fos_diagnose::study::{Refinement, RefinementStep};
 
 /// What a page is told without asking.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Beat {
     pub(super) revision: u64,
     pub(super) job: Option<Job>,
@@ -19,6 +20,7 @@ pub(super) struct Beat {
 
 /// A study in a list.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Entry {
     id: u64,
     name: String,
@@ -30,6 +32,7 @@ pub(super) struct Entry {
 
 /// An axis in a list.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 struct AxisEntry {
     column: String,
     label: String,
@@ -65,6 +68,7 @@ impl AxisEntry {
 
 /// All that a page shows of a study, but for what is drawn sample by sample.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Page {
     id: u64,
     name: String,

@@ -45,12 +45,15 @@ const READ_BUFFER: usize = 1 << 18;
 
 /// How a log is read. The default suits a log with the columns of the log format.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(default)]
 pub struct LoadOptions {
     /// Which column is which channel, in what unit.
+    #[cfg_attr(feature = "page-types", ts(as = "Vec<String>"))]
     pub columns: ColumnMap,
     /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "page-types", ts(optional))]
     pub rate_hz: Option<f64>,
     /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them. No study remembers it: a log
     /// that was read once is read again, however strictly.

@@ -21,6 +21,7 @@ const OTHERS: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_
 
 /// The columns of a file, and what they may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Preview {
     /// In the order of the file.
     pub columns: Vec<ColumnPreview>,
@@ -32,6 +33,7 @@ pub struct Preview {
 
 /// A column of a file, and what it may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ColumnPreview {
     /// As the file has it.
     pub name: String,

@@ -12,6 +12,7 @@ use crate::file::folder_of;
 
 /// The file a recording was read from.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Source {
     /// Path as it was given; for data that never were a file, what made them.
     pub path: String,

@@ -42,6 +42,7 @@ const NAMED: f64 = 0.05;
 
 /// One stretch of the log in one band.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Cell {
     /// Begin, s as stamped.
     pub begin_s: f64,
@@ -61,6 +62,7 @@ pub struct Cell {
 
 /// Power over time and frequency.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct PowerMap {
     /// Cells in which enough is known, band by band, ascending in time.
     pub cells: Vec<Cell>,

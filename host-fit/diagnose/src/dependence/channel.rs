@@ -21,6 +21,7 @@ const KNOTS: [f64; 5] = [0.05, 0.275, 0.5, 0.725, 0.95];
 
 /// What is left in one bin of a channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Bin {
     /// Mean of the channel in it.
     pub channel: f64,
@@ -37,6 +38,7 @@ pub struct Bin {
 
 /// What is left, bin by bin.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Bins {
     /// All blocks, by ascending value of the channel.
     pub all: Vec<Bin>,

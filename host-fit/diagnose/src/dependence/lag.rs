@@ -18,6 +18,7 @@ const NOT_TOLD: f64 = 3.84;
 
 /// One delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Delay {
     /// The delay, s.
     pub delay_s: f64,
@@ -31,6 +32,7 @@ pub struct Delay {
 
 /// The profile over delays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LagProfile {
     /// By ascending delay.
     pub delays: Vec<Delay>,

@@ -23,6 +23,7 @@ pub(crate) struct Remainder<'a> {
 
 /// Whether further regressors explain more than noise would let them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Test {
     /// Coefficients.
     pub terms: usize,

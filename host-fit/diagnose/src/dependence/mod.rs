@@ -47,6 +47,7 @@ const NAMED: f64 = 0.05;
 
 /// What is left of an axis, against everything that is logged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Dependence {
     /// Length of the blocks that means were taken over, s.
     pub block_s: f64,
@@ -65,6 +66,7 @@ pub struct Dependence {
 
 /// What is left of an axis, against one channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ChannelDependence {
     /// Its column, as `temp_c`.
     pub channel: String,

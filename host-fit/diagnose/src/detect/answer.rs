@@ -10,6 +10,7 @@ use fos_fit::noise::NoiseLevels;
 
 /// The outcome in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// One or more effects of the library are missing from the model.
@@ -22,6 +23,7 @@ pub enum Verdict {
 
 /// What is missing from a model on a log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Diagnosis {
     /// The column that was explained.
     pub target: String,
@@ -47,6 +49,7 @@ pub struct Diagnosis {
 
 /// A missing effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Finding {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
@@ -57,6 +60,7 @@ pub struct Finding {
     /// Its parameter, by name.
     pub params: BTreeMap<String, f64>,
     /// 95 % intervals of the parameters, where they are known.
+    #[cfg_attr(feature = "page-types", ts(as = "BTreeMap<String, [Option<f64>; 2]>"))]
     pub params_interval: BTreeMap<String, [f64; 2]>,
     /// Its size in data-sheet units, one per regressor.
     pub sizes: Vec<Size>,
@@ -90,12 +94,14 @@ pub struct Finding {
 
 /// A coefficient in data-sheet units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Size {
     /// The regressor.
     pub of: String,
     /// In `unit`.
     pub value: f64,
-    /// 95 % interval.
+    /// 95 % interval; in JSON an end that is not finite is null.
+    #[cfg_attr(feature = "page-types", ts(as = "[Option<f64>; 2]"))]
     pub interval: [f64; 2],
     /// As data sheets state it; `value` and `interval` are in it.
     pub unit: String,
@@ -103,6 +109,7 @@ pub struct Size {
 
 /// The experiment that tells a finding from a rival.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Separation {
     /// Identifier of the rival.
     pub effect: String,
@@ -112,6 +119,7 @@ pub struct Separation {
 
 /// One term of a correction: coefficient times regressor, in the axis' unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct CorrectionTerm {
     /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
     pub regressor: String,
@@ -123,6 +131,7 @@ pub struct CorrectionTerm {
 
 /// An effect that was tried and rejected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Rejected {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
@@ -132,6 +141,7 @@ pub struct Rejected {
 
 /// An effect that could not be tried.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Untested {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
@@ -141,6 +151,7 @@ pub struct Untested {
 
 /// The noise behind a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct NoiseReport {
     /// Levels with everything that was found, unit of the axis.
     pub levels: NoiseLevels,

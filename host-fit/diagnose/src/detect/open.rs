@@ -25,6 +25,7 @@ const FITTED: usize = 2;
 
 /// Something that what is left follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Lead {
     /// What it follows, in words.
     pub follows: String,

@@ -35,6 +35,7 @@ const BUILT_IN: [(&str, &str); 26] = {
 
 /// A physical effect: what it is, and how it is looked for.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Effect {
     /// Identifier, the same everywhere.
@@ -82,6 +83,7 @@ pub struct Effect {
 
 /// Where an effect shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Band {
     /// In block means.
@@ -96,6 +98,7 @@ pub enum Band {
 
 /// Which axes an effect can strike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Targets {
     /// All.
@@ -121,6 +124,7 @@ impl Targets {
 
 /// How an effect is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Search {
     /// By its regressors, in block means.
@@ -153,6 +157,7 @@ impl Search {
 
 /// One regressor of an effect.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct EffectTerm {
     /// Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`.
@@ -170,6 +175,7 @@ pub struct EffectTerm {
 
 /// The parameter of an effect, searched for on a logarithmic grid and then refined.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Parameter {
     /// Name, with the unit as its last part: `tau_s`.
@@ -185,6 +191,7 @@ pub struct Parameter {
 
 /// An effect that another is confused with.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Rival {
     /// Identifier of the rival, as `thermal_lag`.

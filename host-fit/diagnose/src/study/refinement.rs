@@ -11,6 +11,7 @@ use fos_fit::model::UnitModel;
 
 /// An axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Refinement {
     /// The axis, by its column.
     pub column: String,
@@ -23,6 +24,7 @@ pub struct Refinement {
 
 /// The logs that effects were estimated from and judged on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LogSources {
     /// The log with the hidden effect.
     pub field: Source,
@@ -39,10 +41,12 @@ pub struct LogSources {
 
 /// A state of the model, and its errors on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct RefinementStep {
     /// What was added; none in the state before.
     pub added: Option<Added>,
     /// The axis alone.
+    #[cfg_attr(feature = "page-types", ts(type = "unknown"))]
     pub model: UnitModel,
     /// All errors, on the judged rows.
     pub errors: ModelErrors,
@@ -54,6 +58,7 @@ pub struct RefinementStep {
 
 /// An effect that was added.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Added {
     /// The effect itself: the study can be read without the file it came from.
     pub effect: Effect,
@@ -66,6 +71,7 @@ pub struct Added {
 
 /// What the physical part leaves of the error, in the square of the axis' unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Left {
     /// Variance of 1-s means.
     pub slow: f64,

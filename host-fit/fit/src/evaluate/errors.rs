@@ -22,6 +22,7 @@ const PAPER_TIME_S: f64 = 3600.0;
 /// What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
 /// absent where the data are too short for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ModelErrors {
     /// Its name, as in tables.
     pub model: String,
@@ -51,6 +52,7 @@ pub struct ModelErrors {
 
 /// Coast error at one horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct CoastError {
     /// Horizon, s.
     pub horizon_s: f64,
@@ -64,6 +66,7 @@ pub struct CoastError {
 
 /// Allan deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct AllanValue {
     /// Averaging time, s.
     pub tau_s: f64,

@@ -26,6 +26,7 @@ const MAD_TO_SD: f64 = 1.4826;
 
 /// A stretch of the recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Stretch {
     /// Begin, s as stamped.
     pub begin_s: f64,

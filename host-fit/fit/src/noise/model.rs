@@ -20,6 +20,7 @@ const STATES: usize = RUNGS + 2;
 
 /// Noise levels of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct NoiseLevels {
     /// White noise (angle or velocity random walk coefficient N), unit·√s: its mean over t seconds has variance N²/t.
     pub white: f64,
@@ -33,6 +34,7 @@ pub struct NoiseLevels {
 
 /// A first-order Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct GaussMarkov {
     /// Standard deviation, the axis' unit.
     pub deviation: f64,

@@ -14,8 +14,8 @@ import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
 /** @typedef {import("./types.js").Figure} Figure */
 /** @typedef {import("./types.js").Panel} Panel */
 /** @typedef {import("./types.js").Ink} Ink */
-/** @typedef {import("./types.js").FigureAxis} FigureAxis */
-/** @typedef {import("./types.js").FigureSeries} FigureSeries */
+/** @typedef {import("./types.js").Axis} FigureAxis */
+/** @typedef {import("./types.js").Series} FigureSeries */
 /** @typedef {import("./figuredata.js").Extent} Extent */
 /** @typedef {{height?: number, heading?: "h3" | "h4" | "none"}} Looks */
 

@@ -5,7 +5,7 @@ import { isNumber, number } from "./format.js";
 
 /** @typedef {import("./types.js").Panel} Panel */
 /** @typedef {import("./types.js").Shape} Shape */
-/** @typedef {import("./types.js").Num} Num */
+/** @typedef {number | null} Num */
 /** @typedef {{low: number, high: number}} Extent */
 
 /**

@@ -5,7 +5,7 @@ import uPlot from "./vendor/uplot.esm.js";
 import { isNumber } from "./format.js";
 
 /** @typedef {import("./types.js").Shape} Shape */
-/** @typedef {import("./types.js").Num} Num */
+/** @typedef {number | null} Num */
 /** @typedef {[number, number]} Point */
 /** @typedef {{full: string, faint: string}} Colours */
 

@@ -6,7 +6,7 @@ import { number } from "./format.js";
 
 /** @typedef {import("./types.js").Panel} Panel */
 /** @typedef {import("./types.js").Shape} Shape */
-/** @typedef {import("./types.js").Num} Num */
+/** @typedef {number | null} Num */
 
 /** Rows of one series that are listed; evenly chosen from more. */
 const ROWS = 24;

@@ -3,7 +3,7 @@
 
 import { ApiError, get } from "./api.js";
 
-/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").Page} State */
 /** @typedef {{state: (state: State) => void, connected: (connected: boolean) => void, gone: () => void, failed: (error: unknown) => void}} Follower */
 
 /** First wait before trying again, ms; it doubles up to the longest. */

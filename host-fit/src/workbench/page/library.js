@@ -3,7 +3,7 @@
 
 import { get } from "./api.js";
 
-/** @typedef {import("./types.js").LibraryEffect} LibraryEffect */
+/** @typedef {import("./types.js").Card} LibraryEffect */
 
 /** @type {Map<string, LibraryEffect>} */
 const effects = new Map();

@@ -11,7 +11,7 @@ import { StudyPage } from "./studypage.js";
 import { themeSwitch } from "./theme.js";
 import { VERDICTS } from "./verdict.js";
 
-/** @typedef {import("./types.js").StudyEntry} StudyEntry */
+/** @typedef {import("./types.js").Entry} StudyEntry */
 
 const notices = new Notices();
 const job = new JobStatus((error) => notices.show(messageOf(error)));

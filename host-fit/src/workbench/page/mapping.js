@@ -4,7 +4,7 @@
 import { el, icon, replace, uniqueId } from "./dom.js";
 
 /** @typedef {import("./types.js").Preview} Preview */
-/** @typedef {import("./types.js").PreviewColumn} PreviewColumn */
+/** @typedef {import("./types.js").ColumnPreview} PreviewColumn */
 /** What a column is taken for; target null: kept under its own name; unit null: as its target says. @typedef {{column: PreviewColumn, target: string | null, unit: string | null}} Choice */
 
 const TIME = "t_s";

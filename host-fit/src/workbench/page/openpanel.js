@@ -8,7 +8,7 @@ import { MappingTable } from "./mapping.js";
 import { alertElement } from "./notices.js";
 
 /** @typedef {import("./types.js").Preview} Preview */
-/** @typedef {import("./types.js").LogEntry} LogEntry */
+/** @typedef {import("./types.js").Listed} LogEntry */
 /** @typedef {"field" | "quiet" | "judged" | "none"} Role */
 /** A log that was picked. @typedef {{path: string, preview: Preview, role: Role}} Picked */
 
@@ -158,7 +158,7 @@ export class OpenPanel {
     await this.#open({ field, quiet: path("quiet"), judged: path("judged"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
   }
 
-  /** @param {import("./types.js").NewStudy} study */
+  /** @param {import("./types.js").Wanted} study */
   async #open(study) {
     if (this.#isBusy) return;
     this.#isBusy = true;

@@ -7,7 +7,7 @@ import { whileOnPage } from "./onpage.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 
-/** @typedef {import("./types.js").Series} Series */
+/** @typedef {import("./types.js").AxisSeries} Series */
 
 const HEIGHT = 48;
 /** Pixels beside an edge that still take hold of it. */

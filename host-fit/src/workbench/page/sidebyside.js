@@ -5,7 +5,7 @@ import { el, icon } from "./dom.js";
 import { percent, quantity } from "./format.js";
 import { VERDICTS } from "./verdict.js";
 
-/** @typedef {import("./types.js").StudyEntry} StudyEntry */
+/** @typedef {import("./types.js").Entry} StudyEntry */
 
 /** Nothing for fewer than two. @param {StudyEntry[]} studies */
 export function sideBySide(studies) {

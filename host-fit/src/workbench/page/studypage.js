@@ -15,9 +15,9 @@ import { SeriesSource } from "./seriessource.js";
 import { TimeWindow } from "./timewindow.js";
 import { VERDICTS } from "./verdict.js";
 
-/** @typedef {import("./types.js").State} State */
-/** @typedef {import("./types.js").AxisState} AxisState */
-/** @typedef {import("./types.js").ViewName} ViewName */
+/** @typedef {import("./types.js").Page} State */
+/** @typedef {import("./types.js").AxisSection} AxisState */
+/** @typedef {import("./types.js").ViewKind} ViewName */
 /** A stretch that every panel shows; mark: its number among the worst. @typedef {{from: number, to: number, mark: string | null}} Chosen */
 /** What the parts draw. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName}} Scene */
 /** @typedef {{element: HTMLElement, update: (scene: Scene) => void}} Part */
@@ -223,7 +223,7 @@ function studyHead({ name, logs }) {
     field.segments > 1 ? `${field.segments} pieces, ${count(field.missing)} samples missing` : field.missing > 0 ? `${count(field.missing)} samples missing` : "no gaps",
     field.still_share === null ? null : `still for ${percent(field.still_share, 0)}`,
   ].filter((fact) => fact !== null);
-  const other = (/** @type {string} */ role, /** @type {import("./types.js").Log | null} */ log) =>
+  const other = (/** @type {string} */ role, /** @type {import("./types.js").LogSummary | null} */ log) =>
     log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
   return [
     el("h1", {}, name),

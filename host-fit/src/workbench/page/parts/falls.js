@@ -9,7 +9,7 @@ import { section } from "./section.js";
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").Refinement} Refinement */
-/** @typedef {import("../types.js").Stair} Stair */
+/** @typedef {import("../types.js").RefinementStep} Stair */
 
 /** Coast horizons that the table shows, s. */
 const HORIZONS = [1, 10, 60];

@@ -69,7 +69,7 @@ function adding({ effect, name }, offer, isBusy, { change, announce, goTo }, axi
   );
 }
 
-/** @param {string} effect @param {import("../types.js").EffectCard} card @param {string} more */
+/** @param {string} effect @param {import("../types.js").Card} card @param {string} more */
 function physics(effect, card, more) {
   const rows = [
     ["What gives it away", card.gives_away],

@@ -10,7 +10,7 @@ import { section } from "./section.js";
 import { shadesOf } from "./stretches.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
-/** @typedef {import("../types.js").ViewName} ViewName */
+/** @typedef {import("../types.js").ViewKind} ViewName */
 
 /** @type {{value: ViewName, text: string, hint: string, says: string}[]} */
 const VIEWS = [
@@ -69,7 +69,7 @@ export function measuredPart({ time, source, choose, setView }) {
     finer.hidden = !(view === "slow" && time.span < SHORT);
   };
   time.onChange(say);
-  /** @type {import("../types.js").Series | null} */
+  /** @type {import("../types.js").AxisSeries | null} */
   let strip = null;
   source.onData((drawn) => {
     empty.hidden = drawn !== null;

@@ -10,7 +10,7 @@ import { section } from "./section.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
-/** @typedef {import("../types.js").Replay} Replay */
+/** @typedef {import("../types.js").Replayed} Replay */
 
 const FORMATS = [
   { format: "image", name: "Model image", says: "What a device stores and runs" },
@@ -107,15 +107,15 @@ function commandElement(command, key, announce) {
   return el("div", { class: "command" }, el("pre", { tabindex: 0 }, el("code", {}, command)), copy);
 }
 
-/** @param {import("../types.js").Num | undefined} square */
+/** @param {number | null | undefined} square */
 const root = (square) => (typeof square === "number" ? Math.sqrt(square) : null);
 
-/** @param {HTMLElement} host @param {Replay} replay @param {import("../types.js").State} state @param {(text: string) => void} announce */
+/** @param {HTMLElement} host @param {Replay} replay @param {import("../types.js").Page} state @param {(text: string) => void} announce */
 function drawReplay(host, { log, summary, command }, state, announce) {
   const named = (/** @type {string} */ column) => state.axes.find((axis) => axis.column === column);
-  const row = (/** @type {import("../types.js").ReplayAxis} */ axis) => {
+  const row = (/** @type {import("../types.js").AxisSummary} */ axis) => {
     const unit = named(axis.column)?.unit ?? "";
-    const write = (/** @type {import("../types.js").Num} */ value) => (axis.innovations === 0 ? "–" : quantity(value, unit));
+    const write = (/** @type {number | null} */ value) => (axis.innovations === 0 ? "–" : quantity(value, unit));
     return el(
       "tr",
       { "data-axis": axis.column },

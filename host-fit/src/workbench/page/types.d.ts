@@ -1,0 +1,828 @@
+// What the server answers with, from its Rust types. Written by
+// FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types
+
+/** An effect that was added. */
+export type Added = {
+/** The effect itself: the study can be read without the file it came from. */
+effect: Effect,
+/** What it was found to be, with the reduction that is predicted. */
+finding: Finding,
+/** The reduction that was measured, in the band of the effect. */
+realised_fall: number, };
+
+/** Allan deviation at one averaging time. */
+export type AllanValue = {
+/** Averaging time, s. */
+tau_s: number,
+/** Deviation, in the axis' unit. */
+deviation: number, };
+
+/** An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones). */
+export type Axis = {
+/** Quantity and unit, as in `Rate (rad/s)`. */
+label: string,
+/** Spacing of the values. */
+scale: Scale,
+/** Names of the values 0, 1, …, in place of numbers. */
+names: Array<string>, };
+
+/** One axis against the measurements. */
+export type AxisComparison = {
+/** As in the log format, as `gx_rads`. */
+column: string,
+/** Unit of the column; errors are in its square. */
+unit: string,
+/** Rows at rest that were judged. */
+rows: number,
+/** What no causal predictor can beat, in the square of the unit, and its 95 % interval. */
+noise_floor: [number, [number, number]] | null,
+/** Why the floor should not be trusted. */
+floor_cautions: Array<string>,
+/** The rivals, then the model. */
+errors: Array<ModelErrors>,
+/** The five stretches where the model fails worst. */
+worst: Array<Stretch>,
+/** What is left against everything that is logged; absent where that is too little to tell. */
+dependence: Dependence | null, };
+
+/** An axis in a list. */
+export type AxisEntry = { column: string, label: string, unit: string, sentence: string | null,
+/** Effects that were added, in order. */
+added: Array<string>,
+/** Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the unit. */
+slow_before: number | null, slow_now: number | null, };
+
+/** One axis. */
+export type AxisSection = {
+/** As in the log format, as `gx_rads`. */
+column: string,
+/** As in `gyro x`. */
+label: string,
+/** Unit of the column, as `rad/s`. */
+unit: string,
+/** Its model as it is now. */
+model: ModelSummary | null,
+/** The model as it is now against the field log. */
+comparison: AxisComparison | null,
+/** First and last time stamp that the comparison is of, s. */
+judged_s: [number, number] | null,
+/** What is missing from the model as it is now. */
+diagnosis: Diagnosis | null,
+/** One for each finding of the diagnosis. */
+offers: Array<Offer>,
+/** Every step of the model, with its errors. */
+growth: Refinement | null,
+/** The same as a figure. */
+staircase: Figure | null, };
+
+export type AxisSeries = { axis: string, unit: string, from_s: number, to_s: number,
+/** Of the samples, or of the means. */
+period_s: number,
+/** Every sample is there; else each entry is a bucket. */
+exact: boolean,
+/** Stamps, or middles of buckets, s. */
+time_s: Array<number>,
+/** As logged, less the reference where there is one. */
+measured: Extremes,
+/** Measured less what is left; none without a model. */
+predicted: Extremes | null,
+/** What is left. */
+left: Extremes | null, };
+
+/** One axis of a replay. */
+export type AxisSummary = {
+/** As in the log format, as `gx_rads`. */
+column: string,
+/** Rows with an innovation. */
+innovations: number,
+/** Root mean square of the innovations in f32, in the axis' unit. */
+innovation_rms_f32: number | null,
+/** The same in f64. */
+innovation_rms_f64: number | null,
+/** Largest difference between the two, in the axis' unit. */
+largest_difference: number | null,
+/** Share of the tracked rows whose correction is valid, and does not lead away from gravity. */
+valid_share: number | null,
+/** What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests. */
+errors: ModelErrors | null, };
+
+/** Where an effect shows. */
+export type Band = "slow" | "wide" | "data" | "stochastic";
+
+/** What a page is told without asking. */
+export type Beat = { revision: number, job: Job | null, };
+
+/** What is left in one bin of a channel. */
+export type Bin = {
+/** Mean of the channel in it. */
+channel: number,
+/** Blocks in it. */
+blocks: number,
+/** Plain mean of what is left, in the axis' unit. */
+mean: number,
+/** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves of
+ * it (generalised least squares). */
+level: number,
+/** Half of the 95 % interval of `level`, under noise as it is coloured. */
+half_width: number, };
+
+/** What is left, bin by bin. */
+export type Bins = {
+/** All blocks, by ascending value of the channel. */
+all: Array<Bin>,
+/** Blocks where the channel rises; only of a temperature. */
+rising: Array<Bin>,
+/** Blocks where it falls. */
+falling: Array<Bin>, };
+
+/** An effect in plain language: texts of the library. */
+export type Card = {
+/** As in the library, as `thermal_lag`. */
+id: string,
+/** Name, as in a sentence. */
+name: string,
+/** In block means, in single samples, in the data themselves, or as noise. */
+band: Band,
+/** What happens in the sensor. */
+mechanism: string,
+/** The error it makes. */
+equation: string,
+/** How large it is on phone-class parts. */
+typical_size: string,
+/** Where that comes from. */
+source: string,
+/** Which experiment shows it. */
+experiment: string,
+/** What in a plot gives it away. */
+gives_away: string,
+/** What it costs on the device, in words. */
+device: string, };
+
+/** One stretch of the log in one band. */
+export type Cell = {
+/** Begin, s as stamped. */
+begin_s: number,
+/** End, s. */
+end_s: number,
+/** Lower end of the band, Hz. */
+low_hz: number,
+/** Upper end, Hz. */
+high_hz: number,
+/** Power over the usual in this band. */
+times: number,
+/** Degrees of freedom of that power where it is noise. */
+freedom: number,
+/** Chance of so much power somewhere where nothing is wrong anywhere: allowing for all cells (Bonferroni). */
+p: number, };
+
+/** What is left of an axis, against one channel. */
+export type ChannelDependence = {
+/** Its column, as `temp_c`. */
+channel: string,
+/** Unit that the channel's values are in. */
+unit: string,
+/** A curve of the channel against a constant. */
+curve: Test,
+/** p of the curve after allowing for all channels (Bonferroni). */
+p_of_all: number,
+/** What is left by value of the channel. */
+bins: Bins,
+/** What is left by delay of the channel. */
+lag: LagProfile, };
+
+/** Coast error at one horizon. */
+export type CoastError = {
+/** Horizon, s. */
+horizon_s: number,
+/** Mean square error after exactly that time. */
+mse: number,
+/** Standard error of the mean, coasts taken as independent of one another. */
+standard_error: number,
+/** Coasts that it is the mean of. */
+origins: number, };
+
+/** A column of a file, and what it may be. */
+export type ColumnPreview = {
+/** As the file has it. */
+name: string,
+/** The same as it stands in an entry of a column map. */
+quoted: string,
+/** Its first values. */
+values: Array<string>,
+/** The channel that it seems to be. */
+target: string | null,
+/** The unit that it seems to be in. */
+unit: string | null,
+/** The column map entry for that; none where the name says all. */
+spec: string | null,
+/** What the guess rests on. */
+why: string,
+/** Whether its name alone settles it. */
+sure: boolean, };
+
+/** A channel of a log. */
+export type ColumnSummary = {
+/** Its column, as `gx_rads`. */
+name: string,
+/** Unit that its values are in, as `rad/s`. */
+unit: string, };
+
+/** One term of a correction: coefficient times regressor, in the axis' unit. */
+export type CorrectionTerm = {
+/** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log. */
+regressor: string,
+/** Coefficient, unit of the axis per unit of the product. */
+coefficient: number,
+/** Its standard error. */
+standard_error: number, };
+
+/** What the terms and inputs of an axis cost; the axis itself and what all axes share come on top. */
+export type Cost = {
+/** Physical and stochastic together. */
+terms: number,
+/** Factors of all terms. */
+factors: number,
+/** Inputs. */
+inputs: number,
+/** RAM of terms and inputs, bytes. */
+ram_bytes: number,
+/** Instructions a sample, about. */
+instructions: number, };
+
+/** One delay. */
+export type Delay = {
+/** The delay, s. */
+delay_s: number,
+/** By how much 2 ln L rises with the delayed channel as a linear term; the same noise levels for all delays. */
+gain: number,
+/** Its coefficient, the axis' unit per unit of the channel. */
+slope: number,
+/** Standard error of the coefficient. */
+slope_error: number, };
+
+/** What is left of an axis, against everything that is logged. */
+export type Dependence = {
+/** Length of the blocks that means were taken over, s. */
+block_s: number,
+/** Blocks with enough data. */
+blocks: number,
+/** The noise, with no channel taken into account. */
+noise: NoiseLevels,
+/** The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is less
+ * sure. */
+learnt: boolean,
+/** Every channel that changes, least likely first. */
+channels: Array<ChannelDependence>,
+/** Power by time and frequency. */
+power: PowerMap, };
+
+/** What is missing from a model on a log. */
+export type Diagnosis = {
+/** The column that was explained. */
+target: string,
+/** Unit of the column, which noise and corrections are in. */
+unit: string,
+/** The outcome. */
+verdict: Verdict,
+/** The outcome in a sentence. */
+sentence: string,
+/** What is missing, best first. */
+findings: Array<Finding>,
+/** What else the log follows; leads and no findings. */
+leads: Array<Lead>,
+/** Effects that were tried and rejected, with their score; the nearest first. */
+rejected: Array<Rejected>,
+/** Effects that could not be tried, with the columns that would be needed. */
+untested: Array<Untested>,
+/** The noise levels that the evidence rests on. */
+noise: NoiseReport,
+/** Why the answer should be taken with care. */
+cautions: Array<string>, };
+
+/** A physical effect: what it is, and how it is looked for. */
+export type Effect = {
+/** Identifier, the same everywhere. */
+id: string,
+/** Name, as in a sentence. */
+name: string,
+/** In block means, in single samples, in the data themselves, or as noise. */
+band: Band,
+/** Which axes it can strike. */
+targets: Targets,
+/** How it is looked for. */
+search: Search,
+/** Any of its terms alone is the effect too: those that explain nothing are left out. */
+any_terms: boolean,
+/** What happens in the sensor. */
+mechanism: string,
+/** The error it makes. */
+equation: string,
+/** How large it is on phone-class parts. */
+typical_size: string,
+/** Where that comes from. */
+source: string,
+/** Which experiment shows it. */
+experiment: string,
+/** What in a plot gives it away. */
+gives_away: string,
+/** What it costs on the device. */
+device: string,
+/** Terms whose coefficients are fitted; none where it is not looked for by regression. */
+terms: Array<EffectTerm>,
+/** The parameter that is searched for. */
+parameter: Parameter | null,
+/** What it is confused with, the most similar first. */
+confused_with: Array<Rival>, };
+
+/** One regressor of an effect. */
+export type EffectTerm = {
+/** Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`. */
+regressor: string,
+/** Axes that it can strike, among those of the effect. */
+targets: Targets,
+/** Unit of its coefficient for a gyro. */
+gyro: string | null,
+/** Unit of its coefficient for an accelerometer. */
+accelerometer: string | null, };
+
+/** A study in a list. */
+export type Entry = { id: number, name: string, verdict: Verdict | null, working: boolean,
+/** The axis that is looked at, with what is known of it: what studies are held side by side by. */
+axis: AxisEntry | null, };
+
+/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
+ * screen shows, half the size of what a browser has to read. */
+export type Extremes = { low: Array<number | null>, high: Array<number | null>, };
+
+/** A picture of one or more panels below each other. */
+export type Figure = {
+/** Headline. */
+title: string,
+/** From top to bottom. Panels that show the same x range line up. */
+panels: Array<Panel>, };
+
+/** A missing effect. */
+export type Finding = {
+/** As in the library, as `thermal_lag`. */
+effect: string,
+/** As in a sentence. */
+name: string,
+/** In block means, in single samples, in the data themselves, or as noise. */
+band: Band,
+/** Its parameter, by name. */
+params: { [key in string]: number },
+/** 95 % intervals of the parameters, where they are known. */
+params_interval: { [key in string]: [number | null, number | null] },
+/** Its size in data-sheet units, one per regressor. */
+sizes: Array<Size>,
+/** By how much −2 ln L falls with it. */
+gain: number,
+/** The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15). */
+score: number,
+/** Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide). */
+expected_drop: number,
+/** Its 90 % interval. */
+expected_drop_ci: [number, number],
+/** The reduction that was measured on the log that was given to judge on, those before it in the model. */
+realised_fall?: number | null,
+/** Effects that this log cannot tell from it. */
+confounded_with: Array<string>,
+/** The experiments that separate them. */
+separate: Array<Separation>,
+/** The column against which it shows best, if any. */
+shows_against: string | null,
+/** Where in the log it is largest: begin and end, s as stamped. */
+shows_from_to_s: [number, number] | null,
+/** Its regressors and their coefficients in SI, as the model takes them. */
+correction: Array<CorrectionTerm>,
+/** Limits that inputs are kept inside, by their text: how far a curve may be followed. */
+limits: { [key in string]: [number, number] }, };
+
+/** A first-order Gauss-Markov process. */
+export type GaussMarkov = {
+/** Standard deviation, the axis' unit. */
+deviation: number,
+/** Correlation time, s. */
+tau_s: number, };
+
+/** The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more than a
+ * sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses. */
+export type Gravity = {
+/** Rests. */
+rests: number,
+/** Rows at rest. */
+rows: number,
+/** Rests that most rows of are away from gravity. */
+rests_away: number,
+/** Rows that are. */
+rows_away: number, };
+
+/** Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
+ * Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision. */
+export type Ink = "Measured" | "Predicted" | "Residual" | "Floor" | "Bound" | "Other" | { "Step": number } | { "Method": number };
+
+/** What a job is doing. */
+export type Job = {
+/** As in `fitting gyro x`. */
+what: string,
+/** Steps done. */
+done: number | null,
+/** Steps in all; none where that is not known. */
+of: number | null,
+/** Somebody waits for it, or for what comes after it: what else could be asked for should wait for the answer. */
+asked_for: boolean, };
+
+/** How it is known where the unit is still. */
+export type KnownBy = "column" | "detector" | "assumed";
+
+/** The profile over delays. */
+export type LagProfile = {
+/** By ascending delay. */
+delays: Array<Delay>,
+/** The delay that explains most, s. */
+best_s: number,
+/** The shortest and longest delay that the log does not tell from it, s. */
+possible_s: [number, number],
+/** A linear term with that delay, noise levels fitted along. */
+test: Test,
+/** Its p after allowing for all delays (Bonferroni). */
+p: number, };
+
+/** Something that what is left follows. */
+export type Lead = {
+/** What it follows, in words. */
+follows: string,
+/** By how much −2 ln L falls with it. */
+gain: number,
+/** The gain after the price of its coefficients and of everything that was tried. */
+score: number,
+/** Its share of the variance of the block means of what is left. */
+share: number, };
+
+/** What the physical part leaves of the error, in the square of the axis' unit. */
+export type Left = {
+/** Variance of 1-s means. */
+slow: number,
+/** Variance of the samples. */
+wide: number,
+/** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the model's bias is
+ * off by. Absent where the log does not tell, and in studies from before it was kept. */
+bias?: number | null, };
+
+/** A log that may be opened. */
+export type Listed = {
+/** As it is opened. */
+path: string,
+/** Size. */
+bytes: number, };
+
+/** The logs that effects were estimated from and judged on. */
+export type LogSources = {
+/** The log with the hidden effect. */
+field: Source,
+/** A quiet log that the noise was learnt from. */
+quiet: Source | null,
+/** The log that the errors are of; none: the rows of the field log from `fitted_rows` on. */
+judged: Source | null,
+/** Rows of the field log that effects are estimated from, from the first on. */
+fitted_rows: number,
+/** Which column is which channel, in what unit. */
+columns: Array<string>,
+/** Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps. */
+rate_hz?: number, };
+
+/** A log in a few facts. */
+export type LogSummary = {
+/** Where it was read from. */
+path: string,
+/** Digest of the file. */
+sha256: string,
+/** Samples that were read, of all segments together. */
+rows: number,
+/** From the first sample to the last, s. */
+seconds: number,
+/** First stamp, s. */
+from_s: number,
+/** Last stamp, s. */
+to_s: number,
+/** True sample rate, Hz. */
+rate_hz: number,
+/** Stretches without gaps. */
+segments: number,
+/** Samples missing between them. */
+missing: number,
+/** Share of the rows in which the unit is still. */
+still_share: number,
+/** How that is known. */
+still_known_by: KnownBy,
+/** Its channels. */
+columns: Array<ColumnSummary>,
+/** What was wrong with it, a line each. */
+quality: Array<string>, };
+
+/** What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
+ * absent where the data are too short for it. */
+export type ModelErrors = {
+/** Its name, as in tables. */
+model: string,
+/** Mean square of measured − predicted from measured history, on the raw samples. */
+one_step_mse: number,
+/** The same from own history after exactly 1 s, 10 s and 60 s. */
+coast: Array<CoastError>,
+/** The same from own history over all judged rows, never starting anew. */
+coast_whole_mse: number,
+/** Variance of 1-s block means of what is left, one-step, while still. */
+slow_error_one_step: number | null,
+/** Variance of 1-s block means of what is left, coasting for at most 60 s, while still. */
+slow_error_coast: number | null,
+/** Variance of the samples of what is left, one-step, while still. */
+wide_error_one_step: number,
+/** Variance of the samples of what is left, coasting for at most 60 s, while still. */
+wide_error_coast: number,
+/** The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro. */
+position_error_m: number | null,
+/** Allan deviation of what is left when coasting for at most 60 s. */
+allan: Array<AllanValue>,
+/** The one-step MSE is below the noise floor: not to be trusted. */
+below_noise_floor: boolean,
+/** Rows whose prediction came with a caution (out of range, stuck, saturated, not finite, …). */
+cautions: number, };
+
+/** The model of an axis in words. */
+export type ModelSummary = {
+/** Physical and stochastic together. */
+terms: number,
+/** Candidates that were searched. */
+candidates: number,
+/** By which method. */
+method: string,
+/** Why the search stopped. */
+stopped: string,
+/** Terms of the stochastic part, in the order of their selection. */
+monomials: Array<string>,
+/** Terms of the physical part. */
+physical: Array<PhysicalTerm>, };
+
+/** A figure, by what the page looks for it by: `residual`, `against:temp_c`. */
+export type NamedFigure = { name: string, figure: Figure, };
+
+/** Noise levels of an axis. */
+export type NoiseLevels = {
+/** White noise (angle or velocity random walk coefficient N), unit·√s: its mean over t seconds has variance N²/t. */
+white: number,
+/** Flicker noise: bias instability B, the axis' unit. */
+flicker: number,
+/** Random walk of the bias (rate random walk coefficient K), unit/√s. */
+walk: number,
+/** A further Gauss-Markov process beyond those that make the flicker. */
+gauss_markov: GaussMarkov | null, };
+
+/** The noise behind a diagnosis. */
+export type NoiseReport = {
+/** Levels with everything that was found, unit of the axis. */
+levels: NoiseLevels,
+/** Where they were learnt from. */
+learnt_from: string,
+/** Length of the blocks that slow effects were looked for in, s. */
+block_s: number,
+/** How many blocks there are. */
+blocks: number, };
+
+/** An effect that was found, to be added or not. */
+export type Offer = {
+/** As in the library, as `thermal_lag`. */
+effect: string,
+/** Whether something of it can be taken off sample by sample. */
+can_be_added: boolean,
+/** What to do instead. */
+why_not: string | null,
+/** The physics. */
+card: Card,
+/** What the model would cost more on the device. */
+cost: Cost | null,
+/** What speaks for it. */
+evidence: Figure | null, };
+
+/** All that a page shows of a study, but for what is drawn sample by sample. */
+export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null, axis: string | null, axes: Array<AxisSection>, commands: Array<string>, };
+
+/** One pair of axes and what is drawn in it. */
+export type Panel = {
+/** What this panel shows, beside the legend. */
+title: string,
+/** Horizontal axis. */
+x: Axis,
+/** Vertical axis. */
+y: Axis,
+/** Drawn in this order, later ones on top. */
+series: Array<Series>,
+/** Ranges of x set apart by a shaded background. */
+shading: Shading, };
+
+/** The parameter of an effect, searched for on a logarithmic grid and then refined. */
+export type Parameter = {
+/** Name, with the unit as its last part: `tau_s`. */
+name: string,
+/** Unit that `low` and `high` are in; empty for a plain number. */
+unit: string,
+/** Least value looked for. */
+low: number,
+/** Largest value looked for. */
+high: number, };
+
+/** A term of the physical part. */
+export type PhysicalTerm = {
+/** The product of inputs. */
+term: string,
+/** Coefficient, unit of the axis per unit of the product. */
+coefficient: number, };
+
+/** Power over time and frequency. */
+export type PowerMap = {
+/** Cells in which enough is known, band by band, ascending in time. */
+cells: Array<Cell>, };
+
+/** The columns of a file, and what they may be. */
+export type Preview = {
+/** In the order of the file. */
+columns: Array<ColumnPreview>,
+/** Channels that a column can be. */
+targets: Array<string>,
+/** Units that each of them may come in, the SI unit first. */
+units: { [key in string]: Array<string> }, };
+
+/** An axis of a study that effects were added to. */
+export type Refinement = {
+/** The axis, by its column. */
+column: string,
+/** The logs behind it. */
+logs: LogSources,
+/** The model before anything was added, then after each effect. */
+stairs: Array<RefinementStep>, };
+
+/** A state of the model, and its errors on rows that were not fitted. */
+export type RefinementStep = {
+/** What was added; none in the state before. */
+added: Added | null,
+/** The axis alone. */
+model: unknown,
+/** All errors, on the judged rows. */
+errors: ModelErrors,
+/** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
+left: Left,
+/** What the axis costs on the device. */
+cost: Cost, };
+
+/** An effect that was tried and rejected. */
+export type Rejected = {
+/** As in the library, as `thermal_lag`. */
+effect: string,
+/** Its score alone on the log. */
+score: number, };
+
+/** What the exported image does on the log that errors are of. */
+export type Replayed = {
+/** Path of the log. */
+log: string, summary: Summary,
+/** The command line that says the same. */
+command: string,
+/** Size of the image. */
+bytes: number, };
+
+/** An effect that another is confused with. */
+export type Rival = {
+/** Identifier of the rival, as `thermal_lag`. */
+effect: string,
+/** The experiment that separates the two. */
+separate: string, };
+
+/** Spacing of the values along an axis. */
+export type Scale = "Linear" | "Log";
+
+/** How an effect is looked for. */
+export type Search = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk";
+
+/** The experiment that tells a finding from a rival. */
+export type Separation = {
+/** Identifier of the rival. */
+effect: string,
+/** The experiment. */
+experiment: string, };
+
+/** Numbers to draw, all of one kind. */
+export type Series = {
+/** Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
+ * none with an empty one. */
+label: string,
+/** Whose numbers these are; decides the colour. */
+ink: Ink,
+/** The numbers, and how they are joined. */
+shape: Shape, };
+
+/** One shaded range. */
+export type ShadedRange = {
+/** Left end, in units of x. */
+from: number,
+/** Right end, in units of x. */
+to: number,
+/** Short text at its top, a number for instance. */
+mark: string, };
+
+/** Shaded ranges of x with one legend entry for all of them. */
+export type Shading = {
+/** Text in the legend. */
+label: string,
+/** What is shaded. */
+ranges: Array<ShadedRange>, };
+
+/** How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left out. */
+export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
+
+/** A coefficient in data-sheet units. */
+export type Size = {
+/** The regressor. */
+of: string,
+/** In `unit`. */
+value: number,
+/** 95 % interval; in JSON an end that is not finite is null. */
+interval: [number | null, number | null],
+/** As data sheets state it; `value` and `interval` are in it. */
+unit: string, };
+
+/** The file a recording was read from. */
+export type Source = {
+/** Path as it was given; for data that never were a file, what made them. */
+path: string,
+/** Size of the file, bytes (0: not a file). */
+bytes: number,
+/** SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file). */
+sha256: string,
+/** Where it lies as seen from the folder of the study that names it; none where no study does, or an older one. */
+from_study?: string | null, };
+
+/** A stretch of the recording. */
+export type Stretch = {
+/** Begin, s as stamped. */
+begin_s: number,
+/** End, s as stamped. */
+end_s: number,
+/** Root mean square of what is left, coasting for at most 60 s, in the axis' unit. */
+rms: number,
+/** Mean of what is left. */
+mean: number,
+/** `rms` over that of the median stretch. */
+ratio: number,
+/** What is special there, most striking first; empty if nothing logged is. */
+special: Array<string>, };
+
+/** The logs in a few facts. */
+export type Summaries = { field: LogSummary, quiet: LogSummary | null, judged: LogSummary | null, };
+
+/** Counts and digests of a replay. */
+export type Summary = {
+/** Rows that the model was run over. */
+rows: number,
+/** Rows that were tracked; the others were coasted. */
+tracked: number,
+/** How it is known which. */
+still_known_by: KnownBy,
+/** One for each axis of the image. */
+axes: Array<AxisSummary>,
+/** Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model. */
+gravity: Gravity | null,
+/** CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits. */
+innovations_digest: string,
+/** CRC-64 of all innovations, corrected values and validities. */
+corrections_digest: string, };
+
+/** Which axes an effect can strike. */
+export type Targets = "any" | "gyro" | "accelerometer";
+
+/** Whether further regressors explain more than noise would let them. */
+export type Test = {
+/** Coefficients. */
+terms: number,
+/** 2Δ ln L, the noise levels fitted with and without them. */
+gain: number,
+/** The gain less `terms`·ln(blocks), the price of coefficients (Schwarz 1978). */
+score: number,
+/** How many independent samples the data and the prior together are worth, for the noise where the regressors are. */
+effective_samples: number,
+/** Chance of such a gain where nothing depends on anything. */
+p: number, };
+
+/** An effect that could not be tried. */
+export type Untested = {
+/** As in the library, as `thermal_lag`. */
+effect: string,
+/** What of its columns the log does not have, in words: that they are not there, begin too late, never change. */
+needs: Array<string>, };
+
+/** The outcome in one word. */
+export type Verdict = "missing" | "nothing_missing" | "unexplained";
+
+/** What is shown beside the measurements. */
+export type ViewKind = "one_step" | "coast" | "slow";
+
+/** What a new study is of. */
+export type Wanted = { example?: boolean, field?: string | null, quiet?: string | null, judged?: string | null, columns?: Array<string>, rate_hz?: number | null, };
