@@ -2,8 +2,9 @@
 // How numbers and axes are written; needs no browser.
 
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { test } from "node:test";
-import { count, firstSentence, number, percent, quantity } from "../../host-fit/src/workbench/page/format.js";
+import { count, firstSentence, number, percent, quantity, raised } from "../../host-fit/src/workbench/page/format.js";
 import { linearTicks, logTicks } from "../../host-fit/src/workbench/page/ticks.js";
 
 const spaced = (/** @type {string} */ text) => text.replaceAll("\u202f", " ");
@@ -36,17 +37,34 @@ test("a first sentence ends where the next begins", () => {
   assert.deepEqual(firstSentence("One only."), ["One only.", ""]);
 });
 
-test("even marks are round, inside, and share one power of ten", () => {
-  assert.deepEqual(linearTicks(-2.4, 2.4, 5).map((tick) => tick.label), ["−2", "−1", "0", "1", "2"]);
-  assert.deepEqual(linearTicks(0.02, 0.09, 4).map((tick) => tick.label), ["0.02", "0.04", "0.06", "0.08"]);
-  assert.deepEqual(linearTicks(-6e-5, 11e-5, 4).map((tick) => tick.label), ["−0.5×10⁻⁴", "0", "0.5×10⁻⁴", "1.0×10⁻⁴"]);
-  for (const tick of linearTicks(-0.37, 12.2, 7)) assert.ok(tick.value >= -0.37 && tick.value <= 12.2);
-  assert.deepEqual(linearTicks(1, 1, 5), []);
+/** A label of the table in the page's notation. @param {string} label @param {string} scale */
+function onPage(label, scale) {
+  const [mantissa, exponent] = label.split("e");
+  if (exponent === undefined) return label;
+  const power = `10${raised(Number(exponent.replace("−", "-")))}`;
+  return scale === "Log" && mantissa === "1" ? power : `${mantissa}×${power}`;
+}
+
+test("an axis has the marks that a picture of the program has", async () => {
+  const table = new URL("../../host-fit/src/figures/ticks.json", import.meta.url);
+  /** @type {{scale: string, low: number, high: number, count: number, values: number[], labels: string[]}[]} */
+  const cases = JSON.parse(await readFile(table, "utf8"));
+  for (const { scale, low, high, count, values, labels } of cases) {
+    const named = (scale === "Log" ? logTicks : linearTicks)(low, high, count).filter((tick) => tick.label);
+    assert.deepEqual(named.map((tick) => tick.label), labels.map((label) => onPage(label, scale)));
+    for (const [at, { value }] of named.entries()) {
+      const wanted = Number(values[at]);
+      // each is a few roundings from its decimal
+      assert.ok(Math.abs(value - wanted) <= 1e-12 * Math.abs(wanted), `${value} is not ${wanted}`);
+    }
+  }
 });
 
-test("logarithmic marks are decades, subdivided where there is room", () => {
-  const labelled = (/** @type {import("../../host-fit/src/workbench/page/ticks.js").Tick[]} */ ticks) => ticks.map((tick) => tick.label).filter((label) => label);
-  assert.deepEqual(labelled(logTicks(1e-10, 1e-4, 4)), ["10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴"]);
-  assert.deepEqual(labelled(logTicks(0.9, 110, 8)), ["1", "2", "5", "10", "20", "50", "100"]);
+test("what a chart alone is asked for: few pixels, single samples late in a log, and nothing", () => {
+  assert.deepEqual(linearTicks(0, 3600, 1).map((tick) => tick.label), ["0", "1000", "2000", "3000"]);
+  assert.deepEqual(linearTicks(1000, 1000.0021, 4).map((tick) => tick.label), ["1000.000", "1000.001", "1000.002"]);
+  assert.deepEqual(linearTicks(1000, 1000.0011, 5).map((tick) => tick.label), ["1000.0000", "1000.0005", "1000.0010"]);
+  for (const tick of linearTicks(-0.37, 12.2, 7)) assert.ok(tick.value >= -0.37 && tick.value <= 12.2);
+  assert.deepEqual(linearTicks(1, 1, 5), []);
   assert.deepEqual(logTicks(0, 1, 4), []);
 });

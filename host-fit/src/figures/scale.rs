@@ -1,4 +1,4 @@
-//! From values to positions along an axis, and where its ticks go.
+//! From values to positions along an axis, and where its ticks go; for the page, `workbench/page/ticks.js` says the same.
 
 use super::Scale;
 
@@ -134,25 +134,35 @@ fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
 mod tests {
     use super::*;
 
-    fn labels(low: f64, high: f64, scale: Scale) -> Vec<String> {
-        Extent { low, high, scale }.ticks(5).into_iter().filter_map(|tick| tick.label).collect()
+    /// An axis, and what of it is named: the page's chart code is held to the same table (tests/browser/numbers.test.js).
+    #[derive(serde::Deserialize)]
+    struct Case {
+        scale: String,
+        low: f64,
+        high: f64,
+        count: usize,
+        values: Vec<f64>,
+        labels: Vec<String>,
     }
 
     #[test]
-    fn labels_have_the_digits_that_tell_them_apart() {
-        assert_eq!(labels(0.0, 1.0, Scale::Linear), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(0.0, 3600.0, Scale::Linear), ["0", "1000", "2000", "3000"]);
-        assert_eq!(labels(-2.2e-4, 2.2e-4, Scale::Linear), ["−2e−4", "−1e−4", "0", "1e−4", "2e−4"]);
-        assert_eq!(labels(9.801, 9.809, Scale::Linear), ["9.802", "9.804", "9.806", "9.808"]);
-        assert_eq!(labels(-0.9e6, 1.1e6, Scale::Linear), ["−0.5e6", "0", "0.5e6", "1.0e6"]);
-    }
-
-    #[test]
-    fn logarithmic_axes_are_labelled_by_decades() {
-        assert_eq!(labels(0.005, 120.0, Scale::Log), ["0.01", "0.1", "1", "10", "100"]);
-        assert_eq!(labels(1e-10, 1e-2, Scale::Log), ["1e−10", "1e−8", "1e−6", "1e−4", "1e−2"]);
-        assert_eq!(labels(0.9, 30.0, Scale::Log), ["1", "2", "5", "10", "20"]);
-        assert_eq!(labels(1.1e-4, 1.9e-4, Scale::Log), ["1.2e−4", "1.4e−4", "1.6e−4", "1.8e−4"]);
+    fn axes_are_marked_as_in_the_table_that_the_page_is_held_to() {
+        let cases: Vec<Case> = serde_json::from_str(include_str!("ticks.json")).unwrap();
+        for Case { scale, low, high, count, values, labels } in cases {
+            let scale = if scale == "Log" { Scale::Log } else { Scale::Linear };
+            let extent = Extent { low, high, scale };
+            let named: Vec<(f64, String)> =
+                extent.ticks(count).into_iter().filter_map(|tick| Some((tick.value, tick.label?))).collect();
+            assert_eq!(
+                named.iter().map(|(_, label)| label).collect::<Vec<_>>(),
+                labels.iter().collect::<Vec<_>>()
+            );
+            assert_eq!(values.len(), named.len(), "{extent:?}");
+            for (value, (drawn, _)) in values.iter().zip(&named) {
+                // each is a few roundings from its decimal
+                assert!((value - drawn).abs() <= 1e-12 * value.abs(), "{drawn} is not {value}: {extent:?}");
+            }
+        }
     }
 
     #[test]

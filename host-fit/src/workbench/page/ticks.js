@@ -1,5 +1,6 @@
 // @ts-check
-// Where an axis is marked, and with which texts.
+// Where an axis is marked, and with which texts: the same marks as in a picture of the program (host-fit/src/figures/scale.rs), which
+// cannot know how wide a panel is here, nor what a chart is zoomed to. Both are held to host-fit/src/figures/ticks.json.
 
 import { raised } from "./format.js";
 
@@ -41,33 +42,37 @@ function evenLabels(step, largest) {
 }
 
 /**
- * Marks on a logarithmic axis: decades, with 2 and 5 where there is room, and even numbers where it is less than one.
- * Marks without a text subdivide.
+ * Marks on a logarithmic axis: decades, with 2 and 5 where there is room, and even numbers where fewer than two of these would be
+ * named. Marks without a text subdivide.
  * @param {number} low @param {number} high @param {number} count
  * @returns {Tick[]}
  */
 export function logTicks(low, high, count) {
   const decades = Math.log10(high / low);
   if (!(decades > 0) || !Number.isFinite(decades)) return [];
-  if (decades < 0.8) return linearTicks(low, high, count).filter((tick) => tick.value > 0);
-  const labelled = decades * 3 <= count * 1.5 ? [1, 2, 5] : [1];
-  const every = Math.max(1, Math.ceil(decades / Math.max(count, 1)));
+  const room = Math.floor(Math.max(count, 0)) + 2;
+  const labelled = 3 * decades <= room ? [1, 2, 5] : [1];
+  const every = Math.max(1, Math.ceil(decades / room));
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  // one notation for all labels of an axis
+  const isPlain = first >= -3 && last <= 4;
   /** @type {Tick[]} */
   const ticks = [];
-  for (let exponent = Math.floor(Math.log10(low)); exponent <= Math.ceil(Math.log10(high)); exponent += 1) {
+  for (let exponent = first; exponent <= last; exponent += 1) {
     for (let digit = 1; digit < 10; digit += 1) {
       const value = Number(`${digit}e${exponent}`);
       if (value < low * 0.999999 || value > high * 1.000001) continue;
       const named = labelled.includes(digit) && exponent % every === 0;
-      if (named || decades < 3) ticks.push({ value, label: named ? powerLabel(digit, exponent) : "" });
+      if (named || decades < 3) ticks.push({ value, label: named ? powerLabel(digit, exponent, isPlain) : "" });
     }
   }
+  if (ticks.filter((tick) => tick.label).length < 2) return linearTicks(low, high, count).filter((tick) => tick.value > 0);
   return ticks;
 }
 
-/** @param {number} digit @param {number} exponent */
-function powerLabel(digit, exponent) {
-  if (exponent >= -2 && exponent <= 4) return String(Number(`${digit}e${exponent}`));
+/** @param {number} digit @param {number} exponent @param {boolean} isPlain */
+function powerLabel(digit, exponent, isPlain) {
+  if (isPlain) return String(Number(`${digit}e${exponent}`));
   return digit === 1 ? powerOfTen(exponent) : `${digit}×${powerOfTen(exponent)}`;
 }
 
