@@ -76,7 +76,7 @@ pub struct Deviations {
 
 /// Block means of what is left against those of one channel: pairs of the channel's mean and the axis'.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Against {
+pub struct AgainstChannel {
     /// The channel's column.
     pub channel: String,
     /// Length of a block, s.
@@ -144,7 +144,7 @@ impl Deviations {
     }
 }
 
-impl Against {
+impl AgainstChannel {
     /// What is left of axis `index` against each logged channel that changes; the blocks of `marked` rows apart.
     pub fn every_channel(
         axis: &AxisComparison,

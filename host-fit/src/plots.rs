@@ -6,13 +6,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::curves::{Against, AxisCurves, Deviations, MEAN_S, Spectra};
+use crate::curves::{AgainstChannel, AxisCurves, Deviations, MEAN_S, Spectra};
 use crate::escaping::in_file_name;
 use crate::figures::compare::{
     Subject, Worst, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
-use crate::figures::staircase::{Predicted, Step, staircase};
+use crate::figures::staircase::{Predicted, Tread, staircase};
 use crate::figures::{Figure, FigureError, write_png, write_svg};
 use fos_data::column::Column;
 use fos_data::file::{FileError, check_output, make_folder};
@@ -57,7 +57,7 @@ pub fn write_staircase(folder: &Path, refinement: &Refinement) -> Result<(), Plo
 
 /// The staircase of a refined axis.
 pub fn staircase_of(refinement: &Refinement) -> Figure {
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<Tread> = Vec::new();
     for step in &refinement.steps {
         let before = steps.last().map(|step| (step.slow, step.wide));
         let predicted = step.added.as_ref().zip(before).and_then(|(added, (slow, wide))| {
@@ -71,7 +71,7 @@ pub fn staircase_of(refinement: &Refinement) -> Figure {
                 interval: [left(high), left(low)],
             })
         });
-        steps.push(Step {
+        steps.push(Tread {
             name: step.errors.model.clone(),
             slow: step.left.slow.sqrt(),
             wide: step.left.wide.sqrt(),
@@ -211,8 +211,8 @@ impl View<'_> {
     }
 
     /// What is left against one channel.
-    pub fn against(&self, found: Against) -> Figure {
-        let Against { channel, block_s, usual, apart } = found;
+    pub fn against(&self, found: AgainstChannel) -> Figure {
+        let AgainstChannel { channel, block_s, usual, apart } = found;
         against(self.subject(), &channel, block_s, usual, apart)
     }
 }

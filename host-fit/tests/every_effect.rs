@@ -5,7 +5,7 @@ use fos_core::Image;
 use fos_data::column::Column;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
-use fos_diagnose::effects::{Band, Effect, Library, Search};
+use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
 use fos_fit::evaluate::trace;
@@ -138,12 +138,12 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
     let step = refiner.add(&refinement, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));
     let of = match (effect.band, effect.search) {
         (Band::Wide, _) => Left::Samples,
-        (_, Search::Step) => Left::AboutBias,
+        (_, Detector::Step) => Left::AboutBias,
         _ => Left::Means,
     };
     let before = logs.left_on_the_device(&refinement.steps[0].model, of);
     let added = step.added.as_ref().expect("added");
-    let wrong = (effect.search == Search::Step).then(|| {
+    let wrong = (effect.search == Detector::Step).then(|| {
         let mut model = step.model.clone();
         model.axes[0].parameters.offset =
             refinement.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;

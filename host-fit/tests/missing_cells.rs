@@ -3,7 +3,7 @@
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
 use fos_diagnose::detect::{Diagnosis, diagnose};
-use fos_diagnose::effects::{Library, Search};
+use fos_diagnose::effects::{Detector, Library};
 use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, SimulatedCase, simulate_case};
 
 const NAN: f64 = f64::NAN;
@@ -47,7 +47,7 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
             || answer.untested.iter().any(|untested| untested.effect == *id)
     };
     for effect in library.effects() {
-        let is_slow = matches!(effect.search, Search::Terms | Search::Step);
+        let is_slow = matches!(effect.search, Detector::Terms | Detector::Step);
         assert!(
             !is_slow || !effect.strikes(&case.meta.target) || stands(&effect.id),
             "{} is lost",

@@ -1,7 +1,7 @@
 //! The end of a long computation before time.
 //!
 //! A wish to stop stands beside the computation, not in it: the thread that computes calls [`check`] in its long loops, and the
-//! stack is unwound to [`interruptible`] if someone has [asked](Stop::ask). So the numerical code need not hand the wish through
+//! stack is unwound to [`interruptible`] if someone has [asked](StopRequest::ask). So the numerical code need not hand the wish through
 //! every argument and return value, and what it had begun to compute is dropped with the stack.
 
 use std::cell::RefCell;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A wish to stop, asked from any thread.
 #[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub struct StopRequest(Arc<AtomicBool>);
 
 /// How an interruptible computation ended, where it gave no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,10 +25,10 @@ pub enum Interrupted {
 struct Unwound;
 
 thread_local! {
-    static WISH: RefCell<Option<Stop>> = const { RefCell::new(None) };
+    static WISH: RefCell<Option<StopRequest>> = const { RefCell::new(None) };
 }
 
-impl Stop {
+impl StopRequest {
     /// Asks the computation to stop where it next checks.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
@@ -44,7 +44,7 @@ impl Stop {
 #[inline]
 pub fn check() {
     counting::count();
-    let asked = WISH.with_borrow(|wish| wish.as_ref().is_some_and(Stop::is_asked));
+    let asked = WISH.with_borrow(|wish| wish.as_ref().is_some_and(StopRequest::is_asked));
     if asked {
         // no panic message: nothing is wrong
         panic::resume_unwind(Box::new(Unwound));
@@ -57,7 +57,7 @@ pub fn check() {
 ///
 /// It was stopped, or panicked: whatever happens in it, the caller goes on. What it changes should be published only when it is
 /// whole.
-pub fn interruptible<T>(stop: &Stop, work: impl FnOnce() -> T) -> Result<T, Interrupted> {
+pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<T, Interrupted> {
     let outer = WISH.replace(Some(stop.clone()));
     let result = panic::catch_unwind(AssertUnwindSafe(work));
     WISH.set(outer);
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_computation_ends_where_it_checks_and_not_before() {
-        let stop = Stop::default();
+        let stop = StopRequest::default();
         let mut last = 0;
         let result = interruptible(&stop, || {
             for step in 0..10 {
@@ -122,14 +122,14 @@ mod tests {
         assert_eq!((result, last), (Err(Interrupted::Stopped), 3));
         // asked but outside: nothing happens
         check();
-        assert_eq!(interruptible(&Stop::default(), || 7), Ok(7));
+        assert_eq!(interruptible(&StopRequest::default(), || 7), Ok(7));
     }
 
     #[test]
     fn a_panic_is_told_apart_from_a_stop() {
         let hook = panic::take_hook();
         panic::set_hook(Box::new(|_| {}));
-        let result = interruptible(&Stop::default(), || panic!("on purpose"));
+        let result = interruptible(&StopRequest::default(), || panic!("on purpose"));
         panic::set_hook(hook);
         assert_eq!(result, Err::<(), _>(Interrupted::Panicked));
     }

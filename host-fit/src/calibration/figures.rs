@@ -7,9 +7,9 @@ use super::outcome::{FoundIn, Outcome};
 use fos_diagnose::detect::Verdict;
 use fos_simulate::{Effect, Kind, Level};
 
-/// A figure.
+/// A statistic of the cases, with what is asked of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figure {
+pub struct Statistic {
     /// What it says.
     pub name: String,
     /// Its value; absent where no case counts.
@@ -36,7 +36,7 @@ pub enum Goal {
     Within([f64; 2], [f64; 2]),
 }
 
-impl Figure {
+impl Statistic {
     /// Whether it is as it must be.
     pub fn holds(&self) -> bool {
         self.value.is_none_or(|value| match self.goal {
@@ -60,14 +60,14 @@ impl Figure {
 }
 
 /// A rate with its exact interval.
-fn rate(name: &str, goal: Goal, hits: impl IntoIterator<Item = bool>) -> Figure {
+fn rate(name: &str, goal: Goal, hits: impl IntoIterator<Item = bool>) -> Statistic {
     let (mut hit, mut cases) = (0, 0);
     for is_hit in hits {
         cases += 1;
         hit += usize::from(is_hit);
     }
     let value = (cases > 0).then(|| hit as f64 / cases as f64);
-    Figure { name: name.to_owned(), value, interval: value.map(|_| interval(hit, cases)), cases, goal }
+    Statistic { name: name.to_owned(), value, interval: value.map(|_| interval(hit, cases)), cases, goal }
 }
 
 /// Clopper and Pearson's 95 % interval of a rate.
@@ -80,21 +80,21 @@ fn interval(hit: usize, cases: usize) -> [f64; 2] {
 }
 
 /// A quantile of values, with the 95 % interval of its order statistics.
-fn quantile(name: &str, goal: Goal, share: f64, values: impl IntoIterator<Item = f64>) -> Figure {
+fn quantile(name: &str, goal: Goal, share: f64, values: impl IntoIterator<Item = f64>) -> Statistic {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);
     let n = values.len();
     let at = |place: f64| values.get((place.max(0.0) as usize).min(n.saturating_sub(1))).copied();
     let (middle, half) = (share * (n as f64 - 1.0), 1.96 * (n as f64 * share * (1.0 - share)).sqrt());
     let interval = at(middle - half).zip(at((middle + half).ceil())).map(|(low, high)| [low, high]);
-    Figure { name: name.to_owned(), value: at(middle.round()), interval, cases: n, goal }
+    Statistic { name: name.to_owned(), value: at(middle.round()), interval, cases: n, goal }
 }
 
 /// Least size that must be left of a slow single effect after its best rival for it to count.
 const DECIDABLE: f64 = 5.0;
 
 /// All figures.
-pub fn figures(outcomes: &[Outcome]) -> Vec<Figure> {
+pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
     let singles: Vec<&Outcome> = outcomes
         .iter()
         .filter(|o| {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 pub use error::CalibrationError;
-pub use figures::{Figure, Goal, figures};
+pub use figures::{Goal, Statistic, figures};
 pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
 
@@ -26,7 +26,7 @@ pub struct Calibration {
     /// What came out of every case.
     pub outcomes: Vec<Outcome>,
     /// How often the diagnosis was right.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<Statistic>,
 }
 
 /// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. What is `kept`

@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
-use crate::calibration::{Calibration, Figure, Goal, KeptOutcomes, calibrate};
+use crate::calibration::{Calibration, Goal, KeptOutcomes, Statistic, calibrate};
 use fos_data::file::write_atomically;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
@@ -94,6 +94,6 @@ fn range([low, high]: &[f64; 2]) -> String {
     format!("{} … {}", number(*low), number(*high))
 }
 
-fn judged(figure: &Figure) -> &'static str {
+fn judged(figure: &Statistic) -> &'static str {
     if figure.holds() { "" } else { "missed" }
 }

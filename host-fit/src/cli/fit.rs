@@ -14,7 +14,7 @@ use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
 use fos_fit::evaluate::ModelErrors;
-use fos_fit::fit::{AxisReport, FitOptions, InputSpec, LeftOut, Method, Search, Stop, Train, fit_axis};
+use fos_fit::fit::{AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axis};
 use fos_fit::signal::wavelet::Denoising;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
@@ -32,7 +32,7 @@ pub(super) struct Fit {
     output: OutputFile,
     /// How the stochastic part is found: fos, or all lags by yule-walker, covariance, modified-covariance, burg
     #[arg(long, default_value = "fos")]
-    method: Method,
+    method: FitMethod,
     /// De-noise the training data first, for methods other than fos: WAVELET:LEVELS:KIND, as db4:4:soft, db4:3:approximation
     #[arg(long, value_name = "WAVELET:LEVELS:KIND")]
     denoise: Option<Denoising>,
@@ -97,7 +97,7 @@ impl Fit {
                 })
                 .collect::<Result<_, _>>()?,
         };
-        if self.denoise.is_some() && self.method == Method::Fos {
+        if self.denoise.is_some() && self.method == FitMethod::Fos {
             return Err("--denoise goes with --method yule-walker, covariance, modified-covariance or burg: fos is fitted to the data as measured".into());
         }
         Ok(FitOptions {

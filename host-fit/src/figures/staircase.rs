@@ -2,9 +2,9 @@
 
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 
-/// A step of a staircase.
+/// A tread of a staircase: the error that a step of the refinement left.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct Tread {
     /// What was done, as under the axis.
     pub name: String,
     /// Root of the variance of 1-s means that is left.
@@ -39,10 +39,10 @@ fn treads(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
 }
 
 /// The staircase of `channel`, in `unit`.
-pub fn staircase(channel: &str, unit: &str, steps: &[Step]) -> Figure {
+pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
     let names: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
     let x = || Axis { names: names.clone(), ..Axis::linear("") };
-    let panel = |title: &str, label: &str, value: fn(&Step) -> f64, wide: bool| {
+    let panel = |title: &str, label: &str, value: fn(&Tread) -> f64, wide: bool| {
         let stairs = treads(steps.iter().map(value));
         let predicted = steps.iter().enumerate().filter_map(|(at, step)| {
             let predicted = step.predicted.filter(|predicted| predicted.wide == wide)?;
@@ -62,7 +62,7 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Step]) -> Figure {
     };
     let horizons: Vec<f64> = steps.first().iter().flat_map(|step| step.coast.iter().map(|c| c.0)).collect();
     let coast = horizons.iter().enumerate().map(|(method, horizon)| {
-        let at = |step: &Step| step.coast.iter().find(|c| c.0 == *horizon).map_or(f64::NAN, |c| c.1);
+        let at = |step: &Tread| step.coast.iter().find(|c| c.0 == *horizon).map_or(f64::NAN, |c| c.1);
         Series {
             label: format!("after {horizon} s"),
             ink: Ink::Method(method),

@@ -1,7 +1,7 @@
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::fit::autoregression::Method;
-use fos_fit::fit::{FitOptions, Method as FitMethod, Search, Train, fit_axis};
+use fos_fit::fit::{FitMethod, FitOptions, Search, Train, fit_axis};
 use fos_fit::signal;
 use fos_simulate::band_limited::{band_limited, innovation_variance};
 

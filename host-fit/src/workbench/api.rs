@@ -22,7 +22,7 @@ use super::series::{Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
 use super::task::Open;
 use super::told::{Entry, Page};
-use crate::curves::{Against, AxisCurves};
+use crate::curves::{AgainstChannel, AxisCurves};
 use crate::export::{c_source, image, rust_source};
 use crate::figures::Figure;
 use crate::plots::View;
@@ -274,7 +274,7 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     let curves = part.as_ref().map(|part| AxisCurves::of(&found.comparison, part, 0, log));
     let view = View { axis: &found.comparison, curves: curves.as_ref().unwrap_or(&found.curves) };
     let mut figures = vec![("residual".to_owned(), view.residual())];
-    let against = Against::every_channel(&found.comparison, &found.trace, 0, log, rows.as_ref());
+    let against = AgainstChannel::every_channel(&found.comparison, &found.trace, 0, log, rows.as_ref());
     figures.extend(against.into_iter().map(|one| (format!("against:{}", one.channel), view.against(one))));
     figures.extend(view.spectrum().map(|figure| ("spectrum".to_owned(), figure)));
     figures.extend(view.autocorrelation().map(|figure| ("autocorrelation".to_owned(), figure)));

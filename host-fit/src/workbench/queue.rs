@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::job::Job;
 use super::task::Task;
-use fos_data::interrupt::Stop;
+use fos_data::interrupt::StopRequest;
 
 /// The tasks of a study, in their order, and the one that is being done.
 #[derive(Default)]
@@ -17,7 +17,7 @@ pub(super) struct Queue {
 struct Running {
     task: Task,
     job: Job,
-    stop: Stop,
+    stop: StopRequest,
 }
 
 impl Queue {
@@ -52,10 +52,10 @@ impl Queue {
         self.waiting = asked;
     }
 
-    /// Begins the next task, if there is one; it ends early where `Stop` is asked.
-    pub(super) fn begin(&mut self) -> Option<(Task, Stop)> {
+    /// Begins the next task, if there is one; it ends early where `StopRequest` is asked.
+    pub(super) fn begin(&mut self) -> Option<(Task, StopRequest)> {
         let task = self.waiting.pop_front()?;
-        let stop = Stop::default();
+        let stop = StopRequest::default();
         self.running = Some(Running { task: task.clone(), job: task.job(), stop: stop.clone() });
         Some((task, stop))
     }

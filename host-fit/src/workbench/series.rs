@@ -39,24 +39,23 @@ pub(super) struct Series {
     /// Stamps, or middles of buckets, s.
     pub(super) time_s: Vec<f64>,
     /// As logged, less the reference where there is one.
-    pub(super) measured: Band,
+    pub(super) measured: LowAndHigh,
     /// Measured less what is left; none without a model.
-    pub(super) predicted: Option<Band>,
+    pub(super) predicted: Option<LowAndHigh>,
     /// What is left.
-    pub(super) left: Option<Band>,
+    pub(super) left: Option<LowAndHigh>,
 }
 
 /// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
 /// screen shows, half the size of what a browser has to read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-#[cfg_attr(test, ts(rename = "Extremes"))]
-pub(super) struct Band {
+pub(super) struct LowAndHigh {
     pub(super) low: Vec<Option<f32>>,
     pub(super) high: Vec<Option<f32>>,
 }
 
-impl Band {
+impl LowAndHigh {
     fn push(&mut self, (low, high): (f64, f64)) {
         // a bucket without a finite value has a low above its high
         let known = low <= high;
@@ -109,9 +108,9 @@ pub(super) fn series(rows: Rows<'_>, kind: ViewKind, from_s: f64, to_s: f64, wid
         period_s,
         exact,
         time_s: Vec::new(),
-        measured: Band::default(),
-        predicted: rows.trace.map(|_| Band::default()),
-        left: rows.trace.map(|_| Band::default()),
+        measured: LowAndHigh::default(),
+        predicted: rows.trace.map(|_| LowAndHigh::default()),
+        left: rows.trace.map(|_| LowAndHigh::default()),
     };
     if exact {
         let mut before: Option<&Entry> = None;

@@ -15,7 +15,7 @@ use super::task::{Open, Task};
 use super::tasks;
 use super::told::{Beat, Entry, Page};
 use crate::replay::{self, Summary};
-use fos_data::interrupt::{Interrupted, Stop, interruptible};
+use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
 use fos_data::stillness;
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
@@ -78,7 +78,7 @@ impl Study {
     }
 
     /// The next task, when there is one; none when the study is closed.
-    fn next(&self) -> Option<(Task, Stop)> {
+    fn next(&self) -> Option<(Task, StopRequest)> {
         let mut state = self.lock();
         loop {
             if state.closed {

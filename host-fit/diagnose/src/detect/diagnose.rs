@@ -16,7 +16,7 @@ use super::prepared::Prepared;
 use super::question::{DiagnoseError, Question};
 use super::slow::SlowResult;
 use super::testable::{Testable, lacking};
-use crate::effects::{Band, Inputs, Search};
+use crate::effects::{Band, Detector, Inputs};
 
 /// Says what is missing.
 ///
@@ -79,7 +79,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
             Some(missing) if !missing.is_empty() => {
                 return Err(not_there(id, &format!("the log has no {}", missing.join(", "))));
             }
-            Some(_) if matches!(effect.search, Search::Terms | Search::Step) => {
+            Some(_) if matches!(effect.search, Detector::Terms | Detector::Step) => {
                 wanted.push(Rc::new(effect.clone()));
             }
             Some(_) => {}

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use crate::effects::{Effect, Inputs, Regressor, Search};
+use crate::effects::{Detector, Effect, Inputs, Regressor};
 use fos_data::recording::RecordingError;
 use fos_fit::noise::Blocks;
 use fos_fit::signal::centred;
@@ -67,11 +67,11 @@ impl<'a> Hypotheses<'a> {
     pub(super) fn grid(&self, effect: &Effect) -> Vec<Option<f64>> {
         match (&effect.parameter, effect.search) {
             // a step after the first and before the last ten blocks: outside, nothing tells it from the constant
-            (_, Search::Step) => {
+            (_, Detector::Step) => {
                 let last = self.blocks.len().saturating_sub(STEP_MARGIN);
                 (STEP_MARGIN..last).map(|block| Some(self.step_time(block))).collect()
             }
-            (Some(parameter), Search::Terms) => {
+            (Some(parameter), Detector::Terms) => {
                 let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
                 let ratio = (parameter.high / parameter.low).powf(1.0 / steps);
                 // a time constant far below a block is the first block alone, or no lag at all
@@ -103,7 +103,7 @@ impl<'a> Hypotheses<'a> {
             return Ok(made.clone());
         }
         let made = match effect.search {
-            Search::Step => self.step(effect, value),
+            Detector::Step => self.step(effect, value),
             _ => self.of_regressors(effect, value)?,
         };
         self.made.borrow_mut().insert(key, made.clone());

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::answer::Untested;
 use super::question::{DiagnoseError, Question};
-use crate::effects::{Effect, Inputs, Regressor, Search};
+use crate::effects::{Detector, Effect, Inputs, Regressor};
 
 /// The slow effects that a log can be asked for.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl Testable {
     ) -> Result<Self, DiagnoseError> {
         let (mut effects, mut untested, mut columns) = (Vec::new(), Vec::new(), Vec::new());
         for effect in question.library.effects() {
-            let is_slow = matches!(effect.search, Search::Terms | Search::Step);
+            let is_slow = matches!(effect.search, Detector::Terms | Detector::Step);
             let is_given = question.given.iter().any(|given| given.effect == effect.id);
             match lacking(effect, inputs, target) {
                 Some(needs) if !needs.is_empty() && !is_given => {
@@ -96,7 +96,7 @@ pub(super) fn lacking(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Opt
     if !effect.strikes(target) {
         return None;
     }
-    if effect.search != Search::Terms {
+    if effect.search != Detector::Terms {
         return Some(Vec::new());
     }
     let regressors = regressors(effect, target)?;

@@ -49,7 +49,7 @@ pub struct Effect {
     pub targets: Targets,
     /// How it is looked for.
     #[serde(default)]
-    pub search: Search,
+    pub search: Detector,
     /// Any of its terms alone is the effect too: those that explain nothing are left out.
     #[serde(default)]
     pub any_terms: bool,
@@ -78,7 +78,7 @@ pub struct Effect {
     pub parameter: Option<Parameter>,
     /// What it is confused with, the most similar first.
     #[serde(default)]
-    pub confused_with: Vec<Rival>,
+    pub confused_with: Vec<ConfusedWith>,
 }
 
 /// Where an effect shows.
@@ -122,11 +122,11 @@ impl Targets {
     }
 }
 
-/// How an effect is looked for.
+/// What looks for an effect: `search` in its file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
-pub enum Search {
+pub enum Detector {
     /// By its regressors, in block means.
     #[default]
     Terms,
@@ -148,7 +148,7 @@ pub enum Search {
     RandomWalk,
 }
 
-impl Search {
+impl Detector {
     /// Whether one log may show several of what is found so, each with its own parameter.
     pub fn is_repeatable(self) -> bool {
         matches!(self, Self::Line | Self::Step)
@@ -193,7 +193,7 @@ pub struct Parameter {
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
-pub struct Rival {
+pub struct ConfusedWith {
     /// Identifier of the rival, as `thermal_lag`.
     pub effect: String,
     /// The experiment that separates the two.
@@ -230,7 +230,7 @@ pub enum EffectError {
     )]
     NoneFoundAs {
         /// How it was found.
-        search: Search,
+        search: Detector,
         /// Where.
         column: String,
     },
@@ -300,7 +300,7 @@ impl Library {
     /// # Errors
     ///
     /// No effect is found so.
-    pub fn found_as(&self, search: Search, column: &str, value: f64) -> Result<&Effect, EffectError> {
+    pub fn found_as(&self, search: Detector, column: &str, value: f64) -> Result<&Effect, EffectError> {
         let found_so =
             || self.effects.iter().filter(|effect| effect.search == search && effect.strikes(column));
         let holds = |effect: &&Effect| {
@@ -350,12 +350,12 @@ impl Effect {
             return Err(format!("id {:?}: small letters, digits and _ only", self.id));
         }
         if let Some(parameter) = &self.parameter
-            && self.search == Search::Terms
+            && self.search == Detector::Terms
             && !(parameter.low > 0.0 && parameter.low < parameter.high)
         {
             return Err(format!("parameter {:?}: 0 < low < high does not hold", parameter.name));
         }
-        if self.search == Search::Terms && self.terms.is_empty() {
+        if self.search == Detector::Terms && self.terms.is_empty() {
             return Err("there is no [[terms]]: an effect that is searched by its terms needs one".to_owned());
         }
         for term in &self.terms {
@@ -363,7 +363,7 @@ impl Effect {
                 unit.parse::<SizeUnit>()?;
             }
         }
-        if self.search == Search::Terms {
+        if self.search == Detector::Terms {
             // any axis will do for a check of the text
             self.regressors("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
         }
@@ -444,13 +444,13 @@ mod tests {
         let parameter = hum.parameter.as_mut().unwrap();
         (parameter.low, parameter.high) = (49.0, 51.0);
         library.add(hum);
-        let found = |hz| library.found_as(Search::Line, "gx_rads", hz).unwrap().id.as_str();
+        let found = |hz| library.found_as(Detector::Line, "gx_rads", hz).unwrap().id.as_str();
         assert_eq!(
             [found(50.02), found(16.4), found(480.0)],
             ["mains_hum", "spectral_line", "spectral_line"]
         );
         let none = Library { effects: Vec::new() };
-        assert!(none.found_as(Search::Line, "gx_rads", 50.0).unwrap_err().to_string().contains("help"));
+        assert!(none.found_as(Detector::Line, "gx_rads", 50.0).unwrap_err().to_string().contains("help"));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::detect::{
     Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction, diagnose,
     estimate, is_bias_known, is_step,
 };
-use crate::effects::{Band, Effect, Library, Search};
+use crate::effects::{Band, Detector, Effect, Library};
 use crate::study::{Added, Left, LogSources, Refinement, RefinementStep, Study, StudyAxisError};
 
 /// Share of the field log that effects are estimated from where no other log is there to judge on.
@@ -97,7 +97,7 @@ impl<'a> Refiner<'a> {
     ///
     /// What to do instead.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
-        if effect.search == Search::Step && !is_bias_known(&self.field, column) {
+        if effect.search == Detector::Step && !is_bias_known(&self.field, column) {
             let help = "at rest an accelerometer shows gravity beside its bias, and a step of the one cannot be told from the other in a later log; with the true values (`ref_…`) it can";
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), help));
         }
@@ -401,7 +401,7 @@ fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",
         Band::Stochastic => "fit the stochastic part again on this log",
-        Band::Wide if effect.search != Search::Line => {
+        Band::Wide if effect.search != Detector::Line => {
             "a filter in front of the model, or another output rate"
         }
         _ => return Ok(()),

@@ -3,7 +3,7 @@
 use fos_core::Factor;
 use serde::{Deserialize, Serialize};
 
-use super::options::Method;
+use super::options::FitMethod;
 
 /// How one axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,7 +13,7 @@ pub struct AxisReport {
     /// The reference column that was subtracted; none if the log is taken as static.
     pub reference_column: Option<String>,
     /// By which method.
-    pub method: Method,
+    pub method: FitMethod,
     /// Candidates searched, or lags of an autoregression.
     pub candidates: usize,
     /// Rows that counted.

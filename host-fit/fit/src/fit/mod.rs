@@ -31,7 +31,7 @@ pub use axis_error::AxisError;
 pub use axis_report::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use exchange::Tie;
 pub use fos::{Selection, Step};
-pub use options::{FitOptions, InputSpec, Method, Stop, Train};
+pub use options::{FitMethod, FitOptions, InputSpec, Stop, Train};
 pub use refit::{Refit, RefitError};
 pub use stop::{NoiseRule, StopRule, Stopped};
 

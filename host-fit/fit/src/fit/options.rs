@@ -15,7 +15,7 @@ use fos_data::stored_as_text;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitOptions {
     /// How the stochastic part is found. Default: Fast Orthogonal Search.
-    pub method: Method,
+    pub method: FitMethod,
     /// What is done to the training data before an autoregression is estimated, as in the paper; FOS needs none.
     pub denoising: Option<Denoising>,
     /// How FOS searches. Default: with exchanges.
@@ -53,7 +53,7 @@ pub struct FitOptions {
 impl Default for FitOptions {
     fn default() -> Self {
         Self {
-            method: Method::Fos,
+            method: FitMethod::Fos,
             denoising: None,
             search: Search::Exchange,
             max_lag: 10,
@@ -75,14 +75,14 @@ impl Default for FitOptions {
 
 /// How the stochastic part is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
+pub enum FitMethod {
     /// Fast Orthogonal Search among lags, their products, inputs and low-passes.
     Fos,
     /// All lags up to an order, by a classical method.
     Linear(autoregression::Method),
 }
 
-impl Method {
+impl FitMethod {
     /// The four autoregressions, then FOS.
     pub const ALL: [Self; 5] = [
         Self::Linear(autoregression::Method::YuleWalker),
@@ -93,7 +93,7 @@ impl Method {
     ];
 }
 
-impl fmt::Display for Method {
+impl fmt::Display for FitMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fos => f.write_str("fos"),
@@ -102,7 +102,7 @@ impl fmt::Display for Method {
     }
 }
 
-impl FromStr for Method {
+impl FromStr for FitMethod {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
         let found = Self::ALL.into_iter().find(|method| method.to_string() == text);
@@ -112,7 +112,7 @@ impl FromStr for Method {
     }
 }
 
-stored_as_text!(Method);
+stored_as_text!(FitMethod);
 
 /// When the search stops before it has reached the most terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

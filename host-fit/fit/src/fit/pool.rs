@@ -3,7 +3,7 @@
 use fos_core::u;
 
 use super::axis_error::AxisError;
-use super::options::{FitOptions, Method};
+use super::options::{FitMethod, FitOptions};
 use crate::candidates::{Candidates, CandidatesError, MAX_CANDIDATES};
 
 /// Fewest rows per candidate: below that a coefficient is mostly noise.
@@ -39,7 +39,7 @@ pub(super) fn check(
     let fits = || what_fits(rows, n_inputs, options);
     if rows < needed {
         Err(AxisError::TooShort { column, rows, needed, candidates, fits: fits() })
-    } else if options.method == Method::Fos && candidates > MAX_CANDIDATES {
+    } else if options.method == FitMethod::Fos && candidates > MAX_CANDIDATES {
         Err(AxisError::TooMany { column, candidates, fits: fits() })
     } else {
         Ok(())
@@ -50,7 +50,7 @@ pub(super) fn check(
 /// autoregression.
 fn size(n_inputs: usize, options: &FitOptions) -> usize {
     let lags = usize::from(options.max_lag);
-    if options.method != Method::Fos {
+    if options.method != FitMethod::Fos {
         return lags;
     }
     let factors = lags + options.inputs.len() * (usize::from(options.input_lags) + 1);
@@ -70,10 +70,10 @@ fn what_fits(rows: usize, n_inputs: usize, options: &FitOptions) -> String {
         (1..=options.max_lag).take_while(fits).last()
     };
     match options.method {
-        Method::Linear(_) => {
+        FitMethod::Linear(_) => {
             largest(most, 1).map_or_else(String::new, |max_lag| format!("`max_lag` {max_lag}"))
         }
-        Method::Fos => {
+        FitMethod::Fos => {
             let at = |degree| {
                 let max_lag = largest(most.min(MAX_CANDIDATES), degree)?;
                 Some(format!("`max_lag` {max_lag} `degree` {degree}"))
@@ -128,7 +128,7 @@ mod tests {
         assert!(refused(1000, &options(u16::MAX, 3, 0)).contains("`max_lag` 8 `degree` 3"));
         // nothing fits
         assert!(refused(20, &options(10, 2, 0)).ends_with("a longer log, a larger `train`"));
-        let linear = Method::Linear(autoregression::Method::Burg);
+        let linear = FitMethod::Linear(autoregression::Method::Burg);
         let text = refused(1000, &FitOptions { method: linear, ..options(300, 2, 0) });
         assert!(text.ends_with("or `max_lag` 199"), "{text}");
     }

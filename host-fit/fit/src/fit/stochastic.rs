@@ -7,7 +7,7 @@ use fos_core::y;
 use super::autoregression;
 use super::axis_error::AxisError;
 use super::axis_report::{AxisReport, SelectionStep, TiedModel};
-use super::options::{FitOptions, Method};
+use super::options::{FitMethod, FitOptions};
 use super::pool;
 use super::refit::{self, Refit};
 use super::regressors::Regressors;
@@ -35,12 +35,12 @@ pub(super) fn fit(
     // before the pool is made: it may be larger than any memory
     pool::check(column, rows, model.inputs.len(), options)?;
     match options.method {
-        Method::Fos => {
+        FitMethod::Fos => {
             let pool = pool::pool(model.inputs.len(), options)
                 .map_err(|source| AxisError::Candidates { column: column.clone(), source })?;
             search(model, regressors, options, &pool)
         }
-        Method::Linear(method) => autoregress(model, regressors, options, method),
+        FitMethod::Linear(method) => autoregress(model, regressors, options, method),
     }
 }
 

@@ -10,7 +10,7 @@
 //! applied to every level of detail; the approximation stays as it is. A value is computed from later samples as well as
 //! from earlier ones: what is fitted to de-noised samples was fitted with a view of the future.
 //!
-//! At the ends of a stretch the series goes on as [`Boundary`] says. Numbers agree with PyWavelets' to rounding.
+//! At the ends of a stretch the series goes on as [`Extension`] says. Numbers agree with PyWavelets' to rounding.
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,7 +19,7 @@ use fos_data::stored_as_text;
 
 /// How a series is thought to go on beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Boundary {
+pub enum Extension {
     /// Mirrored, the end sample twice: … x₁ x₀ | x₀ x₁ …; what [`Denoising`] takes.
     Symmetric,
     /// Repeated from its other end, with as few coefficients as samples; an odd length repeats its last sample.
@@ -85,14 +85,14 @@ impl Wavelet {
 }
 
 /// One level down: approximation and detail, each about half as long.
-fn analyse(wavelet: &Wavelet, boundary: Boundary, series: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn analyse(wavelet: &Wavelet, boundary: Extension, series: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let filters = wavelet.analysis();
     let (taps, length) = (filters.len(), series.len());
     // approximation(k) = Σ_j low(j) x(2k + first − j), x beyond its ends by the boundary
     let first = boundary.first(taps);
     let count = match boundary {
-        Boundary::Symmetric => (length + taps - 1) / 2,
-        Boundary::Periodic => length.div_ceil(2),
+        Extension::Symmetric => (length + taps - 1) / 2,
+        Extension::Periodic => length.div_ceil(2),
     };
     // the series with all that the filters reach beyond its ends
     let before = taps;
@@ -112,7 +112,7 @@ fn analyse(wavelet: &Wavelet, boundary: Boundary, series: &[f64]) -> (Vec<f64>, 
 /// One level up: the series of `length` samples whose approximation and detail these are.
 fn synthesise(
     wavelet: &Wavelet,
-    boundary: Boundary,
+    boundary: Extension,
     approximation: &[f64],
     detail: &[f64],
     length: usize,
@@ -126,8 +126,8 @@ fn synthesise(
         for (j, (l, h)) in filters.iter().enumerate() {
             let place = (2 * k + first) as isize - j as isize;
             let place = match boundary {
-                Boundary::Symmetric => place,
-                Boundary::Periodic => place.rem_euclid(period as isize),
+                Extension::Symmetric => place,
+                Extension::Periodic => place.rem_euclid(period as isize),
             };
             if let Some(x) = usize::try_from(place).ok().and_then(|place| series.get_mut(place)) {
                 *x += l * a + h * d;
@@ -137,7 +137,7 @@ fn synthesise(
     series
 }
 
-impl Boundary {
+impl Extension {
     /// The newest sample that the first coefficient is made of.
     fn first(self, taps: usize) -> usize {
         match self {
@@ -167,14 +167,14 @@ pub struct Decomposition {
     pub approximation: Vec<f64>,
     /// Details, the finest first.
     pub details: Vec<Vec<f64>>,
-    boundary: Boundary,
+    boundary: Extension,
     wavelet: Wavelet,
     /// Samples before each level.
     lengths: Vec<usize>,
 }
 
 /// Takes a series apart in `levels` levels.
-pub fn decompose(wavelet: &Wavelet, boundary: Boundary, series: &[f64], levels: usize) -> Decomposition {
+pub fn decompose(wavelet: &Wavelet, boundary: Extension, series: &[f64], levels: usize) -> Decomposition {
     let mut approximation = series.to_vec();
     let (mut details, mut lengths) = (Vec::new(), Vec::new());
     for _ in 0..levels {
@@ -240,7 +240,7 @@ impl Denoising {
 
     /// The de-noised series, ends mirrored.
     pub fn denoise(&self, series: &[f64]) -> Vec<f64> {
-        let mut decomposition = decompose(&self.wavelet, Boundary::Symmetric, series, self.levels);
+        let mut decomposition = decompose(&self.wavelet, Extension::Symmetric, series, self.levels);
         decomposition.shrink(self.details);
         decomposition.recompose()
     }
@@ -405,8 +405,8 @@ mod tests {
         for case in answers["cases"].as_array().unwrap() {
             let wavelet = Wavelet::named(case["wavelet"].as_str().unwrap()).unwrap();
             let boundary = match case["mode"].as_str().unwrap() {
-                "symmetric" => Boundary::Symmetric,
-                "periodization" => Boundary::Periodic,
+                "symmetric" => Extension::Symmetric,
+                "periodization" => Extension::Periodic,
                 other => panic!("{other}"),
             };
             let details = match case["threshold_kind"].as_str().unwrap() {
@@ -455,7 +455,7 @@ mod tests {
             let wavelet = Wavelet::named(name).unwrap();
             for length in [2, 3, 17, 64, 101, 1000] {
                 let series = white_noise(length as u64, length);
-                for boundary in [Boundary::Symmetric, Boundary::Periodic] {
+                for boundary in [Extension::Symmetric, Extension::Periodic] {
                     for levels in 1..=MAX_LEVELS {
                         let again = decompose(&wavelet, boundary, &series, levels).recompose();
                         assert_eq!(again.len(), length);

@@ -9,7 +9,7 @@ use crate::detect::left_over::LeftOver;
 use crate::detect::lines::Line;
 use crate::detect::question::{DiagnoseError, Question};
 use crate::detect::slow::{ExtraNoise, SlowResult};
-use crate::effects::{Effect, Search, SizeUnit};
+use crate::effects::{Detector, Effect, SizeUnit};
 use fos_data::column::Column;
 
 /// Quantile of 95 % intervals.
@@ -31,21 +31,21 @@ pub(crate) struct Assembly<'a> {
 
 impl Assembly<'_> {
     /// The effect that a search of this kind finds at this value.
-    pub(super) fn found_as(&self, search: Search, value: f64) -> Result<&Effect, DiagnoseError> {
+    pub(super) fn found_as(&self, search: Detector, value: f64) -> Result<&Effect, DiagnoseError> {
         Ok(self.question.library.found_as(search, self.column, value)?)
     }
 
     pub(super) fn fault_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let of = |search: Search, value: f64| -> Result<Finding, DiagnoseError> {
+        let of = |search: Detector, value: f64| -> Result<Finding, DiagnoseError> {
             let effect = self.found_as(search, value)?;
             Ok(Finding { params: param(effect, value), ..bare(effect, f64::MAX.sqrt()) })
         };
         self.faults
             .iter()
             .map(|fault| match fault {
-                Fault::Saturation { share, .. } => of(Search::Saturation, *share),
-                Fault::Dropped { share } => of(Search::DroppedSamples, *share),
-                Fault::Coarse { multiple, .. } => of(Search::CoarseSteps, *multiple),
+                Fault::Saturation { share, .. } => of(Detector::Saturation, *share),
+                Fault::Dropped { share } => of(Detector::DroppedSamples, *share),
+                Fault::Coarse { multiple, .. } => of(Detector::CoarseSteps, *multiple),
             })
             .collect()
     }
@@ -55,11 +55,11 @@ impl Assembly<'_> {
         Ok(match slow.noise {
             ExtraNoise::None => None,
             ExtraNoise::Walk => {
-                let effect = self.found_as(Search::RandomWalk, 0.0)?;
+                let effect = self.found_as(Detector::RandomWalk, 0.0)?;
                 Some(Finding { gain: slow.noise_gain, ..bare(effect, slow.noise_score) })
             }
             ExtraNoise::GaussMarkov(process) => {
-                let effect = self.found_as(Search::GaussMarkov, process.tau_s)?;
+                let effect = self.found_as(Detector::GaussMarkov, process.tau_s)?;
                 let mut finding = Finding {
                     params: param(effect, process.tau_s),
                     gain: slow.noise_gain,

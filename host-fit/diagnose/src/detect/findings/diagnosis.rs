@@ -8,7 +8,7 @@ use crate::detect::open::Lead;
 use crate::detect::question::DiagnoseError;
 use crate::detect::shape::Misshape;
 use crate::detect::slow::Found;
-use crate::effects::{Band, Search};
+use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
 /// More steps than this are jumps to and fro and no longer a shock.
@@ -39,7 +39,7 @@ impl Assembly<'_> {
         }
         let is_step = |finding: &Finding| {
             let effect = self.question.library.get(&finding.effect);
-            effect.is_ok_and(|effect| effect.search == Search::Step)
+            effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
         let steps = findings.iter().filter(|finding| is_step(finding)).count();
         if steps > MOST_STEPS {

@@ -4,7 +4,7 @@ use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use crate::detect::answer::{CorrectionTerm, Finding, Size};
 use crate::detect::lines;
 use crate::detect::question::DiagnoseError;
-use crate::effects::{Search, SizeUnit};
+use crate::effects::{Detector, SizeUnit};
 use fos_data::column::Column;
 
 /// Quantile of 90 % intervals.
@@ -22,7 +22,7 @@ impl Assembly<'_> {
         let steady = self.lines.iter().filter(|line| line.duty >= lines::STEADY);
         steady
             .map(|line| {
-                let search = if line.coherent { Search::Line } else { Search::WanderingLine };
+                let search = if line.coherent { Detector::Line } else { Detector::WanderingLine };
                 let effect = self.found_as(search, line.frequency_hz)?;
                 let mut finding = Finding {
                     params: param(effect, line.frequency_hz),

@@ -12,7 +12,7 @@ use crate::detect::limits;
 use crate::detect::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
 use crate::detect::question::{DiagnoseError, is_bias_known};
 use crate::detect::slow::Found;
-use crate::effects::{Effect, Inputs, Search};
+use crate::effects::{Detector, Effect, Inputs};
 use fos_data::recording::Recording;
 use fos_fit::noise::Regression;
 
@@ -45,7 +45,7 @@ impl Assembly<'_> {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
                 let (coefficient, error) = (coefficients[place], covariance[(at, at)].sqrt());
                 let product = match effect.search {
-                    Search::Terms => found.hypothesis.regressors[column].to_string(),
+                    Detector::Terms => found.hypothesis.regressors[column].to_string(),
                     _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
                 if let Some(unit) = effect.unit(term, self.column) {
@@ -145,7 +145,7 @@ impl Assembly<'_> {
                 columns.push(blocks.means(&inputs.regressor(regressor)?));
                 corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
             }
-            if effect.search == Search::Step {
+            if effect.search == Detector::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
                 // a step of the past is a constant in another log, about the mean of the one it was found in
                 let share = step_share(self.question.field, time_s);
@@ -154,7 +154,7 @@ impl Assembly<'_> {
                     .push((0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect());
                 corrected.push(columns[0].clone());
             }
-            let is_step = effect.search == Search::Step && is_bias_known(log, self.column);
+            let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
             effects.push(SlowEffect { is_step, columns, corrected, coefficients, factor });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::model::{SlowSearch, State};
 use super::result::ExtraNoise;
 use crate::detect::hypothesis::Hypothesis;
-use crate::effects::{Effect, Search};
+use crate::effects::{Detector, Effect};
 use fos_data::recording::RecordingError;
 use fos_fit::noise::{Fitted, NoiseLevels};
 
@@ -74,7 +74,7 @@ impl SlowSearch<'_> {
         let mut first_pass = Vec::new();
         for effect in self.effects {
             if state.accepted.iter().any(|hypothesis| hypothesis.effect.id == effect.id)
-                && effect.search != Search::Step
+                && effect.search != Detector::Step
             {
                 continue;
             }

@@ -4,7 +4,7 @@ use super::candidates::Tried;
 use super::model::{SlowSearch, State};
 use super::result::{ExtraNoise, Found, SlowResult};
 use crate::detect::hypothesis::Hypothesis;
-use crate::effects::Search;
+use crate::effects::Detector;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::NoiseLevels;
 use fos_fit::noise::{Gls, dot};
@@ -150,7 +150,7 @@ impl SlowSearch<'_> {
         state: &State,
         current: &Hypothesis,
     ) -> Result<Option<f64>, RecordingError> {
-        let Some(value) = current.value.filter(|_| current.effect.search == Search::Terms) else {
+        let Some(value) = current.value.filter(|_| current.effect.search == Detector::Terms) else {
             return Ok(None);
         };
         let at = |log: f64| -> Result<f64, RecordingError> {

@@ -3,7 +3,7 @@
 use super::model::SlowSearch;
 use super::result::ExtraNoise;
 use crate::detect::hypothesis::Hypothesis;
-use crate::effects::{Effect, Search};
+use crate::effects::{Detector, Effect};
 use fos_data::recording::RecordingError;
 use fos_fit::noise::Fitted;
 
@@ -24,7 +24,7 @@ impl SlowSearch<'_> {
         start: Hypothesis,
     ) -> Result<Hypothesis, RecordingError> {
         let Some(value) = start.value else { return Ok(start) };
-        if start.effect.search == Search::Step {
+        if start.effect.search == Detector::Step {
             return self.refine_step(accepted, noise, fitted, start, value);
         }
         let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
