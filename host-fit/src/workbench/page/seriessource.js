@@ -5,7 +5,7 @@
 import { get, isAbort } from "./api.js";
 
 /** @typedef {import("./types.js").AxisSeries} Series */
-/** @typedef {import("./types.js").Extremes} Trace */
+/** @typedef {import("./types.js").LowAndHigh} Trace */
 /** @typedef {import("./types.js").ViewKind} ViewName */
 /** @typedef {{study: number, axis: string, view: ViewName, model: string}} Subject `model` tells one state of the model from the next */
 /** What is drawn: detail where it is known, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */

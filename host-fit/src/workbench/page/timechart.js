@@ -81,7 +81,7 @@ export class TimeChart {
     if (this.#plot && this.#plot.series.length !== 1 + 2 * drawn.length) this.#clear();
     const data = /** @type {uPlot.AlignedData} */ ([
       series.time_s,
-      ...drawn.flatMap(({ of }) => [/** @type {import("./types.js").Extremes} */ (series[of]).low, /** @type {import("./types.js").Extremes} */ (series[of]).high]),
+      ...drawn.flatMap(({ of }) => [/** @type {import("./types.js").LowAndHigh} */ (series[of]).low, /** @type {import("./types.js").LowAndHigh} */ (series[of]).high]),
     ]);
     if (this.#plot) this.#plot.setData(data, false);
     else this.#make(data, drawn);
@@ -269,7 +269,7 @@ export class TimeChart {
     const index = u?.cursor.idx;
     const at = typeof index === "number" && (u?.cursor.left ?? -1) >= 0 ? index : null;
     const entries = this.#drawn(series).map(({ of, label, ink }) => {
-      const trace = /** @type {import("./types.js").Extremes} */ (series[of]);
+      const trace = /** @type {import("./types.js").LowAndHigh} */ (series[of]);
       const low = at === null ? null : trace.low[at];
       const high = at === null ? null : trace.high[at];
       const value = at === null ? "" : low === high ? quantity(low, series.unit) : `${quantity(low, series.unit)} … ${quantity(high, series.unit)}`;
@@ -284,7 +284,7 @@ export class TimeChart {
     if (!series) return;
     this.#readOut();
     const parts = this.#drawn(series).map(({ of, label }) => {
-      const { low, high } = /** @type {import("./types.js").Extremes} */ (series[of]);
+      const { low, high } = /** @type {import("./types.js").LowAndHigh} */ (series[of]);
       return `${label} from ${quantity(extreme(low, Math.min), series.unit)} to ${quantity(extreme(high, Math.max), series.unit)}`;
     });
     const [from, to] = this.#options.time.whole;

@@ -83,11 +83,11 @@ exact: boolean,
 /** Stamps, or middles of buckets, s. */
 time_s: Array<number>,
 /** As logged, less the reference where there is one. */
-measured: Extremes,
+measured: LowAndHigh,
 /** Measured less what is left; none without a model. */
-predicted: Extremes | null,
+predicted: LowAndHigh | null,
 /** What is left. */
-left: Extremes | null, };
+left: LowAndHigh | null, };
 
 /** One axis of a replay. */
 export type AxisSummary = {
@@ -227,6 +227,13 @@ name: string,
 /** Unit that its values are in, as `rad/s`. */
 unit: string, };
 
+/** An effect that another is confused with. */
+export type ConfusedWith = {
+/** Identifier of the rival, as `thermal_lag`. */
+effect: string,
+/** The experiment that separates the two. */
+separate: string, };
+
 /** One term of a correction: coefficient times regressor, in the axis' unit. */
 export type CorrectionTerm = {
 /** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log. */
@@ -276,6 +283,9 @@ channels: Array<ChannelDependence>,
 /** Power by time and frequency. */
 power: PowerMap, };
 
+/** What looks for an effect: `search` in its file. */
+export type Detector = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk";
+
 /** What is missing from a model on a log. */
 export type Diagnosis = {
 /** The column that was explained. */
@@ -310,7 +320,7 @@ band: Band,
 /** Which axes it can strike. */
 targets: Targets,
 /** How it is looked for. */
-search: Search,
+search: Detector,
 /** Any of its terms alone is the effect too: those that explain nothing are left out. */
 any_terms: boolean,
 /** What happens in the sensor. */
@@ -332,7 +342,7 @@ terms: Array<EffectTerm>,
 /** The parameter that is searched for. */
 parameter: Parameter | null,
 /** What it is confused with, the most similar first. */
-confused_with: Array<Rival>, };
+confused_with: Array<ConfusedWith>, };
 
 /** One regressor of an effect. */
 export type EffectTerm = {
@@ -349,10 +359,6 @@ accelerometer: string | null, };
 export type Entry = { id: number, name: string, verdict: Verdict | null, working: boolean,
 /** The axis that is looked at, with what is known of it: what studies are held side by side by. */
 axis: AxisEntry | null, };
-
-/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
- * screen shows, half the size of what a browser has to read. */
-export type Extremes = { low: Array<number | null>, high: Array<number | null>, };
 
 /** A picture of one or more panels below each other. */
 export type Figure = {
@@ -519,6 +525,10 @@ still_known_by: KnownBy,
 columns: Array<ColumnSummary>,
 /** What was wrong with it, a line each. */
 quality: Array<string>, };
+
+/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
+ * screen shows, half the size of what a browser has to read. */
+export type LowAndHigh = { low: Array<number | null>, high: Array<number | null>, };
 
 /** What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
  * absent where the data are too short for it. */
@@ -689,18 +699,8 @@ command: string,
 /** Size of the image. */
 bytes: number, };
 
-/** An effect that another is confused with. */
-export type Rival = {
-/** Identifier of the rival, as `thermal_lag`. */
-effect: string,
-/** The experiment that separates the two. */
-separate: string, };
-
 /** Spacing of the values along an axis. */
 export type Scale = "Linear" | "Log";
-
-/** How an effect is looked for. */
-export type Search = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk";
 
 /** The experiment that tells a finding from a rival. */
 export type Separation = {
