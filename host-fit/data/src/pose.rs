@@ -9,6 +9,7 @@ use std::ops::Range;
 use fos_core::GRAVITY_MPS2;
 
 use crate::recording::Recording;
+use crate::statistics::median_of;
 
 /// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias moves so
 /// far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told from a bias.
@@ -54,7 +55,8 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
             if window.end > stretch.end {
                 break;
             }
-            let level: Option<Vec<f64>> = values.iter().map(|axis| median(&axis[window.clone()])).collect();
+            let level: Option<Vec<f64>> =
+                values.iter().map(|axis| finite_median(&axis[window.clone()])).collect();
             let Some(force) = level else { continue };
             if let Some(first) = poses.first_mut().filter(|first| !is_other(&first.force, &force)) {
                 first.rows.end = window.end;
@@ -83,13 +85,8 @@ fn is_other(one: &[f64], other: &[f64]) -> bool {
 }
 
 /// The median of what is finite, which a few wild values do not move.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    if finite.is_empty() {
-        return None;
-    }
-    let middle = finite.len() / 2;
-    Some(*finite.select_nth_unstable_by(middle, f64::total_cmp).1)
+fn finite_median(values: &[f64]) -> Option<f64> {
+    median_of(values.iter().copied().filter(|value| value.is_finite()))
 }
 
 #[cfg(test)]

@@ -30,13 +30,30 @@ pub fn variance(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64
 }
 
-/// Median (the upper one of an even number); reorders `values`. Zero of none.
+/// Median (the upper one of an even number), selected in linear time; reorders `values`. Zero of none.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The same of values that come one by one; `None` of none.
+pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    (!values.is_empty()).then(|| median(&mut values))
+}
+
+/// Median, of an even number the mean of the two in the middle, which [`median`] does not take: it names no value that occurs.
+/// Sorts `values`; zero of none.
+pub fn midpoint_median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    values.sort_unstable_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
 
 /// Whether all samples are equal, as they are where there are none.
@@ -63,6 +80,31 @@ mod tests {
     #[test]
     fn nothing_measured_has_mean_and_variance_zero() {
         assert_eq!((mean(&[]), variance(&[])), (0.0, 0.0));
+    }
+
+    #[test]
+    fn medians_of_odd_numbers_agree_and_of_even_ones_are_the_upper_or_between() {
+        for (values, upper, between) in
+            [(vec![7.0], 7.0, 7.0), (vec![9.0, 1.0, 4.0], 4.0, 4.0), (vec![8.0, 2.0, 1.0, 4.0], 4.0, 3.0)]
+        {
+            assert_eq!(median(&mut values.clone()), upper);
+            assert_eq!(median_of(values.clone()), Some(upper));
+            assert_eq!(midpoint_median(&mut values.clone()), between);
+        }
+        assert_eq!((median(&mut []), median_of([]), midpoint_median(&mut [])), (0.0, None, 0.0));
+    }
+
+    /// Selected or sorted, the value in the middle of the total order has the same bits.
+    #[test]
+    fn a_median_that_is_selected_is_the_one_that_sorting_finds() {
+        let values: Vec<f64> =
+            (0..257_i32).map(|k| f64::from(k * 7919 % 101) * 0.1 - 5.0).chain([-0.0, 0.0]).collect();
+        for count in 1..=values.len() {
+            let mut sorted = values[..count].to_vec();
+            sorted.sort_unstable_by(f64::total_cmp);
+            let selected = median(&mut values[..count].to_vec());
+            assert_eq!(selected.to_bits(), sorted[count / 2].to_bits());
+        }
     }
 
     #[test]

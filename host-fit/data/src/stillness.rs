@@ -7,6 +7,7 @@ use std::ops::Range;
 use fos_core::{StillnessDetector, StillnessLimits};
 
 use crate::recording::Recording;
+use crate::statistics::{mean, median_of, variance};
 
 /// Length of a window, s.
 const WINDOW_S: f64 = 0.5;
@@ -110,11 +111,12 @@ pub fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLim
         .iter()
         .filter(|w| w.accel_variance <= accel_variance && w.gyro_variance <= gyro_variance)
         .collect();
-    let gyro_at_rest = [0, 1, 2].map(|axis| median(quiet.iter().map(|w| w.gyro_mean[axis]).collect()));
+    let gyro_at_rest =
+        [0, 1, 2].map(|axis| median_of(quiet.iter().map(|w| w.gyro_mean[axis])).unwrap_or(0.0));
     let distance =
         |w: &&Window| (0..3).map(|axis| (w.gyro_mean[axis] - gyro_at_rest[axis]).powi(2)).sum::<f64>().sqrt();
     // half of the quiet windows are nearer than the median; a bias that drifts goes some times further
-    let spread = median(quiet.iter().map(distance).collect());
+    let spread = median_of(quiet.iter().map(distance)).unwrap_or(0.0);
     let limits = StillnessLimits {
         window: window as u16,
         accel_variance,
@@ -136,7 +138,7 @@ impl Window {
     fn of(accel: &[&[f64]; 3], gyro: &[&[f64]; 3], rows: Range<usize>) -> Option<Self> {
         let moments = |axis: &[f64]| {
             let stretch = &axis[rows.clone()];
-            (crate::statistics::mean(&[stretch]), crate::statistics::variance(&[stretch]))
+            (mean(&[stretch]), variance(&[stretch]))
         };
         let (accel, gyro) = (accel.map(moments), gyro.map(moments));
         let window = Self {
@@ -151,9 +153,4 @@ impl Window {
 fn low_quantile(mut values: Vec<f64>) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 10).copied()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

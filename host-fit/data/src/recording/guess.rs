@@ -2,6 +2,7 @@
 
 use crate::column::AXES;
 use crate::column::Column;
+use crate::statistics::median_of;
 use crate::unit::parse_unit;
 
 /// What a column seems to be.
@@ -212,9 +213,9 @@ fn typical(values: &[f64]) -> f64 {
     median(magnitudes.collect())
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+/// Not a number of none: it lies in no range.
+fn median(values: Vec<f64>) -> f64 {
+    median_of(values).unwrap_or(f64::NAN)
 }
 
 fn steps(values: &[f64]) -> Vec<f64> {

@@ -213,8 +213,7 @@ impl Recording {
 fn level(times: impl Iterator<Item = f64>, period_s: f64) -> f64 {
     let mut levels: Vec<f64> =
         times.take(9).enumerate().map(|(row, time_s)| time_s - row as f64 * period_s).collect();
-    levels.sort_unstable_by(f64::total_cmp);
-    levels[levels.len() / 2]
+    crate::statistics::median(&mut levels)
 }
 
 /// Ranges cut into pieces of `length`, each from the begin of its own; the last of each may be shorter.

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use fos_data::recording::{Recording, runs};
+use fos_data::statistics::midpoint_median;
 use fos_fit::signal::spectrum::hann;
 
 /// Stretches that the log is cut into.
@@ -198,8 +199,7 @@ fn cells_of(stretches: &[Stretch], band: (f64, f64)) -> Vec<Cell> {
     }
     let mut levels: Vec<f64> =
         known.iter().map(|(_, power, freedom)| power / median_of_noise(*freedom)).collect();
-    levels.sort_unstable_by(f64::total_cmp);
-    let usual = 0.5 * (levels[(levels.len() - 1) / 2] + levels[levels.len() / 2]);
+    let usual = midpoint_median(&mut levels);
     let together = 2.0 / PI * known.iter().map(|(.., freedom)| freedom).sum::<f64>();
     known
         .into_iter()

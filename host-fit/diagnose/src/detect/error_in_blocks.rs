@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::faults::Fault;
 use fos_data::recording::{Recording, RecordingError, Reference};
+use fos_data::statistics::median;
 use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Blocks, length_for};
 use fos_fit::signal;
@@ -151,10 +152,5 @@ impl ErrorInBlocks {
 fn fast_deviation(error: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         error.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();
-    if steps.is_empty() {
-        return 0.0;
-    }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    *median / 0.6745 / 2.0_f64.sqrt()
+    median(&mut steps) / 0.6745 / 2.0_f64.sqrt()
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::trace::Trace;
 use fos_data::recording::{Recording, pieces};
+use fos_data::statistics::median_of;
 
 /// Stretches that are named.
 const NAMED: usize = 5;
@@ -155,8 +156,7 @@ fn score(values: &[f64], index: usize) -> Option<(f64, f64)> {
     (score.is_finite() && score > SPECIAL).then_some((score, centre))
 }
 
+/// Not a number of none: a ratio to it is no score.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    median_of(values).unwrap_or(f64::NAN)
 }

@@ -1,6 +1,7 @@
 //! What is known of an axis' noise before its log is looked at: the data sheet, and a quiet log of the same unit.
 
 use fos_data::case::DataSheet;
+use fos_data::statistics::median_of;
 
 use super::blocks::Blocks;
 use super::levels::{LevelPrior, Regression, UnknownLevels};
@@ -36,17 +37,15 @@ impl LevelPrior {
     /// From the scatter of neighbouring blocks of a log, wide.
     pub fn of_log(blocks: &Blocks, y: &[f64]) -> Self {
         let pairs = blocks.blocks.windows(2).zip(y.windows(2));
-        let mut squares: Vec<f64> = pairs
+        let squares: Vec<f64> = pairs
             .filter(|(pair, _)| pair[1].index == pair[0].index + 1)
             .map(|(pair, values)| {
                 let seconds = 0.5 * (pair[0].count + pair[1].count) as f64 * blocks.period_s;
                 (values[1] - values[0]).powi(2) * seconds / 2.0
             })
             .collect();
-        squares.sort_unstable_by(f64::total_cmp);
         // the median of a square of a normal variable is 0.4549 of its mean; unlike the mean it forgives steps
-        let white =
-            (squares.get(squares.len() / 2).copied().unwrap_or(1.0) / 0.4549).sqrt().max(f64::MIN_POSITIVE);
+        let white = (median_of(squares).unwrap_or(1.0) / 0.4549).sqrt().max(f64::MIN_POSITIVE);
         let flicker = FLICKER_PER_WHITE * white;
         Self::independent([white.ln(), flicker.ln(), (WALK_PER_FLICKER * flicker).ln()], ABOUT_GUESS)
     }

@@ -15,6 +15,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use fos_data::statistics::midpoint_median;
 use fos_data::stored_as_text;
 
 /// How a series is thought to go on beyond its ends.
@@ -201,11 +202,7 @@ impl Decomposition {
         if sizes.is_empty() {
             return 0.0;
         }
-        sizes.sort_unstable_by(f64::total_cmp);
-        let middle = sizes.len() / 2;
-        let median =
-            if sizes.len() % 2 == 1 { sizes[middle] } else { 0.5 * (sizes[middle - 1] + sizes[middle]) };
-        median / MEDIAN_TO_DEVIATION * (2.0 * (self.lengths[0] as f64).ln()).sqrt()
+        midpoint_median(&mut sizes) / MEDIAN_TO_DEVIATION * (2.0 * (self.lengths[0] as f64).ln()).sqrt()
     }
 
     /// Shrinks the details.

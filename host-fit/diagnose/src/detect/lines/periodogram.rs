@@ -6,6 +6,7 @@ use realfft::RealFftPlanner;
 
 use super::line::Line;
 use super::series::{Series, lowest_hz};
+use fos_data::statistics::median;
 
 /// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
 const ACCEPT: f64 = 15.0;
@@ -146,10 +147,7 @@ fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
         if power.len() - end < FEWEST_ORDINATES {
             end = power.len();
         }
-        let mut values = power[start..end].to_vec();
-        let middle = values.len() / 2;
-        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-        let level = (*median / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
+        let level = (median(&mut power[start..end].to_vec()) / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
         knots.push(((0.5 * (start + end) as f64).ln(), level.ln()));
         start = end;
     }
