@@ -308,8 +308,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// range, and once coasting has lasted longer than it was validated for, what is subtracted of it fades to its
     /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
     ///
-    /// A measured value that is not finite is a sample that is missing: it is coasted over up to the axis' gap limit, and then the
-    /// history restarts. To go on without samples is [`forecast`](Self::forecast).
+    /// A measured value that is not finite is a sample that is missing: it is coasted over up to the axis' gap limit,
+    /// and then the history restarts. To go on without samples is [`forecast`](Self::forecast).
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.step(sample, |axis, measured, correction| axis.coast(measured, correction))
@@ -320,8 +320,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         &self.corrections
     }
 
-    /// The error as the model expects it one tick on, without a sample: as [`coast`](Self::coast), and for as long as is asked,
-    /// whatever the gap limit. What is `corrected` is then the latest measured value less the prediction.
+    /// The error as the model expects it one tick on, without a sample: as [`coast`](Self::coast), and for as long as
+    /// is asked, whatever the gap limit. What is `corrected` is then the latest measured value less the prediction.
     ///
     /// ```
     /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample, Term, y};

@@ -53,7 +53,8 @@ fn coast(predictor: &mut Roomy<f64>, samples: usize) -> Vec<f64> {
 
 fn assert_near(found: f64, expected: &serde_json::Value) {
     let expected = number(expected);
-    // theirs in 50 digits or in another order: roundings of 2^-53, which 200 steps of a damped recursion do not raise to a billionth
+    // theirs in 50 digits or in another order: roundings of 2^-53, which 200 steps of a damped recursion do not raise
+    // to a billionth
     assert!((found / expected - 1.0).abs() < 1e-9, "{found}, expected {expected}");
 }
 

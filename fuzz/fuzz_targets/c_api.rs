@@ -1,5 +1,5 @@
-//! Every function of the C interface, in any order, with NULL, misaligned and impossible arguments among good ones. Memory is
-//! allocated to the byte, so that the address sanitizer sees any step beyond it.
+//! Every function of the C interface, in any order, with NULL, misaligned and impossible arguments among good ones.
+//! Memory is allocated to the byte, so that the address sanitizer sees any step beyond it.
 #![no_main]
 
 use core::ffi::CStr;

@@ -1,5 +1,5 @@
-//! A flash that holds anything, against the model store: it says what it holds or that it holds nothing, in bounded time; what it
-//! says is an image; what it takes it gives back.
+//! A flash that holds anything, against the model store: it says what it holds or that it holds nothing, in bounded
+//! time; what it says is an image; what it takes it gives back.
 //!
 //! First how many updates were stored, then changes of the flash: place, length, bytes.
 #![no_main]

@@ -1,4 +1,5 @@
-//! The hub against what it is documented to do: the same bits as a predictor driven by hand, and near to a naive twin in f64.
+//! The hub against what it is documented to do: the same bits as a predictor driven by hand, and near to a naive twin
+//! in f64.
 #![no_main]
 
 use fos_core::image::encode;
@@ -24,8 +25,8 @@ const SCALES: Scales = Scales {
     values: FittedOn::Raw,
 };
 
-/// f32 against f64, in the axis' unit: 6e-8 of inputs up to 3.3, a hundredfold in a rate over 10 ms, times up to 90 in a product of
-/// three, in eight terms, fed back with 0.8, times a scale of 2.
+/// f32 against f64, in the axis' unit: 6e-8 of inputs up to 3.3, a hundredfold in a rate over 10 ms, times up to 90 in
+/// a product of three, in eight terms, fed back with 0.8, times a scale of 2.
 const TOLERANCE: f64 = 0.05;
 
 #[derive(Debug, Clone)]

@@ -1,4 +1,5 @@
-//! Any bytes as a model image: refused, or a model whose every output is finite and bounded, and what its monitors say finite.
+//! Any bytes as a model image: refused, or a model whose every output is finite and bounded, and what its monitors say
+//! finite.
 #![no_main]
 
 use fos_core::{Image, Monitor, Predictor, Sample};

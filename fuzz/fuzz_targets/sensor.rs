@@ -1,5 +1,6 @@
-//! A bus that loses, damages and makes up what a sensor says, against the sources of samples and the hub behind them: every poll ends
-//! and gives what is finite; once the bus is sound, the samples are those of the sensor, without a fault.
+//! A bus that loses, damages and makes up what a sensor says, against the sources of samples and the hub behind them:
+//! every poll ends and gives what is finite; once the bus is sound, the samples are those of the sensor, without a
+//! fault.
 //!
 //! First the part. Then what happens: before a poll the time since the last one, at a transfer what is wrong with it.
 #![no_main]

@@ -1,5 +1,5 @@
-//! Any bytes as a study or as the description of a case: refused with place and remedy, or one that can be written, read again,
-//! exported, compared, diagnosed and taken back.
+//! Any bytes as a study or as the description of a case: refused with place and remedy, or one that can be written,
+//! read again, exported, compared, diagnosed and taken back.
 #![no_main]
 
 use std::sync::LazyLock;

@@ -1,5 +1,5 @@
-//! Any bytes as what a device sends or a file of it holds: damaged frames are counted, the rest makes a log with columns of one
-//! length.
+//! Any bytes as what a device sends or a file of it holds: damaged frames are counted, the rest makes a log with
+//! columns of one length.
 #![no_main]
 
 use fos_embedded::telemetry::{Frame, decode};

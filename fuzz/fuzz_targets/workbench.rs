@@ -1,7 +1,9 @@
-//! Any requests to the workbench over the wire, with a study open: an answer to every one, none of them an error of the program.
+//! Any requests to the workbench over the wire, with a study open: an answer to every one, none of them an error of the
+//! program.
 //!
-//! Requests are separated by zero bytes: method and path, a line feed, the body. One that begins with `!` has headers of its own, as they are,
-//! up to an empty line: without those that a page of the workbench sends nothing may be answered but a refusal.
+//! Requests are separated by zero bytes: method and path, a line feed, the body. One that begins with `!` has headers
+//! of its own, as they are, up to an empty line: without those that a page of the workbench sends nothing may be
+//! answered but a refusal.
 #![no_main]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -97,8 +99,8 @@ fn from_elsewhere(request: &[u8]) {
 /// Number and revision of the study that was opened last.
 static OPENED: Mutex<Option<(u64, u64)>> = Mutex::new(None);
 
-/// The number of a study at rest, the only one: that of the input before if nothing changed in it. So an input finds what it would find
-/// alone, but for files that were uploaded.
+/// The number of a study at rest, the only one: that of the input before if nothing changed in it. So an input finds
+/// what it would find alone, but for files that were uploaded.
 fn opened() -> u64 {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let studies = answer("GET", "/api/studies", b"");

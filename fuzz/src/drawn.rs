@@ -1,5 +1,5 @@
-//! Models and what happens to them, read off the bytes of an input: a byte that changes, changes one thing, so that what code is
-//! reached can guide the fuzzer. Where the bytes end all is small and over.
+//! Models and what happens to them, read off the bytes of an input: a byte that changes, changes one thing, so that
+//! what code is reached can guide the fuzzer. Where the bytes end all is small and over.
 
 use fos_core::{AxisParameters, Transform};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};

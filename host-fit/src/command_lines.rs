@@ -5,7 +5,8 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::Refinement;
 
-/// The command lines that do the same as was done with these logs: fitted to `fitted`, looking at axes, each as it is refined.
+/// The command lines that do the same as was done with these logs: fitted to `fitted`, looking at axes, each as it is
+/// refined.
 pub(crate) fn command_lines<'a>(
     fitted: &[Source],
     logs: &Logs,

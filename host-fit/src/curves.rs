@@ -1,5 +1,5 @@
-//! What the figures of a comparison show beside its numbers: envelopes over time, spectra, autocorrelation, Allan deviations,
-//! block means against channels. All of it is computed here; [`plots`] only draws.
+//! What the figures of a comparison show beside its numbers: envelopes over time, spectra, autocorrelation, Allan
+//! deviations, block means against channels. All of it is computed here; [`plots`] only draws.
 //!
 //! [`plots`]: crate::plots
 

@@ -1,8 +1,9 @@
-//! Text that came from outside, on its way to where some characters do things: a terminal, source code, a page, a shell.
+//! Text that came from outside, on its way to where some characters do things: a terminal, source code, a page, a
+//! shell.
 //!
-//! What is shown in every one of them is [`visible`](fos_data::visible::visible); then each has its own rule for what it takes for its own. Those of the
-//! report are beside it: Markdown in `report/markdown_text.rs`, HTML in `report/render.rs`; figures make theirs visible in
-//! `figures/canvas.rs`.
+//! What is shown in every one of them is [`visible`](fos_data::visible::visible); then each has its own rule for what
+//! it takes for its own. Those of the report are beside it: Markdown in `report/markdown_text.rs`, HTML in
+//! `report/render.rs`; figures make theirs visible in `figures/canvas.rs`.
 
 use std::fmt::{self, Write};
 
@@ -23,8 +24,8 @@ pub(crate) fn visible_json(json: &str) -> String {
     shown
 }
 
-/// Lines as `//` comments of C, whatever compiler reads them: a line that ends in a backslash, or in the three characters
-/// that stand for one (trigraph), would take in the next.
+/// Lines as `//` comments of C, whatever compiler reads them: a line that ends in a backslash, or in the three
+/// characters that stand for one (trigraph), would take in the next.
 pub(crate) fn c_comment(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     for line in text.lines() {
         let mut comment = "// ".to_owned();

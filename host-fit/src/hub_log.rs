@@ -13,7 +13,8 @@ use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_fit::signal::quantisation::quantisation;
 
-/// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little larger.
+/// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little
+/// larger.
 const CODES: f64 = 32_000.0;
 
 /// A code of the thermometer is 1/256 K, and 0 is 25 °C, as in the LSM6DSV16X.
@@ -23,9 +24,9 @@ const TEMPERATURE_ZERO_C: f64 = 25.0;
 /// The application looks at its clock after so many samples: 50 ms at 200 Hz.
 const SAMPLES_A_BATCH: usize = 10;
 
-/// The recording as a hub reads it, and what its codes mean. Where the log shows the steps of the sensor's converter, codes are
-/// those steps; a column that is not there is 0. A row with an empty cell on an axis is a tick without a sample. With limits of stillness in the image the hub's own detector decides, else
-/// `rest`.
+/// The recording as a hub reads it, and what its codes mean. Where the log shows the steps of the sensor's converter,
+/// codes are those steps; a column that is not there is 0. A row with an empty cell on an axis is a tick without a
+/// sample. With limits of stillness in the image the hub's own detector decides, else `rest`.
 ///
 /// # Errors
 ///

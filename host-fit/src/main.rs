@@ -19,7 +19,8 @@ fn main() -> ExitCode {
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn give_memory_back() {
     const LARGE: libc::c_int = 1 << 20;
-    // SAFETY: sets a number in the allocator, which has a lock; no other thread is there yet. A refusal changes nothing.
+    // SAFETY: sets a number in the allocator, which has a lock; no other thread is there yet. A refusal changes
+    // nothing.
     #[expect(unsafe_code, reason = "the setting has no safe interface")]
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE);

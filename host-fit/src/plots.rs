@@ -1,5 +1,5 @@
-//! The figures of a comparison, one set per axis: which there are, and their files. What they show is computed in [`curves`], how
-//! they look is said in [`figures`].
+//! The figures of a comparison, one set per axis: which there are, and their files. What they show is computed in
+//! [`curves`], how they look is said in [`figures`].
 //!
 //! [`curves`]: crate::curves
 //! [`figures`]: crate::figures

@@ -74,8 +74,8 @@ pub struct Summary {
     pub corrections_digest: u64,
 }
 
-/// The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more than a
-/// sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses.
+/// The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more
+/// than a sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Gravity {
@@ -277,8 +277,8 @@ fn run(
     })
 }
 
-/// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as four
-/// channels of the log.
+/// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as
+/// four channels of the log.
 fn errors(
     alone: &UnitModel,
     recording: &Recording,

@@ -1,4 +1,5 @@
-//! Wall-clock time of a computation that is repeated: the least where the machine is measured, the median where methods are compared.
+//! Wall-clock time of a computation that is repeated: the least where the machine is measured, the median where methods
+//! are compared.
 
 use std::hint::black_box;
 use std::time::Instant;

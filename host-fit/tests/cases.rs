@@ -1,4 +1,5 @@
-//! Whole cases, read from their folders and diagnosed: three of our own simulator, and three of another one where they are at hand.
+//! Whole cases, read from their folders and diagnosed: three of our own simulator, and three of another one where they
+//! are at hand.
 
 use fos_data::case::Case;
 use fos_diagnose::case::question;

@@ -1,4 +1,5 @@
-//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal is.
+//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal
+//! is.
 
 mod session;
 
@@ -57,8 +58,8 @@ fn nothing_is_coloured_where_no_terminal_is() {
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
 
-/// The crates under the program are used without it, from a page or from another program: what to do is said in their own
-/// words, options by the names of their fields.
+/// The crates under the program are used without it, from a page or from another program: what to do is said in their
+/// own words, options by the names of their fields.
 #[test]
 fn no_library_names_a_flag_or_a_subcommand() {
     let command = host_fit::cli::command();

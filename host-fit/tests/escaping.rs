@@ -1,8 +1,8 @@
 //! Text that comes from outside stays text: in a terminal, in C, in Rust, in a page, in Markdown, in a picture.
 //!
-//! Every control character and all that is special to one of them is sent through every text: the strings of a study, of an image,
-//! of an effect, of a case, the names of files and columns, cells, labels of segments. What comes out is held against what a harmless
-//! text makes of it; and each check is shown the text as it is, which it must notice.
+//! Every control character and all that is special to one of them is sent through every text: the strings of a study,
+//! of an image, of an effect, of a case, the names of files and columns, cells, labels of segments. What comes out is
+//! held against what a harmless text makes of it; and each check is shown the text as it is, which it must notice.
 
 #[path = "escaping/checks.rs"]
 mod checks;
@@ -62,7 +62,8 @@ struct Runs {
 }
 
 impl Runs {
-    /// Runs a command line whose output a terminal must be able to show, with colours and without. Whether it succeeded.
+    /// Runs a command line whose output a terminal must be able to show, with colours and without. Whether it
+    /// succeeded.
     fn run(&mut self, folder: &Path, arguments: &[&str]) -> bool {
         self.run_with(&[true, false], folder, arguments)
     }
@@ -146,8 +147,8 @@ fn exported(runs: &mut Runs, folder: &Path, study: &Value, sensor: &str) -> Opti
     })
 }
 
-/// Every string of a study, one by one and together, into the sources and onto the terminal. How many there are, and how many of
-/// them a study may hold.
+/// Every string of a study, one by one and together, into the sources and onto the terminal. How many there are, and
+/// how many of them a study may hold.
 fn strings_of_a_study(runs: &mut Runs, folder: &Path, good: &Value) -> (usize, usize) {
     let hostile = hostile();
     let benign = exported(runs, folder, good, "x").expect("sound");

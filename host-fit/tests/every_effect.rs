@@ -1,5 +1,5 @@
-//! Every effect of the library, the user's whole path: a quiet log is fitted, the effect is hidden in the next one, named, added,
-//! exported, and what the device then makes of a third log is nearer to the truth.
+//! Every effect of the library, the user's whole path: a quiet log is fitted, the effect is hidden in the next one,
+//! named, added, exported, and what the device then makes of a third log is nearer to the truth.
 
 use fos_core::Image;
 use fos_data::column::Column;
@@ -83,7 +83,8 @@ impl Logs {
         }
     }
 
-    /// What the device leaves of the later log when it coasts throughout. `model` goes through the image and runs in f32.
+    /// What the device leaves of the later log when it coasts throughout. `model` goes through the image and runs in
+    /// f32.
     fn left_on_the_device(&self, model: &UnitModel, of: Left) -> f64 {
         let bytes = image(model, "simulated", "").expect("an image");
         let columns: Vec<String> = model.axes.iter().map(|axis| axis.column.clone()).collect();
@@ -161,8 +162,8 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
     }
 }
 
-/// `add bias_step` put the mean of the field log and the whole step into the offset: the error rose, "measured 0.0 %", and no test
-/// had ever added one.
+/// `add bias_step` put the mean of the field log and the whole step into the offset: the error rose, "measured 0.0 %",
+/// and no test had ever added one.
 #[test]
 fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let library = Library::built_in();

@@ -1,4 +1,5 @@
-//! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the model's.
+//! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the
+//! model's.
 
 use fos_data::column::AXES;
 use fos_data::recording::{LoadOptions, Recording, Source};
@@ -14,7 +15,8 @@ const RATE_HZ: f64 = 100.0;
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Six axes and a temperature, at rest throughout and saying so; the temperature steady until `warm_from`, then 4 K in 3 minutes.
+/// Six axes and a temperature, at rest throughout and saying so; the temperature steady until `warm_from`, then 4 K in
+/// 3 minutes.
 fn log(rows: usize, warm_from: usize, seed: u64) -> Columns {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -51,8 +53,9 @@ fn text(fit: &AxisFit) -> String {
     serde_json::to_string(&(&fit.model, &fit.report)).expect("JSON")
 }
 
-/// Inputs were centred and scaled over the whole log: a warm-up that was not fitted moved the centre, and an insignificant
-/// coefficient times that distance went into the remainder's constant, which fades after a minute of motion.
+/// Inputs were centred and scaled over the whole log: a warm-up that was not fitted moved the centre, and an
+/// insignificant coefficient times that distance went into the remainder's constant, which fades after a minute of
+/// motion.
 #[test]
 fn nothing_is_learnt_from_rows_that_are_not_fitted() {
     const ROWS: usize = 12_000;
@@ -108,8 +111,8 @@ fn compared(columns: Columns, options: &FitOptions) -> (Comparison, AxisFit) {
     (comparison, fit)
 }
 
-/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models coasted worse than the
-/// mean, "valid 100.0 %".
+/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models coasted
+/// worse than the mean, "valid 100.0 %".
 #[test]
 fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean() {
     const ROWS: usize = 60_000;

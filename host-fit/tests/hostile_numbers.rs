@@ -1,4 +1,5 @@
-//! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory without end.
+//! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory
+//! without end.
 
 use std::any::TypeId;
 use std::path::Path;

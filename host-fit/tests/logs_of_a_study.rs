@@ -1,5 +1,5 @@
-//! The logs of a study are found wherever the command is run and wherever study and logs were moved together; logs come through
-//! pipes too.
+//! The logs of a study are found wherever the command is run and wherever study and logs were moved together; logs come
+//! through pipes too.
 
 mod session;
 

@@ -1,4 +1,5 @@
-//! Nothing that a command writes takes the place of what it reads: every subcommand, every input, every output, however it is called.
+//! Nothing that a command writes takes the place of what it reads: every subcommand, every input, every output, however
+//! it is called.
 #![cfg(unix)]
 
 mod session;
@@ -15,8 +16,8 @@ use host_fit::cli::command;
 use host_fit::cli::files::{Role, role_of};
 use session::{done, fails};
 
-/// A command line that writes to `at` for its argument `output`. Words in braces are arguments that are read, with a file for each;
-/// what has no name is read besides.
+/// A command line that writes to `at` for its argument `output`. Words in braces are arguments that are read, with a
+/// file for each; what has no name is read besides.
 struct Line {
     output: &'static str,
     at: &'static str,
@@ -151,8 +152,8 @@ impl Line {
 /// How a file comes to be called as what is written.
 const SPELLINGS: [&str; 4] = ["as it is", "by another way", "by a symbolic link", "by a hard link"];
 
-/// Makes `output` lead to the file `input` in `folder`; how the input is to be called then. A file that no argument names cannot have
-/// another name.
+/// Makes `output` lead to the file `input` in `folder`; how the input is to be called then. A file that no argument
+/// names cannot have another name.
 fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool) -> Option<String> {
     let (from, to) = (folder.join(input), folder.join(output));
     fs::create_dir_all(to.parent()?).expect("made");

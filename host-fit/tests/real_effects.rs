@@ -1,5 +1,5 @@
-//! The diagnosis on logs with known temperature, in two orientations: found in one, judged on the other. One log is made here; the
-//! other is other people's, where it is at hand.
+//! The diagnosis on logs with known temperature, in two orientations: found in one, judged on the other. One log is
+//! made here; the other is other people's, where it is at hand.
 
 use std::sync::LazyLock;
 
@@ -12,8 +12,8 @@ use fos_testkit::outside;
 /// What is made: m/s² and rad/s per K, in both orientations.
 const SENSITIVITY: [f64; 6] = [0.0, -0.022, 0.02, 0.0, 4.5e-4, 0.0];
 
-/// A tag that is taken slowly through temperature, twice, and turned in between; one row a second. Its gyro x drifts the first time, and
-/// the second time it dips on the way up, as no law in temperature says.
+/// A tag that is taken slowly through temperature, twice, and turned in between; one row a second. Its gyro x drifts
+/// the first time, and the second time it dips on the way up, as no law in temperature says.
 static MADE: LazyLock<[Recording; 2]> = LazyLock::new(|| {
     const N: usize = 40_000;
     let gravity = [[0.0, 0.0, 9.81], [0.0, 9.81, 0.0]];
@@ -142,8 +142,8 @@ fn gyro_y_of_the_tag_drifts_with_temperature() {
     assert_linear("gy_rads", 0.020..0.030, "dps/K");
 }
 
-/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and comes back, in the first it does not: no law
-/// in temperature holds in both. Gyro z dips there too.
+/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and comes back, in the first it does not: no
+/// law in temperature holds in both. Gyro z dips there too.
 #[test]
 fn gyros_x_and_z_of_the_tag_are_unexplained() {
     let Some([field, judged]) = orientations() else { return };

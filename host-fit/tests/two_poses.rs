@@ -1,5 +1,6 @@
-//! Gravity is one true value in one pose only. Two rest poses in one fit gave a model that turned |a| = 9.8 m/s² into 3, every sample
-//! of it marked valid: `fit` refuses them, and a model that was made of them all the same is flagged wherever it runs.
+//! Gravity is one true value in one pose only. Two rest poses in one fit gave a model that turned |a| = 9.8 m/s² into
+//! 3, every sample of it marked valid: `fit` refuses them, and a model that was made of them all the same is flagged
+//! wherever it runs.
 
 use fos_data::column::AXES;
 use fos_data::column::Column;

@@ -155,7 +155,8 @@ fn fits(found: &Result<usize, String>, expected: &Expected) -> bool {
     }
 }
 
-/// Kilobytes of address space that the program may have: more than it needs to begin with, less than the file unpacks to.
+/// Kilobytes of address space that the program may have: more than it needs to begin with, less than the file unpacks
+/// to.
 const LIMIT_KB: u32 = 150_000;
 
 /// Reads what is unpacked to 160 MB; whether it ended with exit code 1.

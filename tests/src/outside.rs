@@ -1,5 +1,5 @@
-//! Files of other people, which are no part of the project: recorded logs, cases of another simulator, answers that others
-//! computed or published.
+//! Files of other people, which are no part of the project: recorded logs, cases of another simulator, answers that
+//! others computed or published.
 //!
 //! | of `name` the folder | is looked for where this says | and in every folder above the repository |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | `data/` | `FOS_REAL_LOGS` | `shared/data` |
 //! | `cases/` | `FOS_CASES` | `shared/cases` |
 //!
-//! What every test needs lies in `tests/fixtures`; these prove it against others. `tests/fixtures/README.md` says when one that
-//! is missing fails.
+//! What every test needs lies in `tests/fixtures`; these prove it against others. `tests/fixtures/README.md` says when
+//! one that is missing fails.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 const KINDS: [(&str, &str); 3] =
     [("reference", "FOS_REFERENCE"), ("data", "FOS_REAL_LOGS"), ("cases", "FOS_CASES")];
 
-/// A file or folder of `shared`, as `data/log.csv.gz`. Where there is none it says so, also past the harness' capture of output.
+/// A file or folder of `shared`, as `data/log.csv.gz`. Where there is none it says so, also past the harness' capture
+/// of output.
 ///
 /// # Panics
 ///

@@ -1,5 +1,5 @@
-//! Answers to compare with: our own fixtures, computed by another road (`tests/fixtures/reference`), and what others computed or
-//! published, where that is at hand ([`outside()`]).
+//! Answers to compare with: our own fixtures, computed by another road (`tests/fixtures/reference`), and what others
+//! computed or published, where that is at hand ([`outside()`]).
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! Series on which searches have wandered, or might: smooth, flat, coarse, periodic, exact, chaotic, without a mean, of any scale.
+//! Series on which searches have wandered, or might: smooth, flat, coarse, periodic, exact, chaotic, without a mean, of
+//! any scale.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -62,8 +63,8 @@ fn gaussian(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
-/// A uniform cubic B-spline whose control points are noise: three pieces of a polynomial in a row fit one another to the second
-/// derivative.
+/// A uniform cubic B-spline whose control points are noise: three pieces of a polynomial in a row fit one another to
+/// the second derivative.
 fn spline(n: usize, every: usize) -> Vec<f64> {
     let points = gaussian(n / every + 4, 2);
     let at = |k: usize| {
@@ -79,7 +80,8 @@ fn spline(n: usize, every: usize) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// Through a Butterworth low-pass of order 8, its cut-off in units of half the sample rate: four biquads by the bilinear transform.
+/// Through a Butterworth low-pass of order 8, its cut-off in units of half the sample rate: four biquads by the
+/// bilinear transform.
 fn butterworth(series: &[f64], cut_off: f64) -> Vec<f64> {
     let w = (std::f64::consts::FRAC_PI_2 * cut_off).tan();
     let mut filtered = series.to_vec();

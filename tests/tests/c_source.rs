@@ -58,7 +58,8 @@ fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
 #endif
 ";
 
-/// A hub that answers as the test vector says: it shows that the check compares what it should, and nothing of the library.
+/// A hub that answers as the test vector says: it shows that the check compares what it should, and nothing of the
+/// library.
 const ECHO: &str = "
 #include \"unit.h\"
 #include <stdio.h>

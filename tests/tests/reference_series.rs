@@ -8,7 +8,8 @@ use fos_testkit::reference;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A series of every fixture that has one: its channels, and what one step of its codes is worth if it is stored in 16 bits.
+/// A series of every fixture that has one: its channels, and what one step of its codes is worth if it is stored in 16
+/// bits.
 struct Series {
     name: &'static str,
     channels: Vec<Vec<f64>>,
@@ -83,8 +84,8 @@ fn with_mean() -> Vec<f64> {
     autoregression(20, 300, &[1.4, -0.7], 1.0).iter().map(|x| 50.0 + 10.0 * x).collect()
 }
 
-/// Four lags, two products that a search finds hard (each looks like others), and noise: what the fixtures `selection`, `gaps` and
-/// `prediction` are about.
+/// Four lags, two products that a search finds hard (each looks like others), and noise: what the fixtures `selection`,
+/// `gaps` and `prediction` are about.
 fn quadratic(seed: u64, length: usize) -> Vec<f64> {
     let run_in = 500;
     let mut y = white_noise(seed, run_in + length);
@@ -128,7 +129,8 @@ fn uniform(seed: u64, low: f64) -> Vec<f64> {
     (0..800).map(|_| random.random_range(low..1.0)).collect()
 }
 
-/// Input and output of a system that begins at rest: `next` of the past outputs, latest first, and of the inputs, this one first.
+/// Input and output of a system that begins at rest: `next` of the past outputs, latest first, and of the inputs, this
+/// one first.
 fn narx(input: Vec<f64>, noise: f64, seed: u64, next: impl Fn(&[f64; 2], &[f64; 4]) -> f64) -> Vec<Vec<f64>> {
     let added = white_noise(seed, input.len());
     let mut output = vec![0.0; input.len()];

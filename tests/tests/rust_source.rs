@@ -1,5 +1,5 @@
-//! A model as Rust source compiles, is the model of its image to the last bit, and comes with a test vector that notices when
-//! it is not.
+//! A model as Rust source compiles, is the model of its image to the last bit, and comes with a test vector that
+//! notices when it is not.
 
 mod exported_model;
 

@@ -1,5 +1,5 @@
-//! The loop from the field back to the host: a device sends what it measures, the host makes a log of it and names what is
-//! missing from the model.
+//! The loop from the field back to the host: a device sends what it measures, the host makes a log of it and names what
+//! is missing from the model.
 
 use std::io::BufReader;
 

@@ -1,8 +1,10 @@
-//! `cargo xtask corpus CONTROL FOLDER`: of the inputs that libFuzzer has gone through to merge them, those for the repository.
+//! `cargo xtask corpus CONTROL FOLDER`: of the inputs that libFuzzer has gone through to merge them, those for the
+//! repository.
 //!
-//! CONTROL is what `-merge_control_file` wrote in a merge by `-set_cover_merge=1 -use_counters=0`. Taken are, one after the other, the
-//! inputs that reach most edges that none before reaches, the smaller one of two, as long as those are at least [`WORTH`]. What is
-//! taken would be taken again from itself alone. They are copied into FOLDER, in the place of what is there.
+//! CONTROL is what `-merge_control_file` wrote in a merge by `-set_cover_merge=1 -use_counters=0`. Taken are, one after
+//! the other, the inputs that reach most edges that none before reaches, the smaller one of two, as long as those are
+//! at least [`WORTH`]. What is taken would be taken again from itself alone. They are copied into FOLDER, in the place
+//! of what is there.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -22,8 +24,8 @@ struct Input {
     edges: BTreeSet<u64>,
 }
 
-/// The inputs of a control file: their number, that of the first folder, their paths; then of each `STARTED index size` and
-/// `FT index edge…`. (After `COV` stand only those that no input before it reached.)
+/// The inputs of a control file: their number, that of the first folder, their paths; then of each `STARTED index size`
+/// and `FT index edge…`. (After `COV` stand only those that no input before it reached.)
 fn inputs(control: &str) -> Result<Vec<Input>, Box<dyn Error>> {
     let mut lines = control.lines();
     let count: usize = lines.next().ok_or("an empty control file")?.trim().parse()?;

@@ -12,7 +12,8 @@ use std::process::Command;
 
 use crate::workspace::{Package, output};
 
-/// A crate, and those of the workspace that it may depend on. What lies under `tests/` may depend on all of them and is not here.
+/// A crate, and those of the workspace that it may depend on. What lies under `tests/` may depend on all of them and is
+/// not here.
 const MAY: &[(&str, &[&str])] = &[
     ("fos-core", &[]),
     ("fos-embedded", &["fos-core"]),
@@ -48,7 +49,8 @@ pub(crate) fn refused(packages: &[Package], root: &Path) -> Vec<String> {
     found
 }
 
-/// The crates, but host-fit and those of the tests, in whose trees something is that only the program needs, a line each.
+/// The crates, but host-fit and those of the tests, in whose trees something is that only the program needs, a line
+/// each.
 pub(crate) fn heavy(packages: &[Package], root: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let mut found = Vec::new();
     for package in packages {

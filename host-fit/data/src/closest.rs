@@ -1,6 +1,7 @@
 //! The name nearest to one that was not found, for messages.
 
-/// The name among `names` that differs from `wanted` in the fewest letters (Levenshtein 1966), unless more than half would differ.
+/// The name among `names` that differs from `wanted` in the fewest letters (Levenshtein 1966), unless more than half
+/// would differ.
 pub fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let edits = |name: &str| strsim::levenshtein(&wanted.to_lowercase(), &name.to_lowercase());
     names

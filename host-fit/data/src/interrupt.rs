@@ -1,8 +1,9 @@
 //! The end of a long computation before time.
 //!
-//! A wish to stop stands beside the computation, not in it: the thread that computes calls [`check`] in its long loops, and the
-//! stack is unwound to [`interruptible`] if someone has [asked](StopRequest::ask). So the numerical code need not hand the wish through
-//! every argument and return value, and what it had begun to compute is dropped with the stack.
+//! A wish to stop stands beside the computation, not in it: the thread that computes calls [`check`] in its long loops,
+//! and the stack is unwound to [`interruptible`] if someone has [asked](StopRequest::ask). So the numerical code need
+//! not hand the wish through every argument and return value, and what it had begun to compute is dropped with the
+//! stack.
 
 use std::cell::RefCell;
 use std::panic::{self, AssertUnwindSafe};
@@ -55,8 +56,8 @@ pub fn check() {
 ///
 /// # Errors
 ///
-/// It was stopped, or panicked: whatever happens in it, the caller goes on. What it changes should be published only when it is
-/// whole.
+/// It was stopped, or panicked: whatever happens in it, the caller goes on. What it changes should be published only
+/// when it is whole.
 pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<T, Interrupted> {
     let outer = WISH.replace(Some(stop.clone()));
     let result = panic::catch_unwind(AssertUnwindSafe(work));
@@ -78,8 +79,8 @@ mod counting {
         static STEPS_LEFT: Cell<Option<u64>> = const { Cell::new(None) };
     }
 
-    /// How often [`check`] is called in a computation on this thread; none if that is more than `most`, where it is ended. So a test
-    /// can say that a search ends, without a clock.
+    /// How often [`check`] is called in a computation on this thread; none if that is more than `most`, where it is
+    /// ended. So a test can say that a search ends, without a clock.
     pub fn counted(most: u64, work: impl FnOnce()) -> Option<u64> {
         STEPS_LEFT.set(Some(most));
         let result = panic::catch_unwind(AssertUnwindSafe(work));

@@ -1,7 +1,7 @@
 //! In which poses a unit lies still, told by gravity.
 //!
-//! Without a reference an accelerometer at rest is held against a constant: gravity in one pose. In two, the mean of both is the true value
-//! of neither, and what a model would call the error is the difference.
+//! Without a reference an accelerometer at rest is held against a constant: gravity in one pose. In two, the mean of
+//! both is the true value of neither, and what a model would call the error is the difference.
 
 use crate::column::ACCELEROMETERS;
 use std::ops::Range;
@@ -11,8 +11,9 @@ use fos_core::GRAVITY_MPS2;
 use crate::recording::Recording;
 use crate::statistics::median_of;
 
-/// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias moves so
-/// far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told from a bias.
+/// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias
+/// moves so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told
+/// from a bias.
 const OTHER_POSE_MPS2: f64 = 0.1 * GRAVITY_MPS2 as f64;
 
 /// Length of the windows whose levels are compared, s, and the fewest rows of one.
@@ -31,8 +32,8 @@ pub struct Pose {
     pub force: Vec<f64>,
 }
 
-/// The columns that tell the pose of an accelerometer: all three, or where the log does not have them the axis alone. None for
-/// a gyro.
+/// The columns that tell the pose of an accelerometer: all three, or where the log does not have them the axis alone.
+/// None for a gyro.
 pub fn columns_of(recording: &Recording, column: &str) -> Vec<&'static str> {
     let own = ACCELEROMETERS.into_iter().filter(|name| *name == column);
     let has_all = ACCELEROMETERS.iter().all(|name| recording.channel(name).is_ok());

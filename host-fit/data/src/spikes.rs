@@ -7,12 +7,12 @@ use crate::statistics::median;
 /// Values on either side that a value is held against: so many in a row, at most, can be a spike.
 const REACH: usize = 5;
 
-/// A spike is so many standard deviations off. Normal noise never is; of noise with tails as wide as Laplace's one sample in
-/// 10¹⁸.
+/// A spike is so many standard deviations off. Normal noise never is; of noise with tails as wide as Laplace's one
+/// sample in 10¹⁸.
 const FAR: f64 = 30.0;
 
-/// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after. Shaking that
-/// begins does not.
+/// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after.
+/// Shaking that begins does not.
 const ALONE: f64 = 10.0;
 const AROUND: usize = 25;
 
@@ -27,13 +27,14 @@ const MAD_TO_SD: f64 = 1.4826;
 pub struct Spikes {
     /// Their rows, in order.
     pub rows: Vec<usize>,
-    /// The one furthest off: its row, its value, and by how many standard deviations of the values about their neighbours.
+    /// The one furthest off: its row, its value, and by how many standard deviations of the values about their
+    /// neighbours.
     pub worst: (usize, f64, f64),
 }
 
-/// The spikes among `stretches` of rows without gaps: values further than 30 standard deviations from the median of those
-/// around them, and ten times as far off as their neighbours. None where there are more of them than a thousandth, or too few
-/// values to tell.
+/// The spikes among `stretches` of rows without gaps: values further than 30 standard deviations from the median of
+/// those around them, and ten times as far off as their neighbours. None where there are more of them than a
+/// thousandth, or too few values to tell.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut off: Vec<(usize, f64)> = Vec::new();
     for stretch in stretches {

@@ -1,4 +1,5 @@
-//! Mean, variance and median of a sampled series in `stretches`: the gap-free pieces of one recording. Values must be finite.
+//! Mean, variance and median of a sampled series in `stretches`: the gap-free pieces of one recording. Values must be
+//! finite.
 
 /// Number of samples in all stretches together.
 pub fn sample_count(stretches: &[&[f64]]) -> usize {
@@ -45,8 +46,8 @@ pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!values.is_empty()).then(|| median(&mut values))
 }
 
-/// Median, of an even number the mean of the two in the middle, which [`median`] does not take: it names no value that occurs.
-/// Sorts `values`; zero of none.
+/// Median, of an even number the mean of the two in the middle, which [`median`] does not take: it names no value that
+/// occurs. Sorts `values`; zero of none.
 pub fn midpoint_median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;

@@ -1,11 +1,14 @@
-//! Text that came from outside, made visible: nothing in it moves a cursor, ends a line, turns the order of letters or hides.
+//! Text that came from outside, made visible: nothing in it moves a cursor, ends a line, turns the order of letters or
+//! hides.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Has no shape of its own, but does something: moves the cursor, ends a line, turns the order of letters (bidi), hides.
+/// Has no shape of its own, but does something: moves the cursor, ends a line, turns the order of letters (bidi),
+/// hides.
 ///
-/// Unicode 16: Cc, Zl, Zp and those of Cf that are no part of a script; and the noncharacters that XML has no place for.
+/// Unicode 16: Cc, Zl, Zp and those of Cf that are no part of a script; and the noncharacters that XML has no place
+/// for.
 pub fn is_hidden(letter: char) -> bool {
     letter.is_control()
         || matches!(letter,

@@ -1,5 +1,5 @@
-//! A folder of cases: every one diagnosed and corrected, in parallel; what is done is kept, so that a run that was broken off
-//! goes on where it was.
+//! A folder of cases: every one diagnosed and corrected, in parallel; what is done is kept, so that a run that was
+//! broken off goes on where it was.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -90,9 +90,9 @@ pub enum BatchError {
     },
 }
 
-/// Answers every case in `folder` and writes `answers.json` and the corrections to `output`. `progress` is told the number of
-/// cases done and the name of the last. What was answered before is taken again if the same `program` answered it: any text that
-/// is another one for another build.
+/// Answers every case in `folder` and writes `answers.json` and the corrections to `output`. `progress` is told the
+/// number of cases done and the name of the last. What was answered before is taken again if the same `program`
+/// answered it: any text that is another one for another build.
 ///
 /// # Errors
 ///

@@ -71,8 +71,8 @@ pub struct AxisComparison {
     pub dependence: Option<Dependence>,
 }
 
-/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data.
-/// `trained` is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
+/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data. `trained`
+/// is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
 /// trace, for the figures.
 ///
 /// # Errors

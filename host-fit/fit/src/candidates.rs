@@ -20,8 +20,8 @@ pub const MAX_LAG: u16 = (1 << 14) - 1;
 /// The largest index of an input.
 pub const MAX_INPUT: u8 = 125;
 
-/// The largest pool. The averages of the products of 6000 candidates take a gigabyte while they are formed, and those of twice as
-/// many four.
+/// The largest pool. The averages of the products of 6000 candidates take a gigabyte while they are formed, and those
+/// of twice as many four.
 pub const MAX_CANDIDATES: usize = 6000;
 
 /// A product of delayed samples, its factors sorted by channel, then lag. Empty: the constant 1.
@@ -224,9 +224,9 @@ impl Builder {
         if monomials.is_empty() { Err(CandidatesError::Empty) } else { Ok(Candidates { monomials }) }
     }
 
-    /// Appends every allowed product of `stem` with factors from `factors` on: each product once, since its
-    /// factors never go back in order. Goes no further than shows that there are too many: the products of three of the lags
-    /// to [`MAX_LAG`] are 7·10¹¹.
+    /// Appends every allowed product of `stem` with factors from `factors` on: each product once, since its factors
+    /// never go back in order. Goes no further than shows that there are too many: the products of three of the lags to
+    /// [`MAX_LAG`] are 7·10¹¹.
     fn extend(&self, stem: &mut Monomial, factors: &[Factor], found: &mut Vec<Monomial>) {
         for (i, &factor) in factors.iter().enumerate() {
             if found.len() > MAX_CANDIDATES {

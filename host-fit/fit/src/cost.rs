@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::UnitModel;
 
-/// Instructions a sample on the emulated Cortex-M4F for a factor of a term and for an input, as `.ci/device cost` counts them
-/// (README, "Cost").
+/// Instructions a sample on the emulated Cortex-M4F for a factor of a term and for an input, as `.ci/device cost`
+/// counts them (README, "Cost").
 const PER_FACTOR: f64 = 7.9;
 const PER_INPUT: f64 = 81.0;
 

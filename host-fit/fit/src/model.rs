@@ -58,8 +58,8 @@ pub struct FittedAxis {
     pub physical: Vec<FittedTerm>,
     /// r̂ without its constant.
     pub stochastic: Vec<FittedTerm>,
-    /// What the rows that it was learnt from show without any model; none of a model that came from an image, or in studies
-    /// from before it was kept.
+    /// What the rows that it was learnt from show without any model; none of a model that came from an image, or in
+    /// studies from before it was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plain: Option<Plain>,
 }
@@ -67,7 +67,8 @@ pub struct FittedAxis {
 /// The measured error of an axis before anything is taken off it: what plain rivals are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plain {
-    /// Mean of measured − true value; of measured where the true value is a constant that nobody knows. In the axis' unit.
+    /// Mean of measured − true value; of measured where the true value is a constant that nobody knows. In the axis'
+    /// unit.
     pub mean: f64,
     /// Least and largest of it.
     pub range: Range<f64>,

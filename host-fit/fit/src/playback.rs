@@ -26,8 +26,8 @@ pub struct Playback<'a> {
 enum Reference<'a> {
     Constant(f64),
     Column(&'a [f64]),
-    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known. Told in hindsight, by the mean of a
-    /// still stretch: it says which rows can be judged, and nothing of what a device knew then.
+    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known. Told in hindsight,
+    /// by the mean of a still stretch: it says which rows can be judged, and nothing of what a device knew then.
     Pose(Vec<f64>),
 }
 
@@ -191,9 +191,9 @@ impl<'a> Playback<'a> {
         sample
     }
 
-    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does, by the same gate
-    /// and without looking ahead, an accelerometer is tracked against the model's own reference only if the sample before was in
-    /// the pose of the fit; the first sample after power-on is told by itself.
+    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does,
+    /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
+    /// if the sample before was in the pose of the fit; the first sample after power-on is told by itself.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
         self.catch_up(predictor, row);

@@ -91,9 +91,9 @@ impl SeriesFit {
 
     /// The `steps` samples that follow `history`, by the evaluator itself, with their standard errors.
     ///
-    /// With ψ_i the change of the forecast i samples after a unit innovation, the variance of the forecast h samples on is
-    /// σ²·Σ_{i<h} ψ_i² (Box and Jenkins 1976, section 5.1). The ψ are found by running the evaluator once more with the last value
-    /// raised by σ: exact for a linear model, the slope at the forecast for another.
+    /// With ψ_i the change of the forecast i samples after a unit innovation, the variance of the forecast h samples on
+    /// is σ²·Σ_{i<h} ψ_i² (Box and Jenkins 1976, section 5.1). The ψ are found by running the evaluator once more with
+    /// the last value raised by σ: exact for a linear model, the slope at the forecast for another.
     ///
     /// # Errors
     ///

@@ -1,16 +1,16 @@
 //! An hour of band-limited, nonlinear sensor error with a stated innovation, in place of the paper's recording.
 //!
-//! A delayed feedback through a square, behind a first-order low-pass (the discrete form of Mackey and Glass, Science 197
-//! (1977) 287, with a parabola):
+//! A delayed feedback through a square, behind a first-order low-pass (the discrete form of Mackey and Glass, Science
+//! 197 (1977) 287, with a parabola):
 //!
 //! ```text
 //!   x(n) = (1 − γ) x(n−1) + γ (1 − a x(n−10)²) + e(n),    γ = 0.4, a = 1.7
 //! ```
 //!
-//! It neither dies out nor runs away: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression with a lag
-//! within the paper's ten, so that a linear predictor cannot have it and a quadratic one can. 99 % of its power lies below
-//! 30 Hz of 200 Hz sampling. Real sensor noise is nothing like it: it shows what the methods do where there is something
-//! nonlinear to find.
+//! It neither dies out nor runs away: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression
+//! with a lag within the paper's ten, so that a linear predictor cannot have it and a quadratic one can. 99 % of its
+//! power lies below 30 Hz of 200 Hz sampling. Real sensor noise is nothing like it: it shows what the methods do where
+//! there is something nonlinear to find.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -27,9 +27,9 @@ pub enum CaseFolderError {
 }
 
 impl SimulatedCase {
-    /// Writes `meta.json`, `baseline.parquet`, `field.parquet`, `eval.parquet`; and what a user does not get: `truth.json`,
-    /// and by rows `truth_field.parquet`, `truth_eval.parquet` (columns `error` and the regressors). The case is called as
-    /// the folder.
+    /// Writes `meta.json`, `baseline.parquet`, `field.parquet`, `eval.parquet`; and what a user does not get:
+    /// `truth.json`, and by rows `truth_field.parquet`, `truth_eval.parquet` (columns `error` and the regressors). The
+    /// case is called as the folder.
     ///
     /// # Errors
     /// What the system refuses.

@@ -92,8 +92,9 @@ pub struct AxisNoise {
 impl AxisNoise {
     /// Of a density (unit/√Hz, one-sided, over the whole band), a bias instability and a random walk (unit/√s).
     ///
-    /// A sum of Gauss-Markov processes of one σ, their time constants a factor ρ apart, has the one-sided spectrum σ²/(f ln ρ)
-    /// between the first and the last; flicker is B²/(πf), two-sided B²/(2πf) (IEEE Std 952), so σ² = B² ln ρ / π.
+    /// A sum of Gauss-Markov processes of one σ, their time constants a factor ρ apart, has the one-sided spectrum
+    /// σ²/(f ln ρ) between the first and the last; flicker is B²/(πf), two-sided B²/(2πf) (IEEE Std 952), so σ² = B² ln
+    /// ρ / π.
     pub fn new(density: f64, flicker: f64, random_walk: f64, colour: Colour, rate_hz: f64) -> Self {
         let ratio = (FLICKER_TAUS_S[1] / FLICKER_TAUS_S[0]).powf(1.0 / (FLICKER_PROCESSES - 1) as f64);
         let sigma = flicker * (ratio.ln() / std::f64::consts::PI).sqrt();
@@ -108,8 +109,8 @@ impl AxisNoise {
         }
     }
 
-    /// Two-sided spectral density per sample of fast noise, flicker and rounding to `lsb` at `freq_hz`, unit² of the axis:
-    /// white noise of variance σ² has σ². The random walk adds where `freq_hz` is above zero.
+    /// Two-sided spectral density per sample of fast noise, flicker and rounding to `lsb` at `freq_hz`, unit² of the
+    /// axis: white noise of variance σ² has σ². The random walk adds where `freq_hz` is above zero.
     pub fn density(&self, freq_hz: f64, lsb: f64) -> f64 {
         let cycles = freq_hz * self.period_s;
         let w = std::f64::consts::TAU * cycles;
@@ -159,7 +160,8 @@ impl AxisNoise {
         out
     }
 
-    /// The same in size, cheaper: white, and slow parts that move every 40 samples. For axes that nobody looks at closely.
+    /// The same in size, cheaper: white, and slow parts that move every 40 samples. For axes that nobody looks at
+    /// closely.
     pub(super) fn plain_series(&self, n: usize, random: &mut Random) -> Vec<f64> {
         const HOLD: usize = 40;
         let slow: Vec<&GaussMarkov> = self.flicker.iter().skip(3).collect();
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn flicker_is_flat_at_its_bias_instability() {
-        // 0.664 B; eight records of 2000 s, taus well inside both ends. A σ of a record at 100 s has 10 % of scatter, the
-        // ripple of processes a factor of three apart is below 1 %
+        // 0.664 B; eight records of 2000 s, taus well inside both ends. A σ of a record at 100 s has 10 % of scatter,
+        // the ripple of processes a factor of three apart is below 1 %
         let noise = AxisNoise::new(0.0, 1.0, 0.0, Colour::WHITE, 20.0);
         let taus = [1.0, 3.0, 10.0, 30.0, 100.0];
         let mut sums = [0.0; 5];

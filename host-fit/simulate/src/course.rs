@@ -1,4 +1,5 @@
-//! The error of a planted effect in one log: its regressors, or its course where chance has a part in it or no library has it.
+//! The error of a planted effect in one log: its regressors, or its course where chance has a part in it or no library
+//! has it.
 
 use super::coloured::GaussMarkov;
 use super::effect::{Effect, Outside};

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Logs with known truth: a six-axis unit with a thermometer, at rest and in motion; a band-limited nonlinear hour; cases for
-//! the diagnosis with a planted effect; every number from a seed.
+//! Logs with known truth: a six-axis unit with a thermometer, at rest and in motion; a band-limited nonlinear hour;
+//! cases for the diagnosis with a planted effect; every number from a seed.
 //!
 //! | file | of a case |
 //! |---|---|

@@ -68,8 +68,8 @@ pub(super) fn hold(world: &mut World, pose: &Attitude, n: usize) {
     world.vibration = vec![0.0; n];
 }
 
-/// Random poses, held for 20 to 55 s; between two, a turn about one axis, smooth at both ends. With `field_ut` given, that is
-/// the field in the axes of the earth.
+/// Random poses, held for 20 to 55 s; between two, a turn about one axis, smooth at both ends. With `field_ut` given,
+/// that is the field in the axes of the earth.
 pub(super) fn pose(world: &mut World, field_ut: Option<[f64; 3]>, n: usize, random: &mut Random) {
     let field_ut = field_ut.map_or_else(|| earth_field(random), Vector3::from);
     let period_s = world.period_s;
@@ -119,8 +119,8 @@ pub(super) fn add_magnets(world: &mut World, random: &mut Random) {
     }
 }
 
-/// One pose, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis, the level changing every
-/// 30 to 90 s. The mean of the vibration is zero over any second.
+/// One pose, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis, the level changing
+/// every 30 to 90 s. The mean of the vibration is zero over any second.
 pub(super) fn shake(world: &mut World, pose: &Attitude, n: usize, random: &mut Random) {
     hold(world, pose, n);
     let period_s = world.period_s;
@@ -179,9 +179,10 @@ fn add_vibration(
     }
 }
 
-/// A table that turns about one of the unit's axes, at first within 8° of the vertical: dwells, staircases of both signs, slow
-/// sines, up to 100 to 200 °/s. The unit is not quite square on the table, and the table's inner axes make slow moves of
-/// their own of 1 to 2 °/s, which in time lean it further. The true specific force is gravity carried along.
+/// A table that turns about one of the unit's axes, at first within 8° of the vertical: dwells, staircases of both
+/// signs, slow sines, up to 100 to 200 °/s. The unit is not quite square on the table, and the table's inner axes make
+/// slow moves of their own of 1 to 2 °/s, which in time lean it further. The true specific force is gravity carried
+/// along.
 pub(super) fn turn_table(world: &mut World, axis: usize, n: usize, random: &mut Random) {
     let period_s = world.period_s;
     let main = programme(n as f64 * period_s, between(random, 100.0, 200.0) * DEGREE, random);

@@ -15,12 +15,12 @@ pub(super) const MILLI_G: f64 = GRAVITY * 1e-3;
 
 /// What the data sheet of a part says.
 ///
-/// Sources. Looked up in the data sheets: BMI270, BST-BMI270-DS000-07 (0.007 °/s/√Hz, 160 µg/√Hz); ICM-42688-P, first page
-/// (2.8 mdps/√Hz, 70 µg/√Hz); MPU-6050, PS-MPU-6000A-00 3.4, tables 6.1 and 6.2 (0.005 °/s/√Hz, 400 µg/√Hz, ±35 mg over 70 K,
-/// ±20 °/s over 125 K). At second hand, not checked against a data sheet: the ICM's 0.005 dps/K (github.com/xioTechnologies/Fusion,
-/// issue 191); the LSM6DSO's 3.8 mdps/√Hz, 0.01 dps/K and 0.1 mg/K (from tables of the LSM6DSO32); the BMI160 and the
-/// coefficients of the BMI270 (as the examples of the case format state them). Working figures: all bias instabilities,
-/// the LSM6DSO's 80 µg/√Hz, the ICM's 0.15 mg/K.
+/// Sources. Looked up in the data sheets: BMI270, BST-BMI270-DS000-07 (0.007 °/s/√Hz, 160 µg/√Hz); ICM-42688-P, first
+/// page (2.8 mdps/√Hz, 70 µg/√Hz); MPU-6050, PS-MPU-6000A-00 3.4, tables 6.1 and 6.2 (0.005 °/s/√Hz, 400 µg/√Hz, ±35 mg
+/// over 70 K, ±20 °/s over 125 K). At second hand, not checked against a data sheet: the ICM's 0.005 dps/K
+/// (github.com/xioTechnologies/Fusion, issue 191); the LSM6DSO's 3.8 mdps/√Hz, 0.01 dps/K and 0.1 mg/K (from tables of
+/// the LSM6DSO32); the BMI160 and the coefficients of the BMI270 (as the examples of the case format state them).
+/// Working figures: all bias instabilities, the LSM6DSO's 80 µg/√Hz, the ICM's 0.15 mg/K.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Part {
     /// Name, in lower case.

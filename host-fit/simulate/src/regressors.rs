@@ -1,5 +1,5 @@
-//! The formulas of the effects, on the true covariates: the simulator's own, written down once more in plain loops so that
-//! they owe nothing to the code under test.
+//! The formulas of the effects, on the true covariates: the simulator's own, written down once more in plain loops so
+//! that they owe nothing to the code under test.
 
 use super::axis::Axis;
 use super::effect::Effect;

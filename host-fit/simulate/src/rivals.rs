@@ -54,8 +54,8 @@ impl Rivals {
         Self(all)
     }
 
-    /// The best rival of `effect`, whose whitened error is `error`, `known` being explained already. More general effects
-    /// that contain it are none.
+    /// The best rival of `effect`, whose whitened error is `error`, `known` being explained already. More general
+    /// effects that contain it are none.
     pub(super) fn best(
         &self,
         effect: Effect,

@@ -8,8 +8,8 @@ use super::random::{Random, between, chance, log_between, normal, sign};
 use super::thermal::{Ambient, Thermal};
 use super::world::World;
 
-/// A way to use a unit. An accelerometer on the shaker shows the vibration, as it should: the log does not say which part of
-/// that is an error.
+/// A way to use a unit. An accelerometer on the shaker shows the vibration, as it should: the log does not say which
+/// part of that is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Setup {

@@ -1,16 +1,18 @@
 //! How large an effect is in the true noise, and how much of it the other effects leave.
 //!
 //! **Slow effects.** The field's usable stretches are cut into about 400 blocks; s are the block means of the planted
-//! error, C the exact covariance of the block means of the noise. A matched filter finds s at d standard errors,
-//! d² = sᵀ C⁻¹ s, after the constant is projected out of s in the whitened space (the offset of a log is not known). The
+//! error, C the exact covariance of the block means of the noise. A matched filter finds s at d standard errors, d² =
+//! sᵀ C⁻¹ s, after the constant is projected out of s in the whitened space (the offset of a log is not known). The
 //! generalised least squares estimate of the effect's coefficient has the relative standard error 1/d.
 //!
 //! **Lines.** The noise is flat about f, so C⁻¹ is 1/S there, S the two-sided spectral density per sample: d² = Σ s²/S =
-//! A² n / (2 S) for amplitude A over n samples. (|DFT|² of the line over that of the noise is half as much, A² n / (4 S).)
+//! A² n / (2 S) for amplitude A over n samples. (|DFT|² of the line over that of the noise is half as much, A² n / (4
+//! S).)
 //!
 //! **Noise.** For C₁ = C + a² G, the expected 2 log likelihood ratio of the true against the baseline's noise:
-//! d² = tr(C⁻¹C₁) − N − ln det(C⁻¹C₁), with a flat prior on the constant in both. For white noise of rising level and for a
-//! coarser step, the same sample by sample with r = added variance over the white variance: d² = Σ (r − ln(1 + r)).
+//! d² = tr(C⁻¹C₁) − N − ln det(C⁻¹C₁), with a flat prior on the constant in both. For white noise of rising level and
+//! for a coarser step, the same sample by sample with r = added variance over the white variance: d² = Σ (r − ln(1 +
+//! r)).
 //!
 //! **Lost and clipped samples.** d² = their number.
 

@@ -14,10 +14,11 @@ use super::setup::{Path, Setup};
 /// Redraws before the best draw is taken.
 const ATTEMPTS: usize = 60;
 
-/// A third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with two effects; a fifteenth that
-/// nobody can decide; the rest, some 13 %, with something that no library has. Slow effects are such that at least this size is left
-/// after the best other effect: 5 of a single one, 8 of each of two, 0.6 of all and 12 of one outside; covariates are
-/// redrawn until they do. The same arguments give the same plans; plans of 450 take about half a minute.
+/// A third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with two effects; a
+/// fifteenth that nobody can decide; the rest, some 13 %, with something that no library has. Slow effects are such
+/// that at least this size is left after the best other effect: 5 of a single one, 8 of each of two, 0.6 of all and 12
+/// of one outside; covariates are redrawn until they do. The same arguments give the same plans; plans of 450 take
+/// about half a minute.
 pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
     let share = |of: usize| (count * of + 7) / 15;
     let (nothing, singles, pairs, inseparable) = (share(5), share(6), share(1), share(1));
@@ -118,7 +119,8 @@ fn single(index: usize, random: &mut Random) -> CasePlan {
     redraw(random, draw, |planted| left(&planted[0]) / 5.0)
 }
 
-/// An effect at a level. Faults of the data have ranges of their own: what a size of 300 would be is no fault but a ruin.
+/// An effect at a level. Faults of the data have ranges of their own: what a size of 300 would be is no fault but a
+/// ruin.
 fn plant(effect: Effect, level: Level, random: &mut Random) -> Plant {
     let [low, high] = level.sizes();
     let step = level as usize;

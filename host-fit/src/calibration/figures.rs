@@ -212,7 +212,8 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
     ]
 }
 
-/// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come again.
+/// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come
+/// again.
 fn is_reproducible(effect: &str) -> bool {
     !["bias_step", "drifting_line", "gauss_markov", "rate_random_walk"].contains(&effect)
 }

@@ -41,7 +41,8 @@ impl Heading {
 }
 
 impl KeptOutcomes {
-    /// Beside the file that all outcomes are to be in, with those that a run of the same program on the same cases left there.
+    /// Beside the file that all outcomes are to be in, with those that a run of the same program on the same cases left
+    /// there.
     ///
     /// # Errors
     ///

@@ -29,8 +29,8 @@ pub struct Calibration {
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. What is `kept`
-/// already is not computed again, and what comes out is kept. `progress` is told the cases done.
+/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. What
+/// is `kept` already is not computed again, and what comes out is kept. `progress` is told the cases done.
 ///
 /// # Errors
 ///

@@ -50,7 +50,8 @@ path!(OutputFolder);
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
-    /// gx_rads=gx_cnt:*1.33e-4:rad/s; a column with a colon in its name stands in quotes, gx_rads="gyro:x":mdps. May be repeated
+    /// gx_rads=gx_cnt:*1.33e-4:rad/s; a column with a colon in its name stands in quotes, gx_rads="gyro:x":mdps. May be
+    /// repeated
     #[arg(long = "map", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
     pub(super) map: Vec<String>,
     /// The same, from a TOML file

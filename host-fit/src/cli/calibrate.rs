@@ -20,8 +20,8 @@ pub(super) struct Calibrate {
     /// Seed of all of them
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial: a calibration
-    /// that was broken off goes on where it was
+    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial: a
+    /// calibration that was broken off goes on where it was
     #[arg(long, value_name = "FILE")]
     outcomes: Option<OutputFile>,
     /// Effects of your own, one TOML file each. May be repeated

@@ -12,8 +12,8 @@ use fos_diagnose::study::Study;
 
 /// Write the model of a study as an image, as Rust source, as a C header
 ///
-/// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs them at
-/// start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h.
+/// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs
+/// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h")]
 pub(super) struct Export {

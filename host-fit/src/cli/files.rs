@@ -1,5 +1,6 @@
-//! The files that a command line names, before anything is read or computed: nothing is written over what is read, and no two things
-//! into one file. What a command reads besides, such as the logs of a study, the writer looks after (`inputs.rs`).
+//! The files that a command line names, before anything is read or computed: nothing is written over what is read, and
+//! no two things into one file. What a command reads besides, such as the logs of a study, the writer looks after
+//! (`inputs.rs`).
 
 use std::any::TypeId;
 use std::path::{Path, PathBuf};

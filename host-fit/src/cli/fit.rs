@@ -33,7 +33,8 @@ pub(super) struct Fit {
     /// How the stochastic part is found: fos, or all lags by yule-walker, covariance, modified-covariance, burg
     #[arg(long, default_value = "fos")]
     method: FitMethod,
-    /// De-noise the training data first, for methods other than fos: WAVELET:LEVELS:KIND, as db4:4:soft, db4:3:approximation
+    /// De-noise the training data first, for methods other than fos: WAVELET:LEVELS:KIND, as db4:4:soft,
+    /// db4:3:approximation
     #[arg(long, value_name = "WAVELET:LEVELS:KIND")]
     denoise: Option<Denoising>,
     /// How fos searches: exchange (terms are swapped until nothing improves) or greedy (the paper's)

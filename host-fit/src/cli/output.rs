@@ -1,7 +1,8 @@
 //! How results are printed: aligned tables for people, JSON for programs, progress only on a terminal.
 //!
-//! Nothing else prints: logs, studies and images name columns, files and effects, and what they hold must not reach a terminal
-//! that would obey it. What is printed here is shown instead ([`visible_lines`]); colours are put around it afterwards.
+//! Nothing else prints: logs, studies and images name columns, files and effects, and what they hold must not reach a
+//! terminal that would obey it. What is printed here is shown instead ([`visible_lines`]); colours are put around it
+//! afterwards.
 
 use std::error::Error;
 use std::fmt::{Arguments, Display};
@@ -56,7 +57,8 @@ macro_rules! say {
 
 pub(super) use {print_line, print_note, print_text, say};
 
-/// What nobody reads any more is no error; what cannot be written for another reason, as on a full disk, ends with exit code 1.
+/// What nobody reads any more is no error; what cannot be written for another reason, as on a full disk, ends with exit
+/// code 1.
 pub(super) fn print(text: Arguments<'_>) {
     let text = text.to_string();
     match std::io::stdout().write_all(visible_lines(&text).as_bytes()) {
@@ -98,8 +100,8 @@ pub(super) fn print_error(failure: &dyn Display) {
     tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
-/// An error of the libraries, which name options as their fields are called, `` `max_lag` ``, as the user of a subcommand
-/// knows them: `--max-lag`.
+/// An error of the libraries, which name options as their fields are called, `` `max_lag` ``, as the user of a
+/// subcommand knows them: `--max-lag`.
 pub(super) fn with_flags(text: &str, subcommand: &clap::Command) -> String {
     subcommand.get_arguments().fold(text.to_owned(), |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),

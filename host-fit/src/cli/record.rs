@@ -18,8 +18,9 @@ use fos_data::recording::{check_log_path, write_columns};
 
 /// Turn the telemetry of a device into a log that diagnose takes
 ///
-/// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written, that is
-/// removed. After a cut of power, or where the recording was killed, `host-fit record LOG.telemetry -o LOG` makes the log of it.
+/// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written,
+/// that is removed. After a cut of power, or where the recording was killed, `host-fit record LOG.telemetry -o LOG`
+/// makes the log of it.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit record /dev/ttyACM0 --seconds 600 -o field.parquet")]
 pub(super) struct Record {

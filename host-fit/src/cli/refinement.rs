@@ -84,7 +84,8 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
     }
 }
 
-/// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all steps.
+/// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all
+/// steps.
 pub(super) fn print_refinement(refinement: &Refinement) {
     let unit = Column::named(&refinement.column).unit().label();
     let logs = &refinement.logs;

@@ -13,8 +13,8 @@ use fos_diagnose::effects::Library;
 
 /// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
 ///
-/// The page is on this machine only and needs no network. Logs may be read below the current folder, below the folders that are
-/// given, and beside the log that is given.
+/// The page is on this machine only and needs no network. Logs may be read below the current folder, below the folders
+/// that are given, and beside the log that is given.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: host-fit serve field.parquet --quiet quiet.parquet\nExample: host-fit serve logs"

@@ -13,8 +13,8 @@ use crate::escaping::c_comment;
 use fos_data::visible::visible;
 use fos_fit::model::UnitModel;
 
-/// C99 source of a header. Everything in it begins with `name`, such as the stem of its file: characters that C does not have
-/// in names become underscores.
+/// C99 source of a header. Everything in it begins with `name`, such as the stem of its file: characters that C does
+/// not have in names become underscores.
 ///
 /// # Errors
 ///

@@ -13,8 +13,8 @@ use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use crate::escaping::rust_comment;
 use fos_fit::model::UnitModel;
 
-/// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded. `provenance`
-/// goes into its comment. A model that no hub takes comes without the latter.
+/// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded.
+/// `provenance` goes into its comment. A model that no hub takes comes without the latter.
 pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     let mut source = String::new();
     let _ = rust_comment(&mut source, "//", provenance);

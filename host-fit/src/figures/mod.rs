@@ -98,7 +98,8 @@ pub struct Series {
     pub shape: Shape,
 }
 
-/// How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left out.
+/// How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
+/// out.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Shape {
@@ -144,8 +145,8 @@ pub enum Ink {
     Bound,
     /// Anything else (purple).
     Other,
-    /// A step of a scale from too little (blue) over the usual (pale) to too much (orange to brown), numbered from 0; beyond
-    /// the last it stays.
+    /// A step of a scale from too little (blue) over the usual (pale) to too much (orange to brown), numbered from 0;
+    /// beyond the last it stays.
     Step(usize),
     /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
     Method(usize),

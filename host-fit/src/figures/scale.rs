@@ -1,4 +1,5 @@
-//! From values to positions along an axis, and where its ticks go; for the page, `workbench/page/ticks.js` says the same.
+//! From values to positions along an axis, and where its ticks go; for the page, `workbench/page/ticks.js` says the
+//! same.
 
 use super::Scale;
 
@@ -134,7 +135,8 @@ fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
 mod tests {
     use super::*;
 
-    /// An axis, and what of it is named: the page's chart code is held to the same table (tests/browser/numbers.test.js).
+    /// An axis, and what of it is named: the page's chart code is held to the same table
+    /// (tests/browser/numbers.test.js).
     #[derive(serde::Deserialize)]
     struct Case {
         scale: String,

@@ -17,7 +17,8 @@ const LONGEST_LAG_S: f64 = 5.0;
 pub struct Curves {
     /// Of all three parts, lags of 0 … 5 s; none where there are too few samples.
     pub autocorrelation: Option<Autocorrelation>,
-    /// To train, to evaluate, to predict: an envelope for every gap-free stretch, less the first sample, in the axis' unit.
+    /// To train, to evaluate, to predict: an envelope for every gap-free stretch, less the first sample, in the axis'
+    /// unit.
     pub parts: [Vec<Envelope>; 3],
 }
 

@@ -43,7 +43,8 @@ impl Split {
     }
 }
 
-/// Splits the known rows at rest: so long to train, so long to evaluate, the rest, at least as long as the second, to predict.
+/// Splits the known rows at rest: so long to train, so long to evaluate, the rest, at least as long as the second, to
+/// predict.
 pub(super) fn split(
     recording: &Recording,
     stillness: &Stillness,

@@ -27,7 +27,8 @@ pub enum Notice {
     NotKept(io::Error),
 }
 
-/// The bytes of a stream that another thread opens and reads: the end comes also where nothing opens, or nothing comes any more.
+/// The bytes of a stream that another thread opens and reads: the end comes also where nothing opens, or nothing comes
+/// any more.
 pub struct Arriving<N> {
     coming: Receiver<Coming>,
     until: Option<Instant>,
@@ -51,8 +52,8 @@ enum Coming {
 }
 
 impl<N: FnMut(&Notice)> Arriving<N> {
-    /// Of the stream that `open` opens, `until` then. What comes goes to `kept` before anything else is done with it; `notify` is
-    /// told what somebody who waits should know.
+    /// Of the stream that `open` opens, `until` then. What comes goes to `kept` before anything else is done with it;
+    /// `notify` is told what somebody who waits should know.
     ///
     /// # Errors
     ///

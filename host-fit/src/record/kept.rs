@@ -1,5 +1,5 @@
-//! What arrives is kept beside the log until the log is written: a recording that is killed, or whose power is cut, is made a log
-//! of from there.
+//! What arrives is kept beside the log until the log is written: a recording that is killed, or whose power is cut, is
+//! made a log of from there.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -37,8 +37,8 @@ pub enum KeepError {
 }
 
 impl Kept {
-    /// An empty file for a log at `output`, `NAME.telemetry`; and what recordings of the same name left that were broken off, which
-    /// stays: the new one is then `NAME.2.telemetry`, and so on.
+    /// An empty file for a log at `output`, `NAME.telemetry`; and what recordings of the same name left that were
+    /// broken off, which stays: the new one is then `NAME.2.telemetry`, and so on.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! What there is to say of one axis, in the order of thought: where the model fails, what is missing, how the error falls.
+//! What there is to say of one axis, in the order of thought: where the model fails, what is missing, how the error
+//! falls.
 
 use fos_data::column::Column;
 use serde::Serialize;

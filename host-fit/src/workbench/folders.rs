@@ -85,7 +85,8 @@ impl Folders {
         found
     }
 
-    /// Where a dropped file of this name may go, the first that is free when it has arrived; only the last part of the name counts.
+    /// Where a dropped file of this name may go, the first that is free when it has arrived; only the last part of the
+    /// name counts.
     ///
     /// # Errors
     ///

@@ -1,9 +1,9 @@
 //! Who may ask: the workbench's own page in a browser on this machine, and nobody else.
 //!
-//! The danger is not the network, as the server listens on loopback only, but another page in the same browser. It is kept out
-//! three times: by the name that the browser thinks it talks to (a foreign name that resolves to this machine, "DNS rebinding"),
-//! by the origin of the page that asks, and by a header that a foreign page cannot send without asking first, which is never
-//! answered.
+//! The danger is not the network, as the server listens on loopback only, but another page in the same browser. It is
+//! kept out three times: by the name that the browser thinks it talks to (a foreign name that resolves to this machine,
+//! "DNS rebinding"), by the origin of the page that asks, and by a header that a foreign page cannot send without
+//! asking first, which is never answered.
 
 use std::net::IpAddr;
 
@@ -48,7 +48,8 @@ impl Names {
         {
             return Some("asked by a foreign page");
         }
-        // browsers say from where a page asks, also where they send no origin; a link there may open the workbench, but not read from it
+        // browsers say from where a page asks, also where they send no origin; a link there may open the workbench, but
+        // not read from it
         let opens = text("sec-fetch-mode") == Some("navigate") && !request.uri().path().starts_with("/api/");
         if matches!(text("sec-fetch-site"), Some("cross-site" | "same-site")) && !opens {
             return Some("asked by a foreign page");

@@ -1,4 +1,5 @@
-//! What is known of a study: its logs, its axes as far as they are computed; what a task sees of it, and what it changes.
+//! What is known of a study: its logs, its axes as far as they are computed; what a task sees of it, and what it
+//! changes.
 
 use std::sync::Arc;
 

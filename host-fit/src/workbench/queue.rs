@@ -85,7 +85,8 @@ impl Queue {
         self.waiting.retain(|waiting| waiting.column() != failed.column());
     }
 
-    /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then refuses.
+    /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then
+    /// refuses.
     pub(super) fn job(&self) -> Option<Job> {
         let running = self.running.as_ref().map(|running| running.job.clone());
         let mut job = running.or_else(|| self.waiting.front().map(Task::job))?;

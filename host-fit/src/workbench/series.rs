@@ -46,8 +46,8 @@ pub(super) struct Series {
     pub(super) left: Option<LowAndHigh>,
 }
 
-/// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
-/// screen shows, half the size of what a browser has to read.
+/// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
+/// than a screen shows, half the size of what a browser has to read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct LowAndHigh {

@@ -48,7 +48,8 @@ impl State {
         self.axes.iter().filter(|axis| axis.fitted.is_none() && !axis.cannot_be_fitted)
     }
 
-    /// Does these, and fits the other axes in the background, so that there is a whole unit to take away; again after a stop.
+    /// Does these, and fits the other axes in the background, so that there is a whole unit to take away; again after a
+    /// stop.
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         self.queue.ask(tasks);
         let fits: Vec<Task> = self.unfitted().map(|axis| Task::Fit(axis.section.column.clone())).collect();

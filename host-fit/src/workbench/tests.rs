@@ -54,7 +54,8 @@ impl Bench {
         read(self.ask(request.body(Body::from(body.to_string())).unwrap()).await).await
     }
 
-    /// Waits, as a page does, until a study rests: it must not between two tasks, or all that follows here is not there. Its state.
+    /// Waits, as a page does, until a study rests: it must not between two tasks, or all that follows here is not
+    /// there. Its state.
     async fn settled(&self, id: u64) -> Value {
         let began = Instant::now();
         loop {

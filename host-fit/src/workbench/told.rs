@@ -40,7 +40,8 @@ struct AxisEntry {
     sentence: Option<String>,
     /// Effects that were added, in order.
     added: Vec<String>,
-    /// Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the unit.
+    /// Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the
+    /// unit.
     slow_before: Option<f64>,
     slow_now: Option<f64>,
 }

@@ -16,7 +16,8 @@ fn hidden_in(text: &str) -> Option<String> {
     text.chars().find(|&letter| letter != '\n' && is_hidden(letter)).map(|letter| format!("holds {letter:?}"))
 }
 
-/// Something that a terminal would obey. With `colours` those of the program are allowed: bold, red, green, yellow, and their end.
+/// Something that a terminal would obey. With `colours` those of the program are allowed: bold, red, green, yellow, and
+/// their end.
 pub(crate) fn reaches_a_terminal(bytes: &[u8], colours: bool) -> Option<String> {
     let mut text = String::from_utf8(bytes.to_vec()).map_err(|_| "not UTF-8".to_owned()).ok()?;
     if colours {
@@ -109,7 +110,8 @@ fn without_numbers(text: &str) -> String {
     text.split_whitespace().filter(is_word).collect::<Vec<_>>().join(" ")
 }
 
-/// Other lines than in what harmless text made, comments aside; in them nothing that rustc takes for a line's end, or refuses.
+/// Other lines than in what harmless text made, comments aside; in them nothing that rustc takes for a line's end, or
+/// refuses.
 pub(crate) fn rust_differs(found: &str, benign: &str) -> Option<String> {
     let code = |text: &str| {
         let lines = text.split('\n').filter(|line| !line.trim_start().starts_with("//"));

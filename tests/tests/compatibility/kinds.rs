@@ -1,4 +1,5 @@
-//! An image with every kind of input, quantity and axis: numbers that stand for them in an image must never change places.
+//! An image with every kind of input, quantity and axis: numbers that stand for them in an image must never change
+//! places.
 
 use std::fmt::Write;
 

@@ -20,7 +20,8 @@ fn logged(column: &str, quantity: Quantity) -> LoggedQuantity {
     LoggedQuantity { column: column.to_owned(), quantity }
 }
 
-/// A gyro and an accelerometer; every kind of term, every transform, every kind of quantity, and a term for every input.
+/// A gyro and an accelerometer; every kind of term, every transform, every kind of quantity, and a term for every
+/// input.
 #[expect(unreachable_pub, reason = "a module of several tests")]
 pub fn model() -> UnitModel {
     let parameters = AxisParameters {

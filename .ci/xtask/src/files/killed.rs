@@ -27,8 +27,8 @@ struct Tally {
     left: usize,
 }
 
-/// Kills `writer` so often, and, if it must be, until it was writing; looks at what is there after every one. Whether one that is
-/// not killed leaves anything beside afterwards.
+/// Kills `writer` so often, and, if it must be, until it was writing; looks at what is there after every one. Whether
+/// one that is not killed leaves anything beside afterwards.
 fn kill_it(
     bench: &Bench,
     writer: &Writer,

@@ -1,9 +1,10 @@
-//! `cargo xtask files short|full`: what host-fit writes is there whole, as it was or as it should be, whatever happens meanwhile.
+//! `cargo xtask files short|full`: what host-fit writes is there whole, as it was or as it should be, whatever happens
+//! meanwhile.
 //!
-//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills host-fit at random
-//! moments, most of them while it writes; fills its disk; makes it read-only; takes away the right to write into its folder; lets
-//! several processes change one study; looks at the order in which it has its bytes put onto the disk. Prints the figures as
-//! Markdown. A writer without these precautions ([`careless`]) must be found out.
+//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills host-fit
+//! at random moments, most of them while it writes; fills its disk; makes it read-only; takes away the right to write
+//! into its folder; lets several processes change one study; looks at the order in which it has its bytes put onto the
+//! disk. Prints the figures as Markdown. A writer without these precautions ([`careless`]) must be found out.
 
 mod bench;
 pub(crate) mod careless;
@@ -46,7 +47,8 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     if results.contains(&false) { Err("files are not as they are promised".into()) } else { Ok(()) }
 }
 
-/// A disk that is mounted here goes with this process, however that ends: in a namespace of its own, if it may have one.
+/// A disk that is mounted here goes with this process, however that ends: in a namespace of its own, if it may have
+/// one.
 fn own_mounts() {
     let inside = "FOS_OWN_MOUNTS";
     let may =

@@ -76,7 +76,8 @@ impl Bench {
         Ok(())
     }
 
-    /// One that reads first and writes last, over a study that was replaced meanwhile: whether it was refused, and the study kept.
+    /// One that reads first and writes last, over a study that was replaced meanwhile: whether it was refused, and the
+    /// study kept.
     fn late(&self) -> Result<bool, Box<dyn Error>> {
         let grown = self.read("grown.json")?;
         // when it has read depends on the machine

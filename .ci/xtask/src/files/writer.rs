@@ -128,7 +128,8 @@ impl Writer {
             if let Some(status) = process.try_wait()? {
                 break status;
             }
-            // from the last look that did not see it to the first that sees it no more: it may be there for one look alone
+            // from the last look that did not see it to the first that sees it no more: it may be there for one look
+            // alone
             let (before, there) = (now, self.beside(folder));
             now = Instant::now();
             for path in there {

@@ -1,6 +1,7 @@
 //! The line that peaks lie below.
 
-/// Peaks lie below this line, bytes and bytes a row: at 8 h, where fit took 1484 MB, diagnose 939 and report 1250, a fifth above.
+/// Peaks lie below this line, bytes and bytes a row: at 8 h, where fit took 1484 MB, diagnose 939 and report 1250, a
+/// fifth above.
 pub(crate) const BASE: u64 = 40_000_000;
 pub(crate) const BYTES_A_ROW: [(&str, u64); 3] = [("fit", 300), ("diagnose", 190), ("report", 250)];
 

@@ -1,8 +1,9 @@
 //! `cargo xtask modules`: which file takes names from which.
 //!
-//! A name is followed through `pub use` and globs to the file that defines it, so that a file that only passes names on ties
-//! nothing. What has been read: `use`, paths in code, in macros and in serde's attributes, `impl` blocks (of a type that another
-//! file defines). Left out: `#[cfg(test)]`, tests, build scripts, and what only the compiler can know: the types of method calls.
+//! A name is followed through `pub use` and globs to the file that defines it, so that a file that only passes names on
+//! ties nothing. What has been read: `use`, paths in code, in macros and in serde's attributes, `impl` blocks (of a
+//! type that another file defines). Left out: `#[cfg(test)]`, tests, build scripts, and what only the compiler can
+//! know: the types of method calls.
 
 mod excluded;
 mod graph;

@@ -98,7 +98,8 @@ impl Sources {
         vec![Defined::Outside]
     }
 
-    /// A name of a module by a path through it. What is not found there is made by a macro, or passed on from another crate.
+    /// A name of a module by a path through it. What is not found there is made by a macro, or passed on from another
+    /// crate.
     fn inside(
         &self,
         module: ModuleId,

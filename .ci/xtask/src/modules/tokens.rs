@@ -6,7 +6,8 @@ use syn::{Meta, Token};
 
 use super::source::{Path, Wanted};
 
-/// The paths in these tokens: those of several segments, and single names that look like a type, a constant, a call or a macro.
+/// The paths in these tokens: those of several segments, and single names that look like a type, a constant, a call or
+/// a macro.
 pub(crate) fn paths(tokens: TokenStream) -> Vec<(Path, Wanted)> {
     let mut found = Vec::new();
     collect(tokens, &mut found);

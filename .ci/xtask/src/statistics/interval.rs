@@ -1,4 +1,5 @@
-//! Clopper and Pearson's interval of a share: beyond either end, 2.5 % of the chance lies on the far side of what was counted.
+//! Clopper and Pearson's interval of a share: beyond either end, 2.5 % of the chance lies on the far side of what was
+//! counted.
 
 use std::error::Error;
 

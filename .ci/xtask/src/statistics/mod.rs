@@ -1,9 +1,10 @@
 //! `cargo xtask statistics short|full`: how often the diagnosis is right. The figures of README are those of
 //! docs/calibration.md, and those are of one command.
 //!
-//! `short` holds README to docs/calibration.md, whose intervals fit its counts: no time at all. `full` calibrates anew and writes
-//! the tables of both: about ten minutes of two cores; a diagnosis that knows the effects by name alone must be found out. The gate
-//! itself runs a part of the calibration, on a seed of its own, and fails if a figure is certainly not as it must be.
+//! `short` holds README to docs/calibration.md, whose intervals fit its counts: no time at all. `full` calibrates anew
+//! and writes the tables of both: about ten minutes of two cores; a diagnosis that knows the effects by name alone must
+//! be found out. The gate itself runs a part of the calibration, on a seed of its own, and fails if a figure is
+//! certainly not as it must be.
 
 mod anew;
 mod interval;
@@ -63,8 +64,8 @@ fn check(readme: &str, page: &str) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Every figure of every seed is as it must be, but for times, which are the machine's. False alarms of all seeds together, cases, and
-/// the upper end of the 95 % interval, which must be no more than is promised.
+/// Every figure of every seed is as it must be, but for times, which are the machine's. False alarms of all seeds
+/// together, cases, and the upper end of the 95 % interval, which must be no more than is promised.
 fn promised(page: &str) -> Result<(usize, usize, f64), Box<dyn Error>> {
     let (mut alarms, mut cases, mut most) = (0, 0, 0.0);
     for seed in SEEDS {

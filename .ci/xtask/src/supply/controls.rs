@@ -122,8 +122,8 @@ fn advisories_in(
         .output()?)
 }
 
-/// What is known against these crates, in words. The database is the one that cargo-deny fetches, or a copy of what it fetched before
-/// ($CARGO_HOME/advisory-dbs) in the folder $FOS_ADVISORY_DB.
+/// What is known against these crates, in words. The database is the one that cargo-deny fetches, or a copy of what it
+/// fetched before ($CARGO_HOME/advisory-dbs) in the folder $FOS_ADVISORY_DB.
 pub(crate) fn advisories(program: &Path, folder: &Path, root: &Path) -> Result<String, Box<dyn Error>> {
     let made_up = folder.join("made-up").join(DATABASE);
     fs::create_dir_all(made_up.join("crates/crc"))?;

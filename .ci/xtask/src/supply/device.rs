@@ -148,8 +148,8 @@ fn review_of(text: &str) -> Reviewed {
     text.lines().filter_map(row).collect()
 }
 
-/// A line for every crate of the device side, sensors and store included, with the features of it that are on where no more than
-/// these are asked for.
+/// A line for every crate of the device side, sensors and store included, with the features of it that are on where no
+/// more than these are asked for.
 fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let mut lines = BTreeSet::new();
     let sides: [(&str, &[&str]); 2] =

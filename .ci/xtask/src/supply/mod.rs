@@ -1,9 +1,9 @@
-//! `cargo xtask supply short|full`: what comes into the build: licences, duplicates, sources and advisories (deny.toml, by
-//! cargo-deny), the crates of the device side, the Rust version.
+//! `cargo xtask supply short|full`: what comes into the build: licences, duplicates, sources and advisories (deny.toml,
+//! by cargo-deny), the crates of the device side, the Rust version.
 //!
-//! cargo-deny takes minutes to build. `short` runs it where it is there; elsewhere nothing may have come in since it last looked
-//! (`.ci/judged`). `full` installs it into cargo's target folder, writes `.ci/judged`, asks for advisories too, and builds with
-//! exactly the Rust version that is promised.
+//! cargo-deny takes minutes to build. `short` runs it where it is there; elsewhere nothing may have come in since it
+//! last looked (`.ci/judged`). `full` installs it into cargo's target folder, writes `.ci/judged`, asks for advisories
+//! too, and builds with exactly the Rust version that is promised.
 
 mod controls;
 mod deny;

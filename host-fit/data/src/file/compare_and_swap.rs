@@ -81,8 +81,8 @@ fn digest_of(path: &Path) -> io::Result<Option<[u8; 32]>> {
     }
 }
 
-/// Keeps other processes from replacing a file. It is the lock of a file beside it, `.fos-NAME.lock`: the file itself is another
-/// one after every rename, and scripts lock it, or its folder, around this very program.
+/// Keeps other processes from replacing a file. It is the lock of a file beside it, `.fos-NAME.lock`: the file itself
+/// is another one after every rename, and scripts lock it, or its folder, around this very program.
 struct Lock {
     _file: File,
     path: PathBuf,

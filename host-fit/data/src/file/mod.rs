@@ -1,5 +1,5 @@
-//! Files are written beside and renamed: a reader sees the old one or the new one, whole, whenever the writer is killed or the
-//! power is cut. What was read is not replaced.
+//! Files are written beside and renamed: a reader sees the old one or the new one, whole, whenever the writer is killed
+//! or the power is cut. What was read is not replaced.
 
 mod error;
 mod paths;

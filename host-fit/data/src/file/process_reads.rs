@@ -1,12 +1,13 @@
 //! What this process has read is not replaced by what it writes.
 //!
-//! A promise of the whole process, so there is one list for all of it: the doors through which files of the user's come in
-//! ([`open`](crate::file::open), [`read`](crate::file::read)) note which file that was, and the one writer
-//! ([`TemporarySibling::put`](crate::file::TemporarySibling)) asks here before it gives a file its name. A file is known by what it is and not by what it
-//! is called: other spellings, symbolic and hard links lead to the same one.
+//! A promise of the whole process, so there is one list for all of it: the doors through which files of the user's come
+//! in ([`open`](crate::file::open), [`read`](crate::file::read)) note which file that was, and the one writer
+//! ([`TemporarySibling::put`](crate::file::TemporarySibling)) asks here before it gives a file its name. A file is
+//! known by what it is and not by what it is called: other spellings, symbolic and hard links lead to the same one.
 //!
-//! What this process has written is its own: it may read it and write it again, as the workbench does with its example. A study that
-//! is changed goes back over what was read by [`FileVersion`](crate::file::compare_and_swap::FileVersion), which sees to it that nothing is lost.
+//! What this process has written is its own: it may read it and write it again, as the workbench does with its example.
+//! A study that is changed goes back over what was read by [`FileVersion`](crate::file::compare_and_swap::FileVersion),
+//! which sees to it that nothing is lost.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, Metadata};

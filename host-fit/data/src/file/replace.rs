@@ -103,7 +103,8 @@ impl TemporarySibling {
         Err(ErrorKind::AlreadyExists.into())
     }
 
-    /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read, unless it is the same.
+    /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read, unless it
+    /// is the same.
     pub fn put(self) -> io::Result<()> {
         if let Err(refused) = refuse_to_replace(&self.path) {
             // the example of the workbench, once its logs have been opened as logs
@@ -128,8 +129,8 @@ impl TemporarySibling {
     }
 }
 
-/// An empty file with the permissions a new file has; a temporary one could be read by its owner only. It is locked until it is
-/// closed: as long as somebody writes it.
+/// An empty file with the permissions a new file has; a temporary one could be read by its owner only. It is locked
+/// until it is closed: as long as somebody writes it.
 fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(SIBLING.0).suffix(SIBLING.1);
@@ -148,7 +149,8 @@ fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Removes what writers that were killed have left in `folder`: nobody holds its lock. Where this cannot be told, it stays.
+/// Removes what writers that were killed have left in `folder`: nobody holds its lock. Where this cannot be told, it
+/// stays.
 #[cfg(unix)]
 fn remove_stale(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };

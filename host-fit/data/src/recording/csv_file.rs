@@ -3,8 +3,8 @@
 //! Lines are split here rather than by a CSV library, so that rubbish stays within its line: a lone quotation
 //! mark must not swallow the rows after it. Only a line with quotation marks goes through the library.
 //!
-//! A line ends in LF or CRLF; in CR, as of old, in a text that has no LF. A line is at most a megabyte long: what is longer, an
-//! open quotation mark in a library say, is refused before it takes memory.
+//! A line ends in LF or CRLF; in CR, as of old, in a text that has no LF. A line is at most a megabyte long: what is
+//! longer, an open quotation mark in a library say, is refused before it takes memory.
 //!
 //! The separator is the one the header has most of: comma, semicolon or tab. Blank lines and lines that start
 //! with `#` are passed over. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.

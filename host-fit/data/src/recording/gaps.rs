@@ -43,8 +43,8 @@ pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {
     let mut search = Search::new(time_s, look, marks);
     let mut marks = marks.iter().peekable();
     let mut row = 1;
-    // ends: `place` may go back to half a window before `row`, but no further than the last boundary, and then a boundary is accepted
-    // behind that one; without a boundary it is a row further
+    // ends: `place` may go back to half a window before `row`, but no further than the last boundary, and then a
+    // boundary is accepted behind that one; without a boundary it is a row further
     while row < time_s.len() {
         while search.settled.len() < row {
             search.settle();

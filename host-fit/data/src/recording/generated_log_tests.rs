@@ -1,5 +1,5 @@
-//! Logs as boards, hosts and phones write them, made here from seeds: every feature of the logs of `real_log_tests.rs`, with its truth
-//! known, through files.
+//! Logs as boards, hosts and phones write them, made here from seeds: every feature of the logs of `real_log_tests.rs`,
+//! with its truth known, through files.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -56,7 +56,8 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_no_more() {
     const HZ: f64 = 397.344;
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is lost for good
+    // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is
+    // lost for good
     let lost = [795, 8653, 10_224, 12_581, 16_510, 20_439, 24_368, 40_086, 44_014, 55_802];
     let mut stamps = Vec::new();
     let mut tick = 0;

@@ -161,7 +161,8 @@ impl Recording {
         spikes(&error.values, &stretches)
     }
 
-    /// The same recording with the spikes of an axis among `rows` at rest taken for empty cells, and how many there are.
+    /// The same recording with the spikes of an axis among `rows` at rest taken for empty cells, and how many there
+    /// are.
     pub fn without_spikes(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
         let Some(spikes) = self.spikes(axis, rows, still) else { return (Cow::Borrowed(self), 0) };
         let mut values = self.values(axis).to_vec();

@@ -11,9 +11,9 @@ pub(super) const EXACT_MISSING: u64 = 5_000;
 /// A stretch of rows without gaps.
 ///
 /// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
-/// later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait
-/// between two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before
-/// it by more than half a period: round(rise / T) samples are missing.
+/// later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait between
+/// two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before it by
+/// more than half a period: round(rise / T) samples are missing.
 ///
 /// - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
 ///   scatter, and not beyond the next wait that scatter cannot explain (another gap).

@@ -4,8 +4,8 @@ use super::channel::Channel;
 use super::{Boundary, Recording};
 
 impl Recording {
-    /// The values of a channel as a device has them, one per row: where one is missing, the last one before it, over gaps too.
-    /// NaN until there is one since the unit was switched on, at the begin of each recording that was joined.
+    /// The values of a channel as a device has them, one per row: where one is missing, the last one before it, over
+    /// gaps too. NaN until there is one since the unit was switched on, at the begin of each recording that was joined.
     pub fn held(&self, channel: &Channel) -> Vec<f64> {
         let mut values = channel.values.to_vec();
         for rows in self.power_ons() {
@@ -20,8 +20,8 @@ impl Recording {
         values
     }
 
-    /// The same for those who need a value in every row: before the first one, that stands, as nothing else is known. NaN only
-    /// where the channel has no value at all.
+    /// The same for those who need a value in every row: before the first one, that stands, as nothing else is known.
+    /// NaN only where the channel has no value at all.
     pub fn held_from_first(&self, channel: &Channel) -> Vec<f64> {
         let mut values = self.held(channel);
         back_filled(&mut values);

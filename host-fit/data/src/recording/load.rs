@@ -32,8 +32,8 @@ pub const MAX_UNUSABLE: f64 = 0.05;
 /// clock of the log is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
 
-/// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are not in the
-/// order of time.
+/// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are
+/// not in the order of time.
 const FEW_BACKS: u64 = 3;
 const MOST_BACKS: f64 = 0.02;
 
@@ -55,8 +55,8 @@ pub struct LoadOptions {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "page-types", ts(optional))]
     pub rate_hz: Option<f64>,
-    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them. No study remembers it: a log
-    /// that was read once is read again, however strictly.
+    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them. No study remembers
+    /// it: a log that was read once is read again, however strictly.
     #[serde(skip)]
     pub strict: bool,
 }

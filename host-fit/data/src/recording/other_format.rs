@@ -61,7 +61,8 @@ pub(super) fn known(begin: &[u8]) -> Option<(&'static str, &'static str)> {
     Some((known.is, known.help))
 }
 
-/// The first line of text that is not UTF-8: what it is instead, if every second byte or more of it is 0, and what to do.
+/// The first line of text that is not UTF-8: what it is instead, if every second byte or more of it is 0, and what to
+/// do.
 pub(super) fn known_text(line: &[u8]) -> Option<(&'static str, &'static str)> {
     let zeros = line.iter().filter(|&&byte| byte == 0).count();
     let is_wide = line.starts_with(b"\xff\xfe")

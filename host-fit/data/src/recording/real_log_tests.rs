@@ -1,5 +1,5 @@
-//! Logs that other people recorded, where they are at hand ([`fos_testkit::outside`]). What they show is made from seeds in
-//! `generated_log_tests.rs`.
+//! Logs that other people recorded, where they are at hand ([`fos_testkit::outside`]). What they show is made from
+//! seeds in `generated_log_tests.rs`.
 
 use fos_testkit::outside;
 

@@ -35,8 +35,8 @@ pub(super) fn must_be_numeric(name: &str, map: &ColumnMap) -> bool {
     map.uses(name) || (["t_s", "still"].contains(&name) && map.column_of(name) == name)
 }
 
-/// Unnamed columns (the index column some programs write) are named by their place. A name is shown in terminals, where control
-/// characters are commands.
+/// Unnamed columns (the index column some programs write) are named by their place. A name is shown in terminals, where
+/// control characters are commands.
 pub(super) fn column_name(raw: &str, index: usize) -> String {
     let shown = |letter: char| if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter };
     let name: String = raw.trim().chars().map(shown).collect();

@@ -1,10 +1,10 @@
 //! What is left by hour and frequency: power in octave bands by stretch of a twentieth of the log.
 //!
-//! The power of a cell is the mean of the periodogram over its band (Hann taper, every gap-free piece by itself). For noise
-//! it scatters as χ²_ν/ν, ν from the ordinates in it, how the taper correlates neighbours (4/9 and 1/36 in power) and how
-//! steep the spectrum is there. The usual is the median over the stretches, corrected for the median of χ²_ν; as a median
-//! of normal values has 2/π of the information of a mean, a cell over the usual has the F distribution with ν and (2/π)·Σν
-//! degrees of freedom.
+//! The power of a cell is the mean of the periodogram over its band (Hann taper, every gap-free piece by itself). For
+//! noise it scatters as χ²_ν/ν, ν from the ordinates in it, how the taper correlates neighbours (4/9 and 1/36 in power)
+//! and how steep the spectrum is there. The usual is the median over the stretches, corrected for the median of χ²_ν;
+//! as a median of normal values has 2/π of the information of a mean, a cell over the usual has the F distribution with
+//! ν and (2/π)·Σν degrees of freedom.
 
 use std::f64::consts::PI;
 use std::ops::Range;

@@ -13,7 +13,8 @@ const BINS: usize = 12;
 /// A bin of fewer blocks is not shown: where a temperature turns, single blocks rise among falling ones.
 const FEWEST: usize = 3;
 
-/// The slope of a channel is taken over this share of the log: far more than a thermometer's steps, far less than its course.
+/// The slope of a channel is taken over this share of the log: far more than a thermometer's steps, far less than its
+/// course.
 const SLOPE_SHARE: f64 = 1.0 / 40.0;
 
 /// Knots of the curve, as shares of the blocks (Harrell 2015, table 2.3).
@@ -29,8 +30,8 @@ pub struct Bin {
     pub blocks: usize,
     /// Plain mean of what is left, in the axis' unit.
     pub mean: f64,
-    /// The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves of
-    /// it (generalised least squares).
+    /// The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
+    /// of it (generalised least squares).
     pub level: f64,
     /// Half of the 95 % interval of `level`, under noise as it is coloured.
     pub half_width: f64,
@@ -69,8 +70,8 @@ impl<'a> Noise<'a> {
         Self { levels: &fitted.levels, effective_samples, coefficients: terms + 1 }
     }
 
-    /// Half of a 95 % interval in standard errors. With n samples and k coefficients the most likely size of the noise is
-    /// too small by √((n − k)/n), and what is left of n is the freedom of Student's distribution.
+    /// Half of a 95 % interval in standard errors. With n samples and k coefficients the most likely size of the noise
+    /// is too small by √((n − k)/n), and what is left of n is the freedom of Student's distribution.
     fn half_width(&self) -> f64 {
         let freedom = (self.effective_samples - self.coefficients as f64).max(1.0);
         let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
@@ -182,9 +183,9 @@ fn rising(remainder: &Remainder<'_>, values: &[f64]) -> Vec<bool> {
         .collect()
 }
 
-/// A natural cubic spline of a channel (linear beyond the outer knots) without its constant: four columns, fewer where the
-/// channel has fewer different values. Knot i of k gives d_i(x) − d_(k−1)(x) with d_i = ((x − t_i)₊³ − (x − t_k)₊³)/(t_k − t_i)
-/// (Hastie, Tibshirani and Friedman 2009, eq. 5.4–5.5).
+/// A natural cubic spline of a channel (linear beyond the outer knots) without its constant: four columns, fewer where
+/// the channel has fewer different values. Knot i of k gives d_i(x) − d_(k−1)(x) with d_i = ((x − t_i)₊³ − (x −
+/// t_k)₊³)/(t_k − t_i) (Hastie, Tibshirani and Friedman 2009, eq. 5.4–5.5).
 pub(super) fn natural_curve(values: &[f64]) -> Vec<Vec<f64>> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

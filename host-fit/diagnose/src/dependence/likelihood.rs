@@ -48,7 +48,8 @@ impl Remainder<'_> {
         self.regression(&[&ones]).fit(NoiseLevels::from_logs(&self.prior.mean))
     }
 
-    /// The same with `columns`; `null` is what [`Self::constant`] gave. `None` if they are all combinations of a constant.
+    /// The same with `columns`; `null` is what [`Self::constant`] gave. `None` if they are all combinations of a
+    /// constant.
     pub(crate) fn test(&self, null: &Fitted, columns: &[Vec<f64>]) -> Option<(Test, Fitted)> {
         let ones = vec![1.0; self.blocks.len()];
         let mut regressors: Vec<&[f64]> = vec![&ones];
@@ -68,10 +69,10 @@ impl Remainder<'_> {
 }
 
 /// How well the size of the noise is known where the regressors beyond the constant are. The covariance C of their k
-/// coefficients moves with the logarithms θ of the levels; relative to itself by M_a = L⁻¹·∂C/∂θ_a·L⁻ᵀ, C = L·Lᵀ. With W the
-/// covariance of θ, Σ W_ab·tr(M_a·M_b)/k (A₂/k of Kenward and Roger 1997) is the variance of the logarithm of a coefficient's
-/// variance, averaged over directions. It is 2/n where n independent samples are all that says how large it is
-/// (Satterthwaite 1946).
+/// coefficients moves with the logarithms θ of the levels; relative to itself by M_a = L⁻¹·∂C/∂θ_a·L⁻ᵀ, C = L·Lᵀ. With
+/// W the covariance of θ, Σ W_ab·tr(M_a·M_b)/k (A₂/k of Kenward and Roger 1997) is the variance of the logarithm of a
+/// coefficient's variance, averaged over directions. It is 2/n where n independent samples are all that says how large
+/// it is (Satterthwaite 1946).
 fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
     let covariance = |logs: &[f64; 3]| -> DMatrix<f64> {
         let levels = NoiseLevels::from_logs(logs);
@@ -105,8 +106,8 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
     (2.0 * root.nrows() as f64 / sum).clamp(1.0, MOST_EFFECTIVE)
 }
 
-/// Chance of a gain. In a regression with n independent errors of one unknown size, n·ln(1 + terms·F/m) with m =
-/// n − terms − 1 is exactly the gain, and F has terms and m degrees of freedom; with a size that is known (n → ∞) that is
+/// Chance of a gain. In a regression with n independent errors of one unknown size, n·ln(1 + terms·F/m) with m = n −
+/// terms − 1 is exactly the gain, and F has terms and m degrees of freedom; with a size that is known (n → ∞) that is
 /// χ².
 fn tail(gain: f64, terms: usize, effective_samples: f64) -> f64 {
     let k = terms as f64;

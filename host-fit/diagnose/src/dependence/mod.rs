@@ -1,9 +1,9 @@
 //! What is left of an axis against everything that is logged: each channel, each delay of it, each hour and frequency.
 //!
-//! What is looked at is the slow remainder: measured error less offset and physical part. The stochastic part is left out,
-//! since what it feeds back would hide slow effects. Sensor noise is not white, so every test has the noise of the sensor
-//! as its null hypothesis (white, flicker, random walk: [`NoiseLevels`]), with levels as they were learnt from the rows that
-//! the model was fitted to, and fitted anew with and without what is tested.
+//! What is looked at is the slow remainder: measured error less offset and physical part. The stochastic part is left
+//! out, since what it feeds back would hide slow effects. Sensor noise is not white, so every test has the noise of the
+//! sensor as its null hypothesis (white, flicker, random walk: [`NoiseLevels`]), with levels as they were learnt from
+//! the rows that the model was fitted to, and fitted anew with and without what is tested.
 
 mod bands;
 mod channel;
@@ -55,8 +55,8 @@ pub struct Dependence {
     pub blocks: usize,
     /// The noise, with no channel taken into account.
     pub noise: NoiseLevels,
-    /// The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is less
-    /// sure.
+    /// The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is
+    /// less sure.
     pub learnt: bool,
     /// Every channel that changes, least likely first.
     pub channels: Vec<ChannelDependence>,
@@ -100,8 +100,8 @@ pub struct Trained<'a> {
     pub rows: Range<usize>,
 }
 
-/// What is left of every axis of `model` in `rows`, against everything that is logged; `None` where that is too little to
-/// tell a dependence from drifting noise.
+/// What is left of every axis of `model` in `rows`, against everything that is logged; `None` where that is too little
+/// to tell a dependence from drifting noise.
 ///
 /// # Errors
 ///
@@ -142,8 +142,8 @@ pub enum DependenceError {
     Model(#[from] fos_core::ModelError),
 }
 
-/// Measured error less offset and physical part, one value per row of the recording for each axis; NaN where it moves or the
-/// value is not known.
+/// Measured error less offset and physical part, one value per row of the recording for each axis; NaN where it moves
+/// or the value is not known.
 fn remainders(
     model: &UnitModel,
     recording: &Recording,

@@ -232,7 +232,8 @@ fn noise_has_a_cell_with_too_much_power_as_often_as_stated() {
 fn a_stretch_that_shakes_is_found_with_its_time_its_band_and_its_size() {
     let recording = rows(SAMPLES, PERIOD_S);
     let blocks = Blocks::new(&recording, PERIOD_S, vec![true; SAMPLES]);
-    // white noise of N = 1 has the two-sided density 1: a line of power 24/30 s in one stretch is 25 times as much in its ordinate
+    // white noise of N = 1 has the two-sided density 1: a line of power 24/30 s in one stretch is 25 times as much in
+    // its ordinate
     let found: Vec<bool> = (0..200_u64)
         .into_par_iter()
         .map(|seed| {

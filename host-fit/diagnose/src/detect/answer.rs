@@ -121,7 +121,8 @@ pub struct Separation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct CorrectionTerm {
-    /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log.
+    /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every
+    /// later log.
     pub regressor: String,
     /// Coefficient, unit of the axis per unit of the product.
     pub coefficient: f64,

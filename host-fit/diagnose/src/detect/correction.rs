@@ -4,11 +4,11 @@ use super::answer::{CorrectionTerm, Finding};
 use crate::effects::{Band, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
 
-/// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they were
-/// found in: the correction of a slow effect is 0 on its mean, since the mean belongs to the bias.
+/// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they
+/// were found in: the correction of a slow effect is 0 on its mean, since the mean belongs to the bias.
 ///
-/// A step that was found in one log is a constant in the next. Before a quantity has its first value it is taken to have stood
-/// at it.
+/// A step that was found in one log is a constant in the next. Before a quantity has its first value it is taken to
+/// have stood at it.
 ///
 /// # Errors
 ///
@@ -54,8 +54,8 @@ pub(super) fn step_share(log: &Recording, time_s: f64) -> f64 {
     after as f64 / log.n_rows() as f64
 }
 
-/// Takes the steps that were found out of the log they were found in: the values as they would be had every step happened
-/// before it, which is how they are in every later log.
+/// Takes the steps that were found out of the log they were found in: the values as they would be had every step
+/// happened before it, which is how they are in every later log.
 pub(crate) fn as_after_steps(
     findings: &[Finding],
     column: &str,

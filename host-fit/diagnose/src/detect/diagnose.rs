@@ -1,5 +1,5 @@
-//! What is missing: faults of the data, then lines, then slow effects, then what no library knows; and effects estimated whether
-//! they are missing or not.
+//! What is missing: faults of the data, then lines, then slow effects, then what no library knows; and effects
+//! estimated whether they are missing or not.
 
 use std::rc::Rc;
 
@@ -54,8 +54,8 @@ fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError>
     assembly(&prepared, question, &lines, &slow, left, untested).diagnosis()
 }
 
-/// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall that
-/// each should bring once those before it are in the model. Several lines are taken by their strength.
+/// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall
+/// that each should bring once those before it are in the model. Several lines are taken by their strength.
 ///
 /// # Errors
 ///
@@ -130,8 +130,8 @@ fn learnt_from(question: &Question<'_>) -> String {
     .to_owned()
 }
 
-/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too, and those that come
-/// and go.
+/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too, and those that
+/// come and go.
 fn lines(
     question: &Question<'_>,
     column: &str,

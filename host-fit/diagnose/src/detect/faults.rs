@@ -1,5 +1,5 @@
-//! Faults of the data, not of the sensor's bias: clipping, missing samples, coarse steps. They are looked for first, since
-//! wrong data beat every later test.
+//! Faults of the data, not of the sensor's bias: clipping, missing samples, coarse steps. They are looked for first,
+//! since wrong data beat every later test.
 
 use fos_data::recording::Recording;
 use fos_fit::signal::quantisation::quantisation;
@@ -9,8 +9,8 @@ use fos_fit::signal::quantisation::quantisation;
 const CLIPPED_SHARE: f64 = 2e-4;
 const PILE_UP_ERRORS: f64 = 4.0;
 
-/// Changes of more than one step for each change of one below which steps make heaps of their own: those of more than 1.3
-/// standard deviations of the noise do.
+/// Changes of more than one step for each change of one below which steps make heaps of their own: those of more than
+/// 1.3 standard deviations of the noise do.
 const HEAPS: f64 = 0.3;
 
 /// Share of missing samples that counts, beyond that of the quiet log.
@@ -96,9 +96,9 @@ fn in_heaps(values: &[f64], step: f64) -> bool {
     f64::from(more) < HEAPS * f64::from(one)
 }
 
-/// Whether more samples lie on the outermost value than the tail of noise would leave there, given those on the two values
-/// next to it. The logarithm of a normal density is concave, so that it would leave at most next²/second, and it falls off
-/// outwards.
+/// Whether more samples lie on the outermost value than the tail of noise would leave there, given those on the two
+/// values next to it. The logarithm of a normal density is concave, so that it would leave at most next²/second, and it
+/// falls off outwards.
 fn is_pile(count: f64, next: f64, second: f64) -> bool {
     let (most, variance) = match next < second {
         true => (next * next / second, (next * next / second).powi(2) * (4.0 / next + 1.0 / second)),

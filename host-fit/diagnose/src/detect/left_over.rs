@@ -85,8 +85,9 @@ pub(super) fn left_over(
     LeftOver { leads, misshapes, instead: false }
 }
 
-/// The whitened residual but for the tenth of the blocks in which the effects that were found change most: there they leave
-/// what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no jump.
+/// The whitened residual but for the tenth of the blocks in which the effects that were found change most: there they
+/// leave what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no
+/// jump.
 fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
     let residual = &slow.fitted.gls.residual;
     if slow.found.is_empty() {

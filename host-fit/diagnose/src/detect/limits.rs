@@ -7,12 +7,13 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::{Inputs, Regressor};
 use fos_data::recording::RecordingError;
 
-/// Steps outwards, as shares of the width of the fitted range, and how many. The first is always granted: the noise and the
-/// steps of a thermometer are no extrapolation.
+/// Steps outwards, as shares of the width of the fitted range, and how many. The first is always granted: the noise and
+/// the steps of a thermometer are no extrapolation.
 const STEP: f64 = 0.05;
 const STEPS: i32 = 5;
 
-/// What a curve adds beyond the edge must be so many standard errors: below, what it holds at the edge is the better guess.
+/// What a curve adds beyond the edge must be so many standard errors: below, what it holds at the edge is the better
+/// guess.
 const TRUSTED: f64 = 3.0;
 
 /// The range of each input that a power is taken of, widened as long as what the curve adds to its value at the edge is

@@ -9,8 +9,8 @@ use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
 use fos_data::recording::Recording;
 
-/// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect that
-/// was sure to help and makes the error worse there becomes a lead.
+/// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect
+/// that was sure to help and makes the error worse there becomes a lead.
 ///
 /// # Errors
 ///

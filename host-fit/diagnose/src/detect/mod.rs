@@ -1,8 +1,8 @@
-//! What is missing: compares a log that a model does not explain with every effect of the library, and says which one is
-//! missing, how sure that is, what it cannot be told from, or that nothing in the library explains it.
+//! What is missing: compares a log that a model does not explain with every effect of the library, and says which one
+//! is missing, how sure that is, what it cannot be told from, or that nothing in the library explains it.
 //!
-//! The order is that of the evidence (docs/decisions/diagnosis.md): faults of the data, lines in the spectrum, slow effects
-//! in block means, then an open search for what the library does not know.
+//! The order is that of the evidence (docs/decisions/diagnosis.md): faults of the data, lines in the spectrum, slow
+//! effects in block means, then an open search for what the library does not know.
 
 mod answer;
 mod cleaned;

@@ -1,5 +1,5 @@
-//! What the library does not know: an open search over what is logged, once the library has said what it can. Its results
-//! are leads and not findings.
+//! What the library does not know: an open search over what is logged, once the library has said what it can. Its
+//! results are leads and not findings.
 
 use fos_data::column::Column;
 use std::f64::consts::TAU;
@@ -220,8 +220,8 @@ fn sorted(values: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// Functions that are 1 at one knot, 0 at the others, straight between: what they span is every broken line. The first is
-/// left out, the constant has its place.
+/// Functions that are 1 at one knot, 0 at the others, straight between: what they span is every broken line. The first
+/// is left out, the constant has its place.
 fn hats(values: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
     (1..knots.len())
         .map(|at| {

@@ -1,5 +1,5 @@
-//! By how much an error should fall: from the size of the effect on the inputs of the log that is to be judged, and from the
-//! noise, without looking at what was measured there.
+//! By how much an error should fall: from the size of the effect on the inputs of the log that is to be judged, and
+//! from the noise, without looking at what was measured there.
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
@@ -46,8 +46,8 @@ impl Estimate {
         }
     }
 
-    /// The Cholesky factor L of the covariance, L·Lᵀ, of those that could be estimated; rows and columns of the others are 0.
-    /// `None` if that is no covariance, as of data that are not finite.
+    /// The Cholesky factor L of the covariance, L·Lᵀ, of those that could be estimated; rows and columns of the others
+    /// are 0. `None` if that is no covariance, as of data that are not finite.
     pub(super) fn factor(&self) -> Option<DMatrix<f64>> {
         let (estimated, k) = (&self.estimated, self.coefficients.len());
         let of_estimated = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
@@ -66,7 +66,8 @@ impl Estimate {
 
 /// A slow effect on the blocks of a log.
 pub(super) struct SlowEffect {
-    /// It is a constant in every later log: its error is no variance but a square about the bias of the log it was found in.
+    /// It is a constant in every later log: its error is no variance but a square about the bias of the log it was
+    /// found in.
     pub(super) is_step: bool,
     /// One column for each regressor.
     pub(super) columns: Vec<Vec<f64>>,

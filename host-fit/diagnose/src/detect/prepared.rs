@@ -1,4 +1,5 @@
-//! What a diagnosis begins with: the log in blocks, the faults in it, what is known of the noise, what the model has already.
+//! What a diagnosis begins with: the log in blocks, the faults in it, what is known of the noise, what the model has
+//! already.
 
 use std::rc::Rc;
 
@@ -19,7 +20,8 @@ const STAIRS: f64 = 2.5;
 /// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
 const SHAKEN: f64 = 1.5;
 
-/// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as much.
+/// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as
+/// much.
 const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
 
 /// Standard deviation of the logarithm of a random walk that nothing is known of.

@@ -13,7 +13,8 @@ pub struct Question<'a> {
     pub field: &'a Recording,
     /// A quiet log of the same unit, in which nothing is missing.
     pub quiet: Option<&'a Recording>,
-    /// The log that a correction is to be judged on: its inputs say how much should fall there. By default the field log.
+    /// The log that a correction is to be judged on: its inputs say how much should fall there. By default the field
+    /// log.
     pub judged: Option<&'a Recording>,
     /// The column to explain.
     pub target: &'a str,
@@ -91,8 +92,8 @@ pub enum DiagnoseError {
     },
 }
 
-/// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in another
-/// pose another part of it.
+/// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in
+/// another pose another part of it.
 pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
     log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
 }

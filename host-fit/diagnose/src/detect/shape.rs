@@ -5,9 +5,9 @@ use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 use fos_fit::noise::dot;
 
-/// Kurtosis of whitened block means beyond that of normal noise, in standard errors (√(24/n)), that counts. A jump now and
-/// then makes a few of them huge. 600 normal values exceed 5.9 once in 10,000 times, 4.2 once in 1000: the second is asked
-/// where further noise was found, which says that it is normal.
+/// Kurtosis of whitened block means beyond that of normal noise, in standard errors (√(24/n)), that counts. A jump now
+/// and then makes a few of them huge. 600 normal values exceed 5.9 once in 10,000 times, 4.2 once in 1000: the second
+/// is asked where further noise was found, which says that it is normal.
 const KURTOSIS_ERRORS: f64 = 5.9;
 const KURTOSIS_ERRORS_OF_NOISE: f64 = 4.2;
 

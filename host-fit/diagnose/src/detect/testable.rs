@@ -13,8 +13,8 @@ pub(super) struct Testable {
     pub(super) effects: Vec<Rc<Effect>>,
     /// Those that cannot, with what they need.
     pub(super) untested: Vec<Untested>,
-    /// Rows in which every column that one of them follows is known: what it did before its first value would have to be
-    /// guessed.
+    /// Rows in which every column that one of them follows is known: what it did before its first value would have to
+    /// be guessed.
     pub(super) known: Vec<bool>,
 }
 
@@ -52,8 +52,8 @@ impl Testable {
         Ok(Self { effects, untested, known })
     }
 
-    /// What keeps an effect from being tried though its columns are there: none of its regressors adds anything to what the
-    /// model has already.
+    /// What keeps an effect from being tried though its columns are there: none of its regressors adds anything to what
+    /// the model has already.
     pub(super) fn adds_nothing(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Untested {
         let followed = followed(effect, inputs, target);
         let changes = |column: &&String| {
@@ -88,10 +88,11 @@ fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Vec<String> {
     logged.flat_map(|regressor| regressor.columns().map(str::to_owned).collect::<Vec<_>>()).collect()
 }
 
-/// What `effect` needs of columns and the log does not have, in words; `None` if the effect cannot strike the target at all.
+/// What `effect` needs of columns and the log does not have, in words; `None` if the effect cannot strike the target at
+/// all.
 ///
-/// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single accelerometer
-/// axis already shows vibration.
+/// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single
+/// accelerometer axis already shows vibration.
 pub(super) fn lacking(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Option<Vec<String>> {
     if !effect.strikes(target) {
         return None;

@@ -10,8 +10,8 @@ use super::terms::{Product, Regressor};
 use fos_data::recording::{Boundary, Recording, RecordingError, back_filled};
 use fos_fit::fit::InputSpec;
 
-/// A column that begins later than after this share of the rows is not known well enough: what it did before would have to be
-/// guessed, and leaving so many rows out would cost every other effect its evidence.
+/// A column that begins later than after this share of the rows is not known well enough: what it did before would have
+/// to be guessed, and leaving so many rows out would cost every other effect its evidence.
 const LATEST: f64 = 0.1;
 
 /// Evaluates inputs over a recording, one value per row, as fos-core does on the device.
@@ -47,8 +47,8 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Whether everything that `columns` need is known, one flag per row: a column is not before its first value since the unit
-    /// was switched on.
+    /// Whether everything that `columns` need is known, one flag per row: a column is not before its first value since
+    /// the unit was switched on.
     ///
     /// # Errors
     ///
@@ -65,7 +65,8 @@ impl<'a> Inputs<'a> {
         Ok(known)
     }
 
-    /// What the recording has of a regressor: the sum of those of its products whose columns can all be followed, if any can.
+    /// What the recording has of a regressor: the sum of those of its products whose columns can all be followed, if
+    /// any can.
     pub fn logged(&self, regressor: &Regressor) -> Option<Regressor> {
         let is_logged = |product: &&Product| product.columns().all(|column| self.lacks(column).is_none());
         let products: Vec<Product> = regressor.products.iter().filter(is_logged).cloned().collect();

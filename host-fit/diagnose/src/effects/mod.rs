@@ -294,8 +294,8 @@ impl Library {
         })
     }
 
-    /// What is found in this way on the axis of `column`, with this value of its parameter. Of several effects that say so it is the
-    /// one whose range holds the value, a user's own before the built-in one.
+    /// What is found in this way on the axis of `column`, with this value of its parameter. Of several effects that say
+    /// so it is the one whose range holds the value, a user's own before the built-in one.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
-//! The diagnosis against series with one planted effect whose answer was computed by another road: our own fixtures, and those of
-//! others where they are at hand.
+//! The diagnosis against series with one planted effect whose answer was computed by another road: our own fixtures,
+//! and those of others where they are at hand.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
@@ -47,8 +47,8 @@ fn diagnosed(recording: &Recording, library: &Library) -> Diagnosis {
     diagnose(&question).unwrap()
 }
 
-/// One-step mean square error on the rows of the reference, in the unit of the file: AR(2) and what the search keeps of the
-/// powers and delays of `columns`.
+/// One-step mean square error on the rows of the reference, in the unit of the file: AR(2) and what the search keeps of
+/// the powers and delays of `columns`.
 fn searched_mse(recording: &Recording, columns: &[&str]) -> f64 {
     /// Delays that are tried, samples.
     const DELAYS: u16 = 10;
@@ -89,8 +89,8 @@ fn prompt_mse(recording: &Recording, diagnosis: &Diagnosis) -> f64 {
     refit::refit(&signals, &rows, &terms).unwrap().mse
 }
 
-/// Diagnoses the series; the only finding must be `effect` on `column`, and a search over that channel must come within half
-/// a percent of the error that the true effect leaves.
+/// Diagnoses the series; the only finding must be `effect` on `column`, and a search over that channel must come within
+/// half a percent of the error that the true effect leaves.
 fn assert_found(reference: &Reference, effect: &str, column: &str) -> Diagnosis {
     let name = &reference.name;
     let recording = recording(reference);

@@ -107,9 +107,9 @@ impl fmt::Display for Product {
     }
 }
 
-/// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the next
-/// two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes; the name of
-/// the parameter stands for its value.
+/// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the
+/// next two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes;
+/// the name of the parameter stands for its value.
 pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
     let mut filled = text.replace("{target}", target);
     if let Some((name, value)) = parameter {

@@ -22,7 +22,8 @@ pub struct Evidence {
     pub block_s: f64,
     /// Their middles, s as stamped.
     pub time_s: Vec<f64>,
-    /// Block means of the error less the model's physical part and all other findings, less their mean, in the axis' unit.
+    /// Block means of the error less the model's physical part and all other findings, less their mean, in the axis'
+    /// unit.
     pub error: Vec<f64>,
     /// Block means of what the finding says, less their mean.
     pub effect: Vec<f64>,

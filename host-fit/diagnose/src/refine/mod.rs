@@ -1,5 +1,5 @@
-//! Refines a model by physical effects: estimates them together on a log where the model fails, puts them into its physical
-//! part, and judges every step on rows that were not fitted.
+//! Refines a model by physical effects: estimates them together on a log where the model fails, puts them into its
+//! physical part, and judges every step on rows that were not fitted.
 
 mod error;
 mod evidence;

@@ -122,8 +122,8 @@ impl<'a> Refiner<'a> {
         Ok(diagnose(&question)?)
     }
 
-    /// The model of `refinement` and `effect`, all effects estimated anew together, and together with what the diagnosis finds
-    /// beside them: an effect that is still missing must not colour those that are there.
+    /// The model of `refinement` and `effect`, all effects estimated anew together, and together with what the
+    /// diagnosis finds beside them: an effect that is still missing must not colour those that are there.
     ///
     /// # Errors
     ///
@@ -182,7 +182,8 @@ impl<'a> Refiner<'a> {
         self.step(model, Some(added), after)
     }
 
-    /// Adds what a diagnosis finds, the effect first that should help most, until nothing is worth adding; the steps that were added. `progress` is told each.
+    /// Adds what a diagnosis finds, the effect first that should help most, until nothing is worth adding; the steps
+    /// that were added. `progress` is told each.
     ///
     /// # Errors
     ///
@@ -194,7 +195,8 @@ impl<'a> Refiner<'a> {
     ) -> Result<Vec<RefinementStep>, RefineError> {
         let mut refinement = refinement.clone();
         let mut steps = Vec::new();
-        // ends after MOST: each step fell on rows that were not fitted, but the next is estimated anew with all before it
+        // ends after MOST: each step fell on rows that were not fitted, but the next is estimated anew with all before
+        // it
         while steps.len() < MOST {
             let diagnosis = self.diagnose(&refinement)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {
@@ -273,8 +275,8 @@ impl<'a> Refiner<'a> {
         Ok(predicted.collect())
     }
 
-    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is the
-    /// field log as it is in later logs, without the steps that happened in it.
+    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is
+    /// the field log as it is in later logs, without the steps that happened in it.
     fn settled(&self, mut model: UnitModel, log: &Recording) -> Result<UnitModel, RefineError> {
         let column = model.axes[0].column.clone();
         let (level, is_bias_known) = self.level(&model, log, 0..log.n_rows())?;
@@ -378,8 +380,8 @@ impl<'a> Refiner<'a> {
     }
 }
 
-/// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they do in
-/// a diagnosis.
+/// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they
+/// do in a diagnosis.
 fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
     if let Ok(reference) = log.channel(&Column::named(column).reference()) {
         return reference.values.iter().map(|value| value.is_finite()).collect();

@@ -1,4 +1,5 @@
-//! From the findings of a diagnosis to the physical part of a model: the same coefficients, in the form that fos-core takes.
+//! From the findings of a diagnosis to the physical part of a model: the same coefficients, in the form that fos-core
+//! takes.
 
 use fos_data::column::Column;
 use std::collections::BTreeMap;
@@ -11,12 +12,12 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
 use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
 
-/// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the range
-/// outside. Inputs that powers are taken of keep the limits of the finding.
+/// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the
+/// range outside. Inputs that powers are taken of keep the limits of the finding.
 const WIDTHS: f64 = 1.0;
 
-/// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were found in.
-/// Steps are no terms: they stay in the bias of every later log.
+/// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were
+/// found in. Steps are no terms: they stay in the bias of every later log.
 ///
 /// # Errors
 ///
@@ -57,7 +58,8 @@ fn factors(
     product.inputs.iter().map(|spec| Ok(u(place(model, spec, limits, inputs)?, 0))).collect()
 }
 
-/// The place of an input in the model; appended if it is not there. Inputs are as logged, so that a coefficient is per kelvin.
+/// The place of an input in the model; appended if it is not there. Inputs are as logged, so that a coefficient is per
+/// kelvin.
 fn place(
     model: &mut UnitModel,
     spec: &InputSpec,

@@ -1,5 +1,5 @@
-//! The logs of a study, found again: where they were when it was made, or where they lie as seen from the study, wherever the two
-//! were moved together and wherever the command is run.
+//! The logs of a study, found again: where they were when it was made, or where they lie as seen from the study,
+//! wherever the two were moved together and wherever the command is run.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -95,7 +95,8 @@ fn places(source: &Source, study: &Path) -> Vec<PathBuf> {
 }
 
 impl Study {
-    /// Notes where its logs lie as seen from where it will be. Of those that were not read now what was noted before stays.
+    /// Notes where its logs lie as seen from where it will be. Of those that were not read now what was noted before
+    /// stays.
     pub(super) fn note_places(&mut self, study: &Path) {
         let study = followed(study);
         let Ok(folder) = fs::canonicalize(folder_of(&study)) else { return };

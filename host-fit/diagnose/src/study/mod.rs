@@ -171,7 +171,8 @@ impl Study {
         Ok((study, FileVersion::of(path, &bytes)))
     }
 
-    /// Writes the study, whole or not at all, to a file that is as it was seen; it notes where its logs lie as seen from there.
+    /// Writes the study, whole or not at all, to a file that is as it was seen; it notes where its logs lie as seen
+    /// from there.
     ///
     /// # Errors
     ///

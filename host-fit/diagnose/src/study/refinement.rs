@@ -77,8 +77,8 @@ pub struct Left {
     pub slow: f64,
     /// Variance of the samples.
     pub wide: f64,
-    /// Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the model's bias is
-    /// off by. Absent where the log does not tell, and in studies from before it was kept.
+    /// Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
+    /// model's bias is off by. Absent where the log does not tell, and in studies from before it was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bias: Option<f64>,
 }

@@ -32,8 +32,9 @@ impl Rival {
     }
 }
 
-/// The rival of `model` on the same axes: it knows what the rows show that the model was learnt from, and nothing of the
-/// model's own. `lag_1` is the lag-1 autocorrelation of each axis' training data, for models that do not say what those show.
+/// The rival of `model` on the same axes: it knows what the rows show that the model was learnt from, and nothing of
+/// the model's own. `lag_1` is the lag-1 autocorrelation of each axis' training data, for models that do not say what
+/// those show.
 pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
     let mut plain = model.clone();
     plain.inputs.clear();

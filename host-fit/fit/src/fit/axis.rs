@@ -236,8 +236,8 @@ fn logged_input(
         None => (Source::Clock, 0.0, 1.0),
         Some(column) => {
             let channel = recording.channel(column)?;
-            // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant that is
-            // nothing but its error
+            // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant
+            // that is nothing but its error
             let held = recording.held(channel);
             let rows = training.clone().filter(|row| stillness.still[*row] && held[*row].is_finite());
             let finite: Vec<f64> = rows.map(|row| held[row]).collect();
@@ -266,8 +266,8 @@ fn logged_input(
     Ok(NamedInput { name: spec.to_string(), input })
 }
 
-/// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back to the
-/// mean of the remainder, which is 0.
+/// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back
+/// to the mean of the remainder, which is 0.
 fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regressors, reference: &Reference) {
     let mean = signal::mean(&regressors.known_remainder());
     regressors.remainder.iter_mut().for_each(|value| *value -= mean);

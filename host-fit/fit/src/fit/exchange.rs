@@ -11,12 +11,13 @@
 //! 2. *prune*: a term that the stop rule would not have taken is taken out;
 //! 3. *extend*: the greedy search goes on from there.
 //!
-//! It ends because a set of terms has one cost (`Worth::cost`: ln MSE, and a price for each term), and no move is made that does not
-//! lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and there are finitely
-//! many. That a move lowers it must be looked at and does not follow from the rules of the moves: they go by Q of (6), and where terms
-//! are nearly collinear, as the lags of a smooth signal are, the Q of one term differs from the difference of two MSE of (7) by more
-//! than the stop rule asks for. What a move gains must for the same reason exceed the rounding error of the MSE: what is within it says
-//! nothing, and following it would wander through sets that are all the same.
+//! It ends because a set of terms has one cost (`Worth::cost`: ln MSE, and a price for each term), and no move is made
+//! that does not lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and
+//! there are finitely many. That a move lowers it must be looked at and does not follow from the rules of the moves:
+//! they go by Q of (6), and where terms are nearly collinear, as the lags of a smooth signal are, the Q of one term
+//! differs from the difference of two MSE of (7) by more than the stop rule asks for. What a move gains must for the
+//! same reason exceed the rounding error of the MSE: what is within it says nothing, and following it would wander
+//! through sets that are all the same.
 
 use super::fos::{COLLINEAR, Expansion, Open, Selection};
 use super::stop::{EXACT, StopRule, Stopped, Worth};
@@ -30,15 +31,15 @@ mod two_rules;
 /// Smallest relative fall of the MSE that is worth a swap: above rounding, below anything that matters.
 const WORTH: f64 = 1e-9;
 
-/// Most moves. The argument above bounds them by the number of sets only; on data of every kind (`ends_tests`) there are ten or fewer, and a
-/// thousand would take hours.
+/// Most moves. The argument above bounds them by the number of sets only; on data of every kind (`ends_tests`) there
+/// are ten or fewer, and a thousand would take hours.
 const MOST_MOVES: usize = 1000;
 
 /// How many models that the data cannot tell apart are listed at most.
 const MOST_TIES: usize = 10;
 
-/// n·ln(MSE ratio) below which two models of the same size are called tied: the 95 % point of a chi-square variable with
-/// one degree of freedom, which is what one more parameter would be allowed by chance.
+/// n·ln(MSE ratio) below which two models of the same size are called tied: the 95 % point of a chi-square variable
+/// with one degree of freedom, which is what one more parameter would be allowed by chance.
 pub const TIED: f64 = 3.841;
 
 /// A model of the same size that the data cannot tell from the chosen one.
@@ -185,8 +186,8 @@ impl<'g> Model<'g> {
         Some(self.with_terms(terms)).filter(|swapped| self.is_beaten_by(swapped))
     }
 
-    /// Without the least term, if the rule would not have taken it. Of two sets that rounding cannot tell apart this is the smaller, so that
-    /// no more is asked than a lower cost.
+    /// Without the least term, if the rule would not have taken it. Of two sets that rounding cannot tell apart this is
+    /// the smaller, so that no more is asked than a lower cost.
     fn pruned(&self) -> Option<Self> {
         let without_each = self.terms.iter().map(|&term| without(&self.terms, &[term]));
         let least = without_each

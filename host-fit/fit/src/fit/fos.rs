@@ -30,8 +30,8 @@ use crate::moments::Gram;
 /// own, because a square in small units is a small number and no less a candidate.
 pub const COLLINEAR: f64 = 1e-12;
 
-/// Rounding error of an entry of the Gram matrix and of the sums of the recursion, relative to the root mean squares of the two
-/// factors of a product.
+/// Rounding error of an entry of the Gram matrix and of the sums of the recursion, relative to the root mean squares of
+/// the two factors of a product.
 const ROUNDING: f64 = 1e-15;
 
 /// One term chosen.
@@ -160,9 +160,10 @@ impl<'g> Expansion<'g> {
         self.steps.iter().map(|step| step.candidate)
     }
 
-    /// Rounding error of (7). The MSE is a quadratic form in the Gram matrix, vᵀGv with v = (1, −a_0, …, −a_K) for y and the terms, and
-    /// the factorisation's is that of a matrix whose entries are off by [`ROUNDING`] (backward stability; Higham 2002, theorem 10.3).
-    /// Near-collinear terms have large weights of either sign: the error can then be many times the MSE.
+    /// Rounding error of (7). The MSE is a quadratic form in the Gram matrix, vᵀGv with v = (1, −a_0, …, −a_K) for y
+    /// and the terms, and the factorisation's is that of a matrix whose entries are off by [`ROUNDING`] (backward
+    /// stability; Higham 2002, theorem 10.3). Near-collinear terms have large weights of either sign: the error can
+    /// then be many times the MSE.
     pub(super) fn rounding(&self) -> f64 {
         let weights = self.factor.weights();
         let constant = weights[0].abs();

@@ -42,16 +42,18 @@ pub(super) struct Solution {
     pub(super) residual_sum_of_squares: f64,
     /// Condition number of X with its columns scaled to unit norm.
     pub(super) condition: f64,
-    /// How far rounding may move the weights, relative to their size, columns scaled to unit norm:
-    /// u·(κ + κ²·‖residual‖/(‖X‖·‖a‖)), the first-order bound of a backward stable method (Golub and Van Loan, Matrix
-    /// Computations, 4th ed., eq. 5.3.8), with u ten units in the last place for the reflections of some twenty columns.
+    /// How far rounding may move the weights, relative to their size, columns scaled to unit norm: u·(κ +
+    /// κ²·‖residual‖/(‖X‖·‖a‖)), the first-order bound of a backward stable method (Golub and Van Loan, Matrix
+    /// Computations, 4th ed., eq. 5.3.8), with u ten units in the last place for the reflections of some twenty
+    /// columns.
     pub(super) rounding: f64,
     pub(super) rows: usize,
     factor: DMatrix<f64>,
 }
 
 impl Solution {
-    /// √(σ²(XᵀX)⁻¹) of each weight, σ² the residual sum of squares over the degrees of freedom. Valid for white residuals.
+    /// √(σ²(XᵀX)⁻¹) of each weight, σ² the residual sum of squares over the degrees of freedom. Valid for white
+    /// residuals.
     pub(super) fn standard_errors(&self) -> Vec<f64> {
         let parameters = self.weights.len();
         let mut inverse = DMatrix::<f64>::identity(parameters, parameters);

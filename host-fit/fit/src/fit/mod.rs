@@ -44,7 +44,8 @@ pub struct Fit {
     pub selection: Selection,
     /// Coefficients, their errors, and the mean square error, of the terms in the same order.
     pub refit: Refit,
-    /// Models of the same size that the data cannot tell from this one, best first; none are looked for by a greedy search.
+    /// Models of the same size that the data cannot tell from this one, best first; none are looked for by a greedy
+    /// search.
     pub ties: Vec<Tie>,
 }
 

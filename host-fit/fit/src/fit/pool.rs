@@ -46,8 +46,8 @@ pub(super) fn check(
     }
 }
 
-/// How many candidates there are: C(F + CP, CP) − 1 products of up to CP of F factors, and the long memory; the lags of an
-/// autoregression.
+/// How many candidates there are: C(F + CP, CP) − 1 products of up to CP of F factors, and the long memory; the lags of
+/// an autoregression.
 fn size(n_inputs: usize, options: &FitOptions) -> usize {
     let lags = usize::from(options.max_lag);
     if options.method != FitMethod::Fos {

@@ -1,5 +1,5 @@
-//! The search, the refit and the autoregressions against answers computed by another road: our own fixtures, and what others
-//! computed or published, where that is at hand.
+//! The search, the refit and the autoregressions against answers computed by another road: our own fixtures, and what
+//! others computed or published, where that is at hand.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{Channel, Factor, u, y};

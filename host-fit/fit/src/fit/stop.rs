@@ -60,8 +60,8 @@ impl NoiseRule {
 
 /// What a rule asks of a term, on given data: one measure for adding, for taking out and for comparing.
 ///
-/// A set of K terms costs ln MSE + K·ln(1/(1 − t)), t being the threshold of the noise rule and an MSE within rounding of
-/// zero counting as [`EXACT`]. A term is worth having where it does not raise the cost.
+/// A set of K terms costs ln MSE + K·ln(1/(1 − t)), t being the threshold of the noise rule and an MSE within rounding
+/// of zero counting as [`EXACT`]. A term is worth having where it does not raise the cost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Worth {
     /// t.
@@ -73,8 +73,8 @@ pub(super) struct Worth {
 impl StopRule {
     /// What it asks of a term.
     pub(super) fn worth(&self, gram: &Gram) -> Worth {
-        // a threshold of 1 or more, from very few rows, admits no term; the next smaller number does as much: ln of it exceeds
-        // all that ln MSE can fall by, ln(1/EXACT)
+        // a threshold of 1 or more, from very few rows, admits no term; the next smaller number does as much: ln of it
+        // exceeds all that ln MSE can fall by, ln(1/EXACT)
         let threshold = self.noise.threshold(gram.rows(), gram.size()).min(1.0 - f64::EPSILON / 2.0);
         Worth { threshold, exact: EXACT * gram.target_mean_square() }
     }
@@ -91,8 +91,8 @@ impl Worth {
         mse - self.needed(mse) <= self.exact
     }
 
-    /// Whether a term is worth having that takes `reduction` (Q) off `mse`. Not one whose Q is NaN: products of the signals
-    /// overflow.
+    /// Whether a term is worth having that takes `reduction` (Q) off `mse`. Not one whose Q is NaN: products of the
+    /// signals overflow.
     pub(super) fn takes(&self, reduction: f64, mse: f64) -> bool {
         !self.is_exact(mse) && reduction >= self.needed(mse)
     }
@@ -123,8 +123,8 @@ pub enum Stopped {
     NothingLeft,
     /// What is left is rounding error: the target is an exact sum of the terms.
     Exact,
-    /// What more terms, or others, would take off the MSE is within the rounding error of the MSE: the signal is so smooth that
-    /// its lags are nearly sums of one another.
+    /// What more terms, or others, would take off the MSE is within the rounding error of the MSE: the signal is so
+    /// smooth that its lags are nearly sums of one another.
     Rounding,
     /// As many exchanges were made as are allowed; another might still lower the error.
     MostMoves,

@@ -1,8 +1,8 @@
 //! Fast orthogonal search as printed: the slow twin of [`super::fos`].
 //!
-//! The candidates p_m(n) are written out for every row, and every average of the recursion (equations 1 to 7
-//! there) is a sum over the rows, taken anew for every candidate at every step. Kept because it is plainly the published method: tests hold the fast search
-//! against it, and the benchmark says what the rearrangement is worth.
+//! The candidates p_m(n) are written out for every row, and every average of the recursion (equations 1 to 7 there) is
+//! a sum over the rows, taken anew for every candidate at every step. Kept because it is plainly the published method:
+//! tests hold the fast search against it, and the benchmark says what the rearrangement is worth.
 
 use fos_core::Factor;
 

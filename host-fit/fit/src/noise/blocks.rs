@@ -23,8 +23,8 @@ pub struct Blocks {
     pub length_s: f64,
     /// Sample period, s.
     pub period_s: f64,
-    /// Shortest time constant of flicker noise, s; what is faster counts as white. The same for all blocks up to 9 s long, so
-    /// that noise levels learnt with some hold with others.
+    /// Shortest time constant of flicker noise, s; what is faster counts as white. The same for all blocks up to 9 s
+    /// long, so that noise levels learnt with some hold with others.
     pub flicker_from_s: f64,
     /// The blocks, in order of time.
     pub blocks: Vec<Block>,
@@ -80,8 +80,8 @@ impl Blocks {
         Self { length_s, period_s, flicker_from_s: flicker_from_s(length_s), blocks, known }
     }
 
-    /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes and
-    /// goes, and takes the noise of the means with it.
+    /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes
+    /// and goes, and takes the noise of the means with it.
     pub fn with_noise_of(mut self, error: &[f64]) -> Self {
         let variance = |block: &Block| {
             let known = block.rows.clone().filter(|row| self.known[*row]);

@@ -16,8 +16,8 @@ pub type LogLevels = [f64; 3];
 
 /// What is known of noise levels before the data: a normal distribution of their logarithms, but for the random walk.
 ///
-/// A quiet log says hardly anything of a random walk too small to be seen in it, and almost everything of one too large: the
-/// logarithm of its likelihood is flat below and a wall above, and no normal distribution.
+/// A quiet log says hardly anything of a random walk too small to be seen in it, and almost everything of one too
+/// large: the logarithm of its likelihood is flat below and a wall above, and no normal distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LevelPrior {
     /// Means of the logarithms.
@@ -209,8 +209,9 @@ impl Regression<'_> {
         Self::made_positive(LevelPrior { mean: centre, precision, wall: None }, self.prior)
     }
 
-    /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn again
-    /// with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal logarithm.
+    /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn
+    /// again with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal
+    /// logarithm.
     ///
     /// # Errors
     ///
@@ -252,7 +253,8 @@ impl Regression<'_> {
         Ok(drawn)
     }
 
-    /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other levels.
+    /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other
+    /// levels.
     pub fn wall(&self, fitted: &Fitted) -> [f64; WALL] {
         let [white, flicker, walk] = fitted.levels.logs();
         let mut start = [white, flicker];
@@ -312,8 +314,8 @@ fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[
     std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
 }
 
-/// The least value of a smooth function of a few logarithms, near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with
-/// numerical derivatives and steps of at most 1.
+/// The least value of a smooth function of a few logarithms, near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17)
+/// with numerical derivatives and steps of at most 1.
 fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
     let gradient = |place: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|i| {

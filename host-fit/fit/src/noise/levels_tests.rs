@@ -70,8 +70,8 @@ fn without_data_the_optimum_is_the_prior() {
     }
 }
 
-/// By how much the deviance anywhere on a grid around the optimum is below that of the optimum, at most, over some seeds;
-/// the search starts so far from the prior's mean in every level.
+/// By how much the deviance anywhere on a grid around the optimum is below that of the optimum, at most, over some
+/// seeds; the search starts so far from the prior's mean in every level.
 fn missed(off: f64) -> f64 {
     const GRID: [f64; 11] = [-0.8, -0.4, -0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2, 0.4, 0.8];
     let blocks = awkward();

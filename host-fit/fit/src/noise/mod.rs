@@ -1,4 +1,5 @@
-//! The noise of an axis at rest: its levels, estimated; the error whitened with them; regression in it (generalised least squares).
+//! The noise of an axis at rest: its levels, estimated; the error whitened with them; regression in it (generalised
+//! least squares).
 //!
 //! | file | subject |
 //! |---|---|

@@ -1,10 +1,10 @@
 //! The noise of an inertial sensor at rest: white, flicker (bias instability), random walk; and how to whiten with it.
 //!
-//! Flicker noise is the sum of Gauss-Markov processes whose time constants triple (Barnes and Allan 1966 approximate 1/f by
-//! such ladders): with variance B²·ln 3/π each, the sum has the one-sided spectrum B²/(πf) that IEEE Std 952 calls bias
-//! instability B, and the Allan deviation is flat at 0.664 B. Everything is then a state-space model with a diagonal
-//! transition, and a Kalman filter whitens n blocks in O(n): its normalised innovations are the whitened data, and the
-//! product of their variances is the determinant of the covariance, exactly.
+//! Flicker noise is the sum of Gauss-Markov processes whose time constants triple (Barnes and Allan 1966 approximate
+//! 1/f by such ladders): with variance B²·ln 3/π each, the sum has the one-sided spectrum B²/(πf) that IEEE Std 952
+//! calls bias instability B, and the Allan deviation is flat at 0.664 B. Everything is then a state-space model with a
+//! diagonal transition, and a Kalman filter whitens n blocks in O(n): its normalised innovations are the whitened data,
+//! and the product of their variances is the determinant of the covariance, exactly.
 
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -60,8 +60,8 @@ struct Rung {
     white: f64,
 }
 
-/// Means two blocks apart share less than e^(−10) of what neighbours share: beyond, nothing is lost by leaving it there,
-/// and digits are kept.
+/// Means two blocks apart share less than e^(−10) of what neighbours share: beyond, nothing is lost by leaving it
+/// there, and digits are kept.
 const LONGEST: f64 = 10.0;
 
 impl Rung {

@@ -7,8 +7,8 @@ use super::blocks::Blocks;
 use super::levels::{LevelPrior, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 
-/// Standard deviations of the logarithms of white, flicker and walk about what a data sheet says: units of a part scatter
-/// by a third, flicker by half, and of the random walk data sheets say nothing.
+/// Standard deviations of the logarithms of white, flicker and walk about what a data sheet says: units of a part
+/// scatter by a third, flicker by half, and of the random walk data sheets say nothing.
 const ABOUT_DATA_SHEET: [f64; 3] = [0.3, 0.45, 0.8];
 
 /// The same where there is only the log itself to guess from.
@@ -50,8 +50,8 @@ impl LevelPrior {
         Self::independent([white.ln(), flicker.ln(), (WALK_PER_FLICKER * flicker).ln()], ABOUT_GUESS)
     }
 
-    /// What a quiet log adds to it: the levels that it shows, for use with the next log of the unit. `given` are regressors
-    /// that the model already has there.
+    /// What a quiet log adds to it: the levels that it shows, for use with the next log of the unit. `given` are
+    /// regressors that the model already has there.
     ///
     /// # Errors
     ///

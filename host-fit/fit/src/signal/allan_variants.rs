@@ -3,8 +3,8 @@
 
 use super::blocks::{block_means, cumulative_sums};
 
-/// Allan deviation without overlap (NIST SP 1065, eq. 9): of the means of consecutive blocks of `samples`, neighbours in
-/// one stretch. `None` where no stretch holds two blocks, or for no samples.
+/// Allan deviation without overlap (NIST SP 1065, eq. 9): of the means of consecutive blocks of `samples`, neighbours
+/// in one stretch. `None` where no stretch holds two blocks, or for no samples.
 pub fn plain_allan_deviation(stretches: &[&[f64]], samples: usize) -> Option<f64> {
     if samples == 0 {
         return None;

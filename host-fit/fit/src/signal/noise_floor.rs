@@ -13,8 +13,8 @@ const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// next neighbours by 1/6: π²/6 + 2 Li₂(4/9) + 2 Li₂(1/36) = 1.644934 + 2 · 0.507035 + 2 · 0.027973.
 const VARIANCE_PER_ORDINATE: f64 = 2.714_950;
 
-/// Standard deviation of what halving the stretches changes in ln σ², in standard errors: 1.07 to 1.31 in simulations of
-/// white, AR(1) and AR(4) noise in stretches of 128 to 8192 samples.
+/// Standard deviation of what halving the stretches changes in ln σ², in standard errors: 1.07 to 1.31 in simulations
+/// of white, AR(1) and AR(4) noise in stretches of 128 to 8192 samples.
 const SCATTER_OF_HALVING: f64 = 1.3;
 
 /// Stretches shorter than this are left out: with random-walk noise their lowest bin, too coarse for it, would

@@ -33,8 +33,8 @@ impl Tested {
     }
 }
 
-/// Partial autocorrelation at lags 1 ..= `max_lag`: the last coefficient of the Yule-Walker autoregression of each order,
-/// from the biased autocorrelation. `None` where the series is constant or the lags do not fit into a stretch.
+/// Partial autocorrelation at lags 1 ..= `max_lag`: the last coefficient of the Yule-Walker autoregression of each
+/// order, from the biased autocorrelation. `None` where the series is constant or the lags do not fit into a stretch.
 pub fn partial_autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Vec<f64>> {
     let rho = autocorrelation(stretches, max_lag)?.values;
     if rho.len() <= max_lag {
@@ -49,8 +49,8 @@ pub fn partial_autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<V
         .collect()
 }
 
-/// Ljung-Box: N(N+2) Σ ρ²(k)/(N−k), k = 1 ..= `lags`. The degrees of freedom are `lags`: coefficients that were fitted to
-/// the series are the caller's to take off. `None` as for the partial autocorrelation, or without lags.
+/// Ljung-Box: N(N+2) Σ ρ²(k)/(N−k), k = 1 ..= `lags`. The degrees of freedom are `lags`: coefficients that were fitted
+/// to the series are the caller's to take off. `None` as for the partial autocorrelation, or without lags.
 pub fn ljung_box(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
     let n = super::sample_count(stretches) as f64;
     portmanteau(stretches, lags, |lag| n * (n + 2.0) / (n - lag as f64))
@@ -94,8 +94,8 @@ pub fn jarque_bera(stretches: &[&[f64]]) -> Option<Tested> {
     Tested::of(n / 6.0 * (skewness.powi(2) + 0.25 * (kurtosis - 3.0).powi(2)), 2)
 }
 
-/// Engle's Lagrange-multiplier test: n·R² of e²(n) on a constant and e²(n−1) … e²(n−`lags`), over the n rows that have all
-/// of them in one stretch. `None` with fewer rows than coefficients, or where e² is constant.
+/// Engle's Lagrange-multiplier test: n·R² of e²(n) on a constant and e²(n−1) … e²(n−`lags`), over the n rows that have
+/// all of them in one stretch. `None` with fewer rows than coefficients, or where e² is constant.
 pub fn arch_lm(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
     let squares: Vec<Vec<f64>> = stretches.iter().map(|s| s.iter().map(|e| e * e).collect()).collect();
     let windows: Vec<&[f64]> = squares.iter().flat_map(|squares| squares.windows(lags + 1)).collect();

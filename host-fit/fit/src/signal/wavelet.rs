@@ -7,8 +7,8 @@
 //!   σ = median |finest detail| / 0.6745,    threshold = σ √(2 ln N)
 //! ```
 //!
-//! applied to every level of detail; the approximation stays as it is. A value is computed from later samples as well as
-//! from earlier ones: what is fitted to de-noised samples was fitted with a view of the future.
+//! applied to every level of detail; the approximation stays as it is. A value is computed from later samples as well
+//! as from earlier ones: what is fitted to de-noised samples was fitted with a view of the future.
 //!
 //! At the ends of a stretch the series goes on as [`Extension`] says. Numbers agree with PyWavelets' to rounding.
 

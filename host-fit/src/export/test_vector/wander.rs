@@ -4,8 +4,8 @@ use super::schedule::Kind;
 use fos_core::Source;
 use fos_fit::model::UnitModel;
 
-/// A logged quantity that wanders through its fitted range, in steps from 0.03 % to 30 % of its width: slow enough for a
-/// filtered rate to stay within its own range, and far enough to cross a backlash.
+/// A logged quantity that wanders through its fitted range, in steps from 0.03 % to 30 % of its width: slow enough for
+/// a filtered rate to stay within its own range, and far enough to cross a backlash.
 #[derive(Debug, Clone)]
 pub(super) struct Wander {
     pub(super) low: f64,
@@ -50,8 +50,8 @@ fn quantity_range(model: &UnitModel, index: usize) -> (f64, f64) {
     if low < high { (low, high) } else { (low, low + input.scale) }
 }
 
-/// x ← 1664525·x + 1013904223 modulo 2³² (Press et al., Numerical Recipes, `ranqd1`): nothing more is needed, and everyone can
-/// repeat it.
+/// x ← 1664525·x + 1013904223 modulo 2³² (Press et al., Numerical Recipes, `ranqd1`): nothing more is needed, and
+/// everyone can repeat it.
 #[derive(Debug, Clone)]
 pub(super) struct Random(u32);
 

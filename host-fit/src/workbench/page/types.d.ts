@@ -49,7 +49,8 @@ dependence: Dependence | null, };
 export type AxisEntry = { column: string, label: string, unit: string, sentence: string | null,
 /** Effects that were added, in order. */
 added: Array<string>,
-/** Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the unit. */
+/** Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the
+ * unit. */
 slow_before: number | null, slow_now: number | null, };
 
 /** One axis. */
@@ -120,8 +121,8 @@ channel: number,
 blocks: number,
 /** Plain mean of what is left, in the axis' unit. */
 mean: number,
-/** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves of
- * it (generalised least squares). */
+/** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
+ * of it (generalised least squares). */
 level: number,
 /** Half of the 95 % interval of `level`, under noise as it is coloured. */
 half_width: number, };
@@ -236,7 +237,8 @@ separate: string, };
 
 /** One term of a correction: coefficient times regressor, in the axis' unit. */
 export type CorrectionTerm = {
-/** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every later log. */
+/** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every
+ * later log. */
 regressor: string,
 /** Coefficient, unit of the axis per unit of the product. */
 coefficient: number,
@@ -275,8 +277,8 @@ block_s: number,
 blocks: number,
 /** The noise, with no channel taken into account. */
 noise: NoiseLevels,
-/** The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is less
- * sure. */
+/** The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is
+ * less sure. */
 learnt: boolean,
 /** Every channel that changes, least likely first. */
 channels: Array<ChannelDependence>,
@@ -411,8 +413,8 @@ deviation: number,
 /** Correlation time, s. */
 tau_s: number, };
 
-/** The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more than a
- * sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses. */
+/** The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more
+ * than a sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses. */
 export type Gravity = {
 /** Rests. */
 rests: number,
@@ -471,8 +473,8 @@ export type Left = {
 slow: number,
 /** Variance of the samples. */
 wide: number,
-/** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the model's bias is
- * off by. Absent where the log does not tell, and in studies from before it was kept. */
+/** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
+ * model's bias is off by. Absent where the log does not tell, and in studies from before it was kept. */
 bias?: number | null, };
 
 /** A log that may be opened. */
@@ -526,8 +528,8 @@ columns: Array<ColumnSummary>,
 /** What was wrong with it, a line each. */
 quality: Array<string>, };
 
-/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more than a
- * screen shows, half the size of what a browser has to read. */
+/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
+ * than a screen shows, half the size of what a browser has to read. */
 export type LowAndHigh = { low: Array<number | null>, high: Array<number | null>, };
 
 /** What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
@@ -735,7 +737,8 @@ label: string,
 /** What is shaded. */
 ranges: Array<ShadedRange>, };
 
-/** How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left out. */
+/** How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
+ * out. */
 export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
 
 /** A coefficient in data-sheet units. */

@@ -1,5 +1,5 @@
-//! From what the searches found to an answer: sizes in data-sheet units, the fall to expect, rivals and experiments, the
-//! verdict in a sentence.
+//! From what the searches found to an answer: sizes in data-sheet units, the fall to expect, rivals and experiments,
+//! the verdict in a sentence.
 //!
 //! | file | subject |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! Slow effects as findings: their sizes, where each shows, rivals and experiments, and the reduction to expect from each once
-//! those before it are in the model.
+//! Slow effects as findings: their sizes, where each shows, rivals and experiments, and the reduction to expect from
+//! each once those before it are in the model.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;

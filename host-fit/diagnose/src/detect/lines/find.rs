@@ -1,4 +1,5 @@
-//! Lines one after the other: each that keeps its phase is taken off before the next is looked for; and those that another axis has too.
+//! Lines one after the other: each that keeps its phase is taken off before the next is looked for; and those that
+//! another axis has too.
 
 use super::line::{Line, duty};
 use super::periodogram::{Periodogram, WIDEST_HZ};

@@ -1,8 +1,8 @@
 //! Lines: narrow bands of the spectrum of a whole log that hold more than the noise around them.
 //!
-//! The log's noise is smooth in frequency; over its local median, ordinates of the periodogram are unit exponentials. A band
-//! of w ordinates with mean m has log-likelihood ratio w·(m − 1 − ln m) against noise; bands of doubling width find a line
-//! that keeps its phase (w = 1) and one that wanders with the same test.
+//! The log's noise is smooth in frequency; over its local median, ordinates of the periodogram are unit exponentials. A
+//! band of w ordinates with mean m has log-likelihood ratio w·(m − 1 − ln m) against noise; bands of doubling width
+//! find a line that keeps its phase (w = 1) and one that wanders with the same test.
 //!
 //! | file | subject |
 //! |---|---|

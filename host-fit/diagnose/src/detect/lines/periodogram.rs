@@ -11,8 +11,8 @@ use fos_data::statistics::median;
 /// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
 const ACCEPT: f64 = 15.0;
 
-/// Ordinates over which the local median is taken: half of the frequency, at least so many, at most so many Hz, over which
-/// the colour of a sensor's noise changes little.
+/// Ordinates over which the local median is taken: half of the frequency, at least so many, at most so many Hz, over
+/// which the colour of a sensor's noise changes little.
 const MEDIAN_SHARE: f64 = 0.5;
 const FEWEST_ORDINATES: usize = 60;
 const MEDIAN_OVER_HZ: f64 = 3.0;
@@ -20,7 +20,8 @@ const MEDIAN_OVER_HZ: f64 = 3.0;
 /// Widest band, Hz.
 pub(super) const WIDEST_HZ: f64 = 0.7;
 
-/// A band is no wider than this share of the stretch that its noise is known from: the median's own error must not add up.
+/// A band is no wider than this share of the stretch that its noise is known from: the median's own error must not add
+/// up.
 const BAND_SHARE: f64 = 1.0 / 3.0;
 
 /// Power over the local noise floor.
@@ -136,8 +137,8 @@ fn stretch(start: usize, most: usize) -> usize {
     wanted.clamp(FEWEST_ORDINATES, most.max(FEWEST_ORDINATES))
 }
 
-/// The noise around each ordinate from `first` on: medians over stretches of at most `most`, over ln 2, joined by straight
-/// lines in logarithms of level and frequency.
+/// The noise around each ordinate from `first` on: medians over stretches of at most `most`, over ln 2, joined by
+/// straight lines in logarithms of level and frequency.
 fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     let mut start = first;

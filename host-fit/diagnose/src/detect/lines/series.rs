@@ -7,8 +7,8 @@ use realfft::num_complex::Complex;
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 
-/// Length of the means that stand for the slow part, s, and in sample periods: lines are looked for from eight tenths of a
-/// turn in it; below, block means see more.
+/// Length of the means that stand for the slow part, s, and in sample periods: lines are looked for from eight tenths
+/// of a turn in it; below, block means see more.
 const SLOW_S: f64 = 3.0;
 const SLOW_PERIODS: f64 = 10.0;
 const TURNS: f64 = 0.8;
@@ -43,8 +43,8 @@ impl Series {
         Self { values, known, period_s: slow.blocks.period_s }
     }
 
-    /// Standard error of the frequency of a sine in white noise for one of 1 of amplitude and phase, Hz: √3/(π·T) (Rife and
-    /// Boorstyn 1974, eq. 44).
+    /// Standard error of the frequency of a sine in white noise for one of 1 of amplitude and phase, Hz: √3/(π·T) (Rife
+    /// and Boorstyn 1974, eq. 44).
     pub(super) fn frequency_bound_hz(&self) -> f64 {
         3.0_f64.sqrt() / (TAU / 2.0 * self.values.len() as f64 * self.period_s)
     }

@@ -29,8 +29,8 @@ pub(super) struct Sine {
 impl Series {
     /// The sine that explains most near the largest ordinate of a band, and `error` without it.
     ///
-    /// The slow part holds a share of a slow sine, and takes it off: what of the sine is left once it and its slow part are
-    /// gone is added to it.
+    /// The slow part holds a share of a slow sine, and takes it off: what of the sine is left once it and its slow part
+    /// are gone is added to it.
     pub(super) fn sine(
         &self,
         periodogram: &Periodogram,
@@ -55,7 +55,8 @@ impl Series {
         (Sine { frequency_hz, amplitude: phasor.norm(), phase: phasor.arg() }, without)
     }
 
-    /// The frequency of the most power within an ordinate of `peak_hz`, by golden section: the main lobe has one maximum.
+    /// The frequency of the most power within an ordinate of `peak_hz`, by golden section: the main lobe has one
+    /// maximum.
     pub(super) fn peak_hz(&self, peak_hz: f64, periodogram: &Periodogram, within_hz: f64) -> f64 {
         let (mut low, mut high) = (peak_hz - periodogram.resolution_hz, peak_hz + periodogram.resolution_hz);
         let golden = 0.381_966_011_250_105;

@@ -85,8 +85,8 @@ fn drifting(seed: u64) -> Vec<f64> {
 }
 
 /// Most alarms in 300 logs. A band's mean of w unit exponentials exceeds m with probability below e^(−w(m − 1 − ln m))
-/// (Chernoff 1952), so that a score of 15 is reached by chance in less than e^(−7.5) = 0.055 % of logs: 0.17 of 300, and
-/// three or more once in 1300 times.
+/// (Chernoff 1952), so that a score of 15 is reached by chance in less than e^(−7.5) = 0.055 % of logs: 0.17 of 300,
+/// and three or more once in 1300 times.
 const MOST_ALARMS: usize = 2;
 
 /// Lines in `noise` of 300 seeds.

@@ -29,8 +29,8 @@ pub(super) struct Tried {
 }
 
 impl SlowSearch<'_> {
-    /// Every effect at the best value of its parameter on top of `state`, those of them fitted that explain most; best score
-    /// first.
+    /// Every effect at the best value of its parameter on top of `state`, those of them fitted that explain most; best
+    /// score first.
     pub(super) fn candidates(&self, state: &State) -> Result<Vec<Candidate>, RecordingError> {
         self.fitted(state, &self.first_pass(state)?)
     }
@@ -50,8 +50,8 @@ impl SlowSearch<'_> {
         Ok(candidates)
     }
 
-    /// What became of every effect that was tried alone: those fitted with the score of the fit, the others with that of the
-    /// first pass, which left them behind.
+    /// What became of every effect that was tried alone: those fitted with the score of the fit, the others with that
+    /// of the first pass, which left them behind.
     pub(super) fn tried(&self, first_pass: &[(f64, Hypothesis)], candidates: &[Candidate]) -> Tried {
         let id = |hypothesis: &Hypothesis| hypothesis.effect.id.clone();
         let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
@@ -61,8 +61,8 @@ impl SlowSearch<'_> {
         Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
     }
 
-    /// Every effect at the best value of its parameter on top of `state`, under given levels; best score first. Effects of which
-    /// no regressor adds anything are left out.
+    /// Every effect at the best value of its parameter on top of `state`, under given levels; best score first. Effects
+    /// of which no regressor adds anything are left out.
     pub(super) fn first_pass(&self, state: &State) -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
         // at the prior's levels: those of the null have swollen to hold what is missing
         let mut levels = NoiseLevels::from_logs(&self.prior.mean);

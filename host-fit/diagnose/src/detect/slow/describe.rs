@@ -1,4 +1,5 @@
-//! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from it.
+//! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from
+//! it.
 
 use super::candidates::Tried;
 use super::model::{SlowSearch, State};
@@ -85,8 +86,8 @@ impl SlowSearch<'_> {
         })
     }
 
-    /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone to
-    /// the least value searched any prompt response.
+    /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone
+    /// to the least value searched any prompt response.
     fn is_nested(&self, finding: &Hypothesis, rival: &Hypothesis) -> bool {
         let levels = NoiseLevels::from_logs(&self.prior.mean);
         let constant = &self.given[0];
@@ -116,8 +117,8 @@ impl SlowSearch<'_> {
         })
     }
 
-    /// A rival that has gone to the limit of its parameter, brought well inside: its best value there, and how much worse in
-    /// −2 ln L. A lag of a minute that explains a log as well as none does cannot be told from none.
+    /// A rival that has gone to the limit of its parameter, brought well inside: its best value there, and how much
+    /// worse in −2 ln L. A lag of a minute that explains a log as well as none does cannot be told from none.
     fn inside(
         &self,
         rest: &[&Hypothesis],

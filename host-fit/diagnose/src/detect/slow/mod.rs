@@ -1,5 +1,5 @@
-//! Which slow effects are missing: forward selection among hypotheses by penalised likelihood, the noise levels fitted anew
-//! under each, noise itself among them; then exchanges, and what the log cannot tell apart.
+//! Which slow effects are missing: forward selection among hypotheses by penalised likelihood, the noise levels fitted
+//! anew under each, noise itself among them; then exchanges, and what the log cannot tell apart.
 //!
 //! | file | subject |
 //! |---|---|

@@ -1,4 +1,5 @@
-//! A model of the slow error under construction: effects and further noise, fitted, and what each of its parameters costs.
+//! A model of the slow error under construction: effects and further noise, fitted, and what each of its parameters
+//! costs.
 
 use std::rc::Rc;
 
@@ -7,8 +8,8 @@ use crate::detect::hypothesis::{Hypotheses, Hypothesis};
 use crate::effects::Effect;
 use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 
-/// Least score of what is accepted. On simulated logs with nothing missing the best score of all passes 9 less often than
-/// once in a hundred (docs/calibration.md).
+/// Least score of what is accepted. On simulated logs with nothing missing the best score of all passes 9 less often
+/// than once in a hundred (docs/calibration.md).
 pub(super) const ACCEPT: f64 = 9.0;
 
 /// Price of a parameter that is searched for, beside that of its grid.

@@ -21,8 +21,8 @@ impl SlowSearch<'_> {
     pub(crate) fn run(&self) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         let mut tried = Tried::default();
-        // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit anew and may
-        // lose some of it
+        // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit
+        // anew and may lose some of it
         for round in 0..MAX_FOUND {
             fos_data::interrupt::check();
             let first_pass = self.first_pass(&state)?;

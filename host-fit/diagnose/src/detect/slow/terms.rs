@@ -15,8 +15,8 @@ const AS_GOOD: f64 = 3.0;
 const NEARLY_ALL: f64 = 0.9;
 
 impl SlowSearch<'_> {
-    /// The regressors of an effect that are worth their price, under given levels: coefficients that the log cannot tell
-    /// apart would go wrong in the next one. Of choices as good, the one listed first.
+    /// The regressors of an effect that are worth their price, under given levels: coefficients that the log cannot
+    /// tell apart would go wrong in the next one. Of choices as good, the one listed first.
     pub(super) fn worth_their_price(
         &self,
         accepted: &[&Hypothesis],
@@ -29,7 +29,8 @@ impl SlowSearch<'_> {
             return hypothesis;
         }
         let price = (self.blocks.len() as f64).ln();
-        // a part of a sum comes on top of it: of shaking in one direction any axis tells, of the next direction the sum does
+        // a part of a sum comes on top of it: of shaking in one direction any axis tells, of the next direction the sum
+        // does
         let is_sum = |term: usize| {
             hypothesis.regressors.get(term).is_some_and(|regressor| regressor.products.len() > 1)
         };

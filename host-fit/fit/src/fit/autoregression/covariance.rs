@@ -5,9 +5,9 @@
 //!   modified covariance:   least Σ_n (r(n) − Σ a_k r(n−k))² + (r(n−p) − Σ a_k r(n−p+k))²
 //! ```
 //!
-//! The normal equations are usually solved by Cholesky's factorisation (Marple, Digital Spectral Analysis, 1987, ch. 8).
-//! Here that factor, R, comes from the data by orthogonal reflections: XᵀX = RᵀR is never formed, and twice as
-//! many digits are left.
+//! The normal equations are usually solved by Cholesky's factorisation (Marple, Digital Spectral Analysis, 1987, ch.
+//! 8). Here that factor, R, comes from the data by orthogonal reflections: XᵀX = RᵀR is never formed, and twice as many
+//! digits are left.
 
 use std::ops::Range;
 

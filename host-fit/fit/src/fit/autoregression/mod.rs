@@ -7,8 +7,8 @@
 //! | modified covariance | forward and backward error together, over the same rows | `covariance` |
 //! | Burg | forward and backward error, one reflection coefficient after the other (eq. 12, 13) | `burg` |
 //!
-//! Signs: `coefficients` are those of the prediction, as everywhere in this crate; `reflection` are the γ_k of the paper,
-//! whose polynomial is 1 − Σ a_k z⁻ᵏ: γ_p = −a_p.
+//! Signs: `coefficients` are those of the prediction, as everywhere in this crate; `reflection` are the γ_k of the
+//! paper, whose polynomial is 1 − Σ a_k z⁻ᵏ: γ_p = −a_p.
 //!
 //! Nothing is centred: the caller takes the mean off. No sum of products crosses the end of a stretch.
 

@@ -5,7 +5,8 @@ use super::result::{AutoregressionError, Method};
 /// What an order costs: n·ln σ̂² + price · p, σ̂² the innovation variance of order p over n samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// 2 for each coefficient (Akaike 1974): for prediction; picks too high an order with a chance that does not fall with n.
+    /// 2 for each coefficient (Akaike 1974): for prediction; picks too high an order with a chance that does not fall
+    /// with n.
     Aic,
     /// ln n for each coefficient (Schwarz 1978): finds the true order, where there is one, as n grows.
     Bic,

@@ -2,7 +2,8 @@
 
 use nalgebra::ComplexField;
 
-/// One step up: the polynomial of order k from that of order k − 1 and γ_k (eq. 9c, 9d), in the signs of the prediction.
+/// One step up: the polynomial of order k from that of order k − 1 and γ_k (eq. 9c, 9d), in the signs of the
+/// prediction.
 pub(crate) fn step_up<T: ComplexField>(coefficients: &mut Vec<T>, reflection: T) {
     let lower = coefficients.clone();
     for (a, mirrored) in coefficients.iter_mut().zip(lower.into_iter().rev()) {

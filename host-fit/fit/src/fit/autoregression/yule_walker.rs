@@ -44,7 +44,8 @@ pub(in crate::fit) fn levinson_durbin(
     if innovation_variance <= 0.0 || !innovation_variance.is_finite() {
         return Err(refused(0));
     }
-    // the coefficients are off by the condition number times the error of R (Cybenko, SIAM J. Sci. Stat. Comput. 1 (1980) 303)
+    // the coefficients are off by the condition number times the error of R (Cybenko, SIAM J. Sci. Stat. Comput. 1
+    // (1980) 303)
     let matrix = DMatrix::from_fn(order, order, |i, j| autocorrelation[i.abs_diff(j)]);
     let values = matrix.singular_values();
     if values.max() * ROUNDING > TRUSTED * values.min() {

@@ -1,7 +1,7 @@
 //! The refinement with two rules that contradict one another, as it was: a negative control, nothing else.
 //!
-//! It takes a term out whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above what noise would do: where what
-//! is left is smaller than either, both hold of the same term, for ever.
+//! It takes a term out whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above what noise
+//! would do: where what is left is smaller than either, both hold of the same term, for ever.
 
 use super::{ForEachSwap, WORTH, for_each_pair, for_each_single, without};
 use crate::fit::fos::{Expansion, Selection};
