@@ -134,16 +134,18 @@ fn the_model_comes_to_the_bits_of_its_test_vector() {
     assert_eq!(check(), Ok(()));
 }
 
-/// Test vector: 66 samples, and the bits that a hub made of them on the host, in f32. From power-on, at rest: until the
-/// history is full and 30 samples more; then one with everything below its fitted range and one with everything above;
-/// each quantity absent once; all codes saturated once; each axis at its full scale once, where codes reach it; 8
-/// samples in motion; 3 missing; then more missing than any axis coasts over, and the history filled anew. The
-/// remainder of an axis is drawn evenly from its fitted range, a quantity wanders through its own in steps of 0.03 % to
-/// 30 %. Random numbers: x = 1664525 x + 1013904223 modulo 2^32 from x = 1, the upper 24 bits. Not shown: detection of
-/// stillness, stuck axes, coasting beyond its limit, the watch over the innovations. A change of the last bit of a
-/// coefficient is noticed in 15 of 19 terms; in gx_rads, term 4 (physical part first) from 1e-7 of it; in gx_rads, term
-/// 5 (physical part first) from 3e-7 of it; in gx_rads, term 15 (physical part first) from 4e-2 of it; in gx_rads, term
-/// 16 (physical part first) from 5e-6 of it.
+/// Test vector: 66 samples, and the bits that a hub made of them on the host, in f32.
+/// From power-on, at rest: until the history is full and 30 samples more; then one with everything below its fitted range and one
+/// with everything above; each quantity absent once; all codes saturated once; each axis at its full scale once, where codes reach it;
+/// 8 samples in motion; 3 missing; then more missing than any axis coasts over, and the history filled anew.
+/// The remainder of an axis is drawn evenly from its fitted range, a quantity wanders through its own in steps of 0.03 % to 30 %.
+/// Random numbers: x = 1664525 x + 1013904223 modulo 2^32 from x = 1, the upper 24 bits.
+/// Not shown: detection of stillness, stuck axes, coasting beyond its limit, the watch over the innovations.
+/// A change of the last bit of a coefficient is noticed in 15 of 19 terms;
+/// in gx_rads, term 4 (physical part first) from 1e-7 of it;
+/// in gx_rads, term 5 (physical part first) from 3e-7 of it;
+/// in gx_rads, term 15 (physical part first) from 4e-2 of it;
+/// in gx_rads, term 16 (physical part first) from 5e-6 of it.
 pub static TEST_VECTOR: TestVector<'static> = TestVector {
     scales: Scales {
         accel_mps2: 0.0013,
