@@ -37,7 +37,7 @@ mod tasks;
 mod told;
 
 #[cfg(test)]
-mod page_types;
+mod page_types_tests;
 #[cfg(test)]
 mod tests;
 
