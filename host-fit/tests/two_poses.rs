@@ -140,7 +140,7 @@ fn two_poses_are_refused_and_what_was_made_of_them_is_flagged() {
             let error = fit_axis(&two, &stillness, axis, &options()).unwrap_err();
             let AxisError::TwoPoses { train_s, .. } = error else { panic!("{degrees}°, {axis}: {error}") };
             assert_eq!(train_s, HELD_S as u64, "{degrees}°, {axis}");
-            assert!(error.to_string().contains("--train 30s"), "{error}");
+            assert!(error.to_string().contains("`train` 30s"), "{error}");
             // and that is a way out
             let first = FitOptions { train: Train::Seconds(train_s as f64), ..options() };
             fit_axis(&two, &stillness, axis, &first).unwrap();
