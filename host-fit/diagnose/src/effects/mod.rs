@@ -207,7 +207,9 @@ pub enum EffectError {
     #[error(transparent)]
     File(#[from] FileError),
     /// It is no effect.
-    #[error("{path}: not an effect: {reason}")]
+    #[error(
+        "{path}: not an effect: {reason}\nhelp: the example of the library is a complete file to start from"
+    )]
     NotAnEffect {
         /// As it was given.
         path: String,

@@ -9,7 +9,7 @@ use super::refinement::Refinement;
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
     /// It has no such axis.
-    #[error("the study has no axis {column}; it has {}", .axes.join(", "))]
+    #[error("the study has no axis {column}; it has {}\nhelp: name one of them", .axes.join(", "))]
     NoAxis {
         /// What was asked for.
         column: String,
