@@ -2,8 +2,10 @@
 //! is.
 
 mod session;
+mod sources;
 
 use session::{done, fails};
+use sources::sources;
 
 /// The subcommands that the help lists.
 fn subcommands() -> Vec<String> {
@@ -70,23 +72,12 @@ fn no_library_names_a_flag_or_a_subcommand() {
     let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut folders: Vec<_> =
-        ["data", "fit", "simulate", "diagnose"].map(|name| root.join(name).join("src")).into();
-    let (mut files, mut found) = (0, Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).expect("a folder of the workspace") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                files += 1;
-                let text = std::fs::read_to_string(&path).expect("source");
-                let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-                found.extend(code.filter_map(named).map(|said| format!("{}: {said}", path.display())));
-            }
-        }
+    let libraries = sources(&["data/src", "fit/src", "simulate/src", "diagnose/src"]);
+    assert!(libraries.len() > 100, "{}", libraries.len());
+    let mut found = Vec::new();
+    for (path, text) in &libraries {
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        found.extend(code.filter_map(named).map(|said| format!("{path}: {said}")));
     }
-    assert!(files > 100, "{files}");
     assert_eq!(found, [""; 0]);
 }

@@ -3,6 +3,7 @@
 #![cfg(unix)]
 
 mod session;
+mod sources;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,6 +16,7 @@ use std::thread;
 use host_fit::cli::command;
 use host_fit::cli::files::{Role, role_of};
 use session::{done, fails};
+use sources::sources;
 
 /// A command line that writes to `at` for its argument `output`. Words in braces are arguments that are read, with a
 /// file for each; what has no name is read besides.
@@ -403,30 +405,11 @@ fn opens_a_file(source: &str) -> bool {
 
 #[test]
 fn files_come_in_through_one_door() {
-    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in fs::read_dir(folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            match path.is_dir() {
-                true => sources(&path, found),
-                false => found.push(path),
-            }
-        }
-    }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut found = Vec::new();
-    for program in ["src", "data/src", "fit/src", "simulate/src", "diagnose/src"] {
-        sources(&root.join(program), &mut found);
-    }
-    let of_the_program = |path: &&PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.ends_with(".rs") && !name.ends_with("tests.rs")
-    };
+    let all = sources(&["src", "data/src", "fit/src", "simulate/src", "diagnose/src"]);
     let mut seen = 0;
-    for path in found.iter().filter(of_the_program) {
-        let name = path.strip_prefix(root).expect("below").to_string_lossy().into_owned();
-        let opens = opens_a_file(&fs::read_to_string(path).expect("there"));
+    for (name, text) in all.iter().filter(|(name, _)| !name.ends_with("tests.rs")) {
         assert_eq!(
-            opens,
+            opens_a_file(text),
             OTHER_DOORS.contains(&name.as_str()),
             "{name} opens a file: fos_data::file::open notes which"
         );

@@ -89,10 +89,7 @@ pub fn run() -> ExitCode {
     match run_checked(&matches, command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let text = failure.to_string();
-            let all = self::command();
-            let subcommand = matches.subcommand_name().and_then(|name| all.find_subcommand(name));
-            output::print_error(&subcommand.map_or(text.clone(), |known| output::with_flags(&text, known)));
+            output::print_error(&output::with_flags(&failure, &self::command()));
             ExitCode::FAILURE
         }
     }

@@ -27,13 +27,13 @@ impl Assembly<'_> {
         let covariance = slow.fitted.gls.covariance();
         let kept = &slow.fitted.gls.kept;
         let inputs = Inputs::new(self.question.field);
+        let estimates: Vec<Estimate> = order.iter().map(|found| Estimate::of(found, slow)).collect();
         let mut limits = Vec::new();
-        for found in &order {
-            let hypothesis = &found.hypothesis;
-            let own = Estimate::of(found, slow);
-            limits.push(limits::limits(&inputs, &hypothesis.regressors, &own.coefficients, &own.covariance)?);
+        for (found, own) in order.iter().zip(&estimates) {
+            let regressors = &found.hypothesis.regressors;
+            limits.push(limits::limits(&inputs, regressors, &own.coefficients, &own.covariance)?);
         }
-        let falls = self.falls(&order, &limits)?;
+        let falls = self.falls(&order, estimates, &limits)?;
         let mut findings = Vec::new();
         for (own, (found, fall)) in order.iter().zip(falls).enumerate() {
             let effect: &Rc<Effect> = &found.hypothesis.effect;
@@ -121,6 +121,7 @@ impl Assembly<'_> {
     fn falls(
         &self,
         order: &[&Found],
+        estimates: Vec<Estimate>,
         limits: &[BTreeMap<String, [f64; 2]>],
     ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
         let judged = self.question.judged.filter(|judged| {
@@ -133,8 +134,7 @@ impl Assembly<'_> {
         blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();
-        for (found, limits) in order.iter().zip(limits) {
-            let estimate = Estimate::of(found, self.slow);
+        for ((found, estimate), limits) in order.iter().zip(estimates).zip(limits) {
             let effect = &found.hypothesis.effect;
             let factor = estimate
                 .factor()

@@ -126,10 +126,8 @@ impl SlowSearch<'_> {
         rival: &Hypothesis,
     ) -> Result<Option<(Hypothesis, f64)>, RecordingError> {
         let (Some(parameter), Some(_)) = (&rival.effect.parameter, rival.value) else { return Ok(None) };
-        let at = |hypothesis: &Hypothesis| {
-            let all: Vec<&Hypothesis> = rest.iter().copied().chain([hypothesis]).collect();
-            self.at(&all, state.noise, state.fitted.levels).deviance
-        };
+        let at =
+            |hypothesis: &Hypothesis| self.deviance_with(rest, hypothesis, state.noise, state.fitted.levels);
         let limit = at(rival);
         let mut best: Option<(f64, Hypothesis)> = None;
         for value in self.hypotheses.grid(&rival.effect) {
@@ -156,8 +154,7 @@ impl SlowSearch<'_> {
         };
         let at = |log: f64| -> Result<f64, RecordingError> {
             let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?;
-            let all: Vec<&Hypothesis> = rest.iter().copied().chain([&hypothesis]).collect();
-            Ok(self.at(&all, state.noise, state.fitted.levels).deviance)
+            Ok(self.deviance_with(rest, &hypothesis, state.noise, state.fitted.levels))
         };
         let step = 0.1;
         let curvature =

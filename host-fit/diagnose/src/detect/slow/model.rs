@@ -61,12 +61,15 @@ impl SlowSearch<'_> {
         }
     }
 
+    /// What is given, and the regressors of these hypotheses.
+    fn regressors<'h>(&'h self, accepted: &[&'h Hypothesis]) -> Vec<&'h [f64]> {
+        let given = self.given.iter().map(Vec::as_slice);
+        given.chain(accepted.iter().flat_map(|hypothesis| hypothesis.columns())).collect()
+    }
+
     /// Fits coefficients and noise levels with these hypotheses.
     pub(super) fn fit(&self, accepted: &[&Hypothesis], noise: ExtraNoise, start: NoiseLevels) -> Fitted {
-        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
-        for hypothesis in accepted {
-            regressors.extend(hypothesis.columns());
-        }
+        let regressors = self.regressors(accepted);
         let prior = self.prior_of(noise);
         let regression =
             Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: &prior };
@@ -80,12 +83,21 @@ impl SlowSearch<'_> {
 
     /// Coefficients only, under given levels.
     pub(super) fn at(&self, accepted: &[&Hypothesis], noise: ExtraNoise, levels: NoiseLevels) -> Fitted {
-        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
-        for hypothesis in accepted {
-            regressors.extend(hypothesis.columns());
-        }
+        let regressors = self.regressors(accepted);
         let prior = self.prior_of(noise);
         Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: &prior }.at(levels)
+    }
+
+    /// −2 ln L with a hypothesis on top of `accepted`, under given levels.
+    pub(super) fn deviance_with(
+        &self,
+        accepted: &[&Hypothesis],
+        hypothesis: &Hypothesis,
+        noise: ExtraNoise,
+        levels: NoiseLevels,
+    ) -> f64 {
+        let all: Vec<&Hypothesis> = accepted.iter().copied().chain([hypothesis]).collect();
+        self.at(&all, noise, levels).deviance
     }
 
     /// What `k` coefficients and the search for a parameter cost.

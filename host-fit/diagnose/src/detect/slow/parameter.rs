@@ -29,8 +29,7 @@ impl SlowSearch<'_> {
         }
         let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
             let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?;
-            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
-            Ok((log, self.at(&all, noise, fitted.levels).deviance, hypothesis))
+            Ok((log, self.deviance_with(accepted, &hypothesis, noise, fitted.levels), hypothesis))
         };
         let middle = value.ln();
         let width = self.grid_width(&start.effect);
@@ -81,8 +80,7 @@ impl SlowSearch<'_> {
         for part in -STEP_PARTS..=STEP_PARTS {
             let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * self.blocks.length_s;
             let hypothesis = self.hypotheses.make(&best.1.effect, Some(at))?;
-            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&hypothesis]).collect();
-            let deviance = self.at(&all, noise, fitted.levels).deviance;
+            let deviance = self.deviance_with(accepted, &hypothesis, noise, fitted.levels);
             if deviance < best.0 {
                 best = (deviance, hypothesis);
             }

@@ -35,13 +35,11 @@ impl SlowSearch<'_> {
             hypothesis.regressors.get(term).is_some_and(|regressor| regressor.products.len() > 1)
         };
         let has_sums = (0..n).any(is_sum);
+        let with = |hypothesis: &Hypothesis| self.deviance_with(accepted, hypothesis, noise, fitted.levels);
         if has_sums {
-            let of = |hypothesis: Option<&Hypothesis>| {
-                let all: Vec<&Hypothesis> = accepted.iter().copied().chain(hypothesis).collect();
-                self.at(&all, noise, fitted.levels).deviance
-            };
-            let (none, all, first) = (of(None), of(Some(&hypothesis)), hypothesis.of_terms(&[0]));
-            if none - of(Some(&first)) > NEARLY_ALL * (none - all) {
+            let none = self.at(accepted, noise, fitted.levels).deviance;
+            let (all, first) = (with(&hypothesis), hypothesis.of_terms(&[0]));
+            if none - with(&first) > NEARLY_ALL * (none - all) {
                 return first;
             }
         }
@@ -50,8 +48,7 @@ impl SlowSearch<'_> {
             .filter(|terms| !has_sums || is_sum(terms[0]))
             .map(|terms| {
                 let chosen = hypothesis.of_terms(&terms);
-                let all: Vec<&Hypothesis> = accepted.iter().copied().chain([&chosen]).collect();
-                (self.at(&all, noise, fitted.levels).deviance + price * terms.len() as f64, chosen)
+                (with(&chosen) + price * terms.len() as f64, chosen)
             })
             .collect();
         let best = choices.iter().map(|(deviance, _)| *deviance).fold(f64::INFINITY, f64::min);
