@@ -22,6 +22,9 @@ pub const OTHER_POSE: f64 = 20.0;
 /// |corrected(n − 1) − reference| ≤ 20 scale
 /// ```
 ///
+/// An accelerometer whose axis the unit was turned about feels the same gravity as before, so that whoever tracks several
+/// of them tracks either all or none: all gates must be open.
+///
 /// It is judged on the corrected value, with offset and all that the model predicts taken out, of the one latest
 /// sample, tracked or coasted, at rest or not, in the axis' unit. Nothing is averaged and nothing looked ahead for,
 /// so that host and device judge alike, and sample by sample. A sample without a finite value leaves its axis where

@@ -13,10 +13,11 @@ pub(crate) fn command_lines<'a>(
     axes: impl IntoIterator<Item = (&'a str, Option<&'a Refinement>)>,
 ) -> Vec<String> {
     let path = |log: &Recording| quoted(&log.paths());
-    let LoadOptions { columns, rate_hz, strict: _ } = &logs.read;
+    let LoadOptions { columns, rate_hz, strict: _, keep_moved } = &logs.read;
     let maps: String = columns.specs().iter().map(|map| format!(" --map {}", quoted(map))).collect();
     let rate = rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
-    let read = format!("{maps}{rate}");
+    let moved = if *keep_moved { " --keep-moved" } else { "" };
+    let read = format!("{maps}{rate}{moved}");
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
     let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::curves::AxisCurves;
+use fos_data::recording::Recording;
 use fos_data::stillness;
 use fos_diagnose::compare::{AxisComparison, CompareError, compare};
 use fos_diagnose::dependence::Trained;
@@ -40,10 +41,13 @@ pub fn examine(
     let model: &UnitModel = refinement.last().map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let field_stillness = stillness::find(&logs.field);
-    let quiet =
-        logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, stillness::find(quiet)));
     let trained_rows = 0..study.data.trained_rows;
+    let rest = |log: &Recording| match study.data.is(log) {
+        true => stillness::find_apart(log, trained_rows.end),
+        false => stillness::find(log),
+    };
+    let field_stillness = rest(&logs.field);
+    let quiet = logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, rest(quiet)));
     let own_field = study.data.is(&logs.field);
     let trained = match &quiet {
         Some((recording, stillness)) => Some(Trained { recording, stillness, rows: trained_rows }),

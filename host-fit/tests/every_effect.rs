@@ -4,12 +4,11 @@
 use fos_core::Image;
 use fos_data::column::Column;
 use fos_data::recording::{LoadOptions, Recording, Source};
-use fos_data::stillness;
 use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
 use fos_fit::evaluate::trace;
-use fos_fit::fit::{FitOptions, fit_axis};
+use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
@@ -67,7 +66,7 @@ impl Logs {
     fn begin(&self, refiner: &Refiner<'_>) -> Refinement {
         let options = FitOptions::default();
         let fit =
-            fit_axis(&self.quiet, &stillness::find(&self.quiet), &self.target, &options).expect("a fit");
+            fit_axis(&self.quiet, &rest(&self.quiet, options.train), &self.target, &options).expect("a fit");
         let source = |log: &Recording| log.sources[0].clone();
         let logs = LogSources {
             field: source(&self.field),

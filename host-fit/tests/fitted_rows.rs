@@ -6,7 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{Comparison, MODEL, study_of};
 use fos_fit::evaluate::Rival;
-use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis};
+use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis, rest};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -45,7 +45,7 @@ fn options(physical: &[&str], inputs: &[&str]) -> FitOptions {
 
 fn fitted(columns: Columns, options: &FitOptions) -> AxisFit {
     let recording = recording(columns);
-    fit_axis(&recording, &stillness::find(&recording), "gx", options).expect("a fit")
+    fit_axis(&recording, &rest(&recording, options.train), "gx", options).expect("a fit")
 }
 
 /// The model and how it was found, as a study keeps them.
@@ -102,7 +102,7 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
 /// The comparison of a fit, on the rows after it.
 fn compared(columns: Columns, options: &FitOptions) -> (Comparison, AxisFit) {
     let recording = recording(columns);
-    let stillness = stillness::find(&recording);
+    let stillness = rest(&recording, options.train);
     let fit = fit_axis(&recording, &stillness, "gx", options).expect("a fit");
     let read = LoadOptions::default();
     let (_, comparison, _) =

@@ -197,11 +197,16 @@ fn rounding_the_model_to_f32_costs_next_to_nothing() {
 }
 
 #[test]
-fn training_takes_rows_at_rest_only() {
+fn training_counts_time_of_the_log() {
     let (recording, _) = simulated_unit();
-    let stillness = stillness::find(&recording);
-    let rows = training_rows(&recording, &stillness, Train::Seconds(60.0));
-    let still = rows.clone().filter(|row| stillness.still[*row]).count() as f64;
-    assert!((still * recording.rate.period_s - 60.0).abs() < 0.01);
-    assert!(rows.end < recording.n_rows());
+    let end = |train| training_rows(&recording, train).end;
+    let is_still = stillness::find(&recording).still;
+    let moves = is_still.iter().position(|still| !still).expect("it is moved");
+    let seconds = recording.time_s[moves] - recording.time_s[0] + 10.0;
+    let rows = end(Train::Seconds(seconds));
+    assert!((recording.time_s[rows] - recording.time_s[0] - seconds).abs() < 0.01, "at rest or not");
+    assert_eq!(
+        (end(Train::Share(0.25)), end(Train::Seconds(1e9))),
+        ((0.25 * recording.n_rows() as f64).round() as usize, recording.n_rows())
+    );
 }

@@ -92,6 +92,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     rate_off: bool,
     /// Bit i: the gate of the model's axis i is open, so that it may be tracked.
     in_pose: u32,
+    /// Bit i: the model's axis i has a gate.
+    posed: u32,
     ticks: u32,
     output: Output,
 }
@@ -115,6 +117,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             model_rate_hz: 0.0,
             rate_off: false,
             in_pose: 0,
+            posed: 0,
             ticks: 0,
             output: Output::NONE,
         }
@@ -205,7 +208,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             suspect |= correction.validity;
             output.set(axis.channel, correction);
         }
-        self.in_pose = in_pose;
+        // turned about one of them an accelerometer feels the same gravity: the pose is that of all
+        let is_other = in_pose & self.posed != self.posed;
+        self.in_pose = if is_other { in_pose & !self.posed } else { in_pose };
         if self.axes.len() < AXES {
             output.pass_others(&self.axes, self.scales.full_scale());
         }

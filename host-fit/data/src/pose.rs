@@ -8,8 +8,9 @@ use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
+use crate::disturbance::Disturbance;
 use crate::recording::Recording;
-use crate::statistics::median_of;
+use crate::statistics::{mean, median, median_of};
 
 /// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias
 /// moves so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told
@@ -78,6 +79,117 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
         }
     }
     poses
+}
+
+/// Levels on either side of a motion are taken over so long, s.
+const LEVEL_S: f64 = 5.0;
+
+/// Who moves a unit does not put it down exactly as it lay: a level has moved if by so many standard errors, and by more
+/// than this, m/s²: 1 mg. One accelerometer alone may be a step of its bias.
+const MOVED: f64 = 8.0;
+const LEAST_TILT_MPS2: f64 = 0.01;
+
+/// The rows at rest from which on gravity may have another direction than before: after a motion that tilted the unit,
+/// or where a new log begins in another pose.
+pub fn turns(recording: &Recording, still: &[bool], disturbances: &[Disturbance]) -> Vec<usize> {
+    let length = (LEVEL_S / recording.rate.period_s) as usize;
+    let mut turns = Vec::new();
+    let mut before: Option<Range<usize>> = None;
+    for rest in recording.stretches_where(|row| still[row]) {
+        if rest.len() < FEWEST_ROWS {
+            continue;
+        }
+        let head = rest.start..rest.end.min(rest.start + length.max(FEWEST_ROWS));
+        if let Some(tail) =
+            before.replace(rest.start.max(rest.end.saturating_sub(length.max(FEWEST_ROWS)))..rest.end)
+        {
+            let gap = tail.end..head.start;
+            let is_told = || {
+                let tilts = disturbances.iter().filter(|one| one.is_tilted);
+                tilts.into_iter().any(|one| one.rows.start < gap.end && gap.start < one.rows.end)
+            };
+            let has_turned = match gap.is_empty() {
+                // nobody moved it: a bias may have drifted
+                true => is_far(recording, &tail, &head),
+                false => is_told() || is_tilted(recording, &tail, &head),
+            };
+            if has_turned {
+                turns.push(head.start);
+            }
+        }
+    }
+    turns
+}
+
+/// The rows of each level: from the begin to the first turn, from that to the next, ….
+pub fn levels_between(turns: &[usize], n_rows: usize) -> Vec<Range<usize>> {
+    let turns = || turns.iter().copied().filter(|turn| (1..n_rows).contains(turn));
+    std::iter::once(0).chain(turns()).zip(turns().chain([n_rows])).map(|(start, end)| start..end).collect()
+}
+
+/// `values` of an accelerometer with the level of each pose moved: the mean of what is left of it at rest without
+/// `explained` becomes what `wanted` makes of it. What is constant in a pose is not known to be an error.
+pub fn with_levels(
+    values: &[f64],
+    explained: &[f64],
+    still: &[bool],
+    turns: &[usize],
+    mut wanted: impl FnMut(f64) -> f64,
+) -> Vec<f64> {
+    let mut moved = values.to_vec();
+    for rows in levels_between(turns, values.len()) {
+        let left = rows.clone().filter(|row| still[*row]).map(|row| values[row] - explained[row]);
+        let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
+        if left.is_empty() {
+            continue;
+        }
+        let level = mean(&[&left]);
+        let shift = level - wanted(level);
+        moved[rows].iter_mut().for_each(|value| *value -= shift);
+    }
+    moved
+}
+
+/// What the accelerometers show in the two ranges of rows; `None` where one shows nothing.
+fn levels(
+    recording: &Recording,
+    before: &Range<usize>,
+    after: &Range<usize>,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let axes = ACCELEROMETERS.into_iter().filter_map(|name| recording.channel(name).ok());
+    let both = axes.map(|axis| {
+        Some((finite_median(&axis.values[before.clone()])?, finite_median(&axis.values[after.clone()])?))
+    });
+    both.collect::<Option<Vec<_>>>().map(|both| both.into_iter().unzip())
+}
+
+/// Whether two accelerometers show another level after a motion than before, or one by far.
+pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
+    let has_moved = |name: &&str| {
+        let Ok(series) = recording.error_series(name) else { return false };
+        let part = |rows: &Range<usize>| -> Vec<f64> {
+            series.values[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect()
+        };
+        let (mut before, mut after) = (part(before), part(after));
+        if before.len() < FEWEST_ROWS || after.len() < FEWEST_ROWS {
+            return false;
+        }
+        // of a median of normal noise
+        let error = 1.25 * (noise(&before) / before.len() as f64 + noise(&after) / after.len() as f64).sqrt();
+        let moved = (median(&mut after) - median(&mut before)).abs();
+        moved > MOVED * error && moved > LEAST_TILT_MPS2
+    };
+    ACCELEROMETERS.iter().filter(|name| has_moved(name)).count() >= 2 || is_far(recording, before, after)
+}
+
+fn is_far(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
+    levels(recording, before, after).is_some_and(|(before, after)| is_other(&before, &after))
+}
+
+/// Variance of noise by the changes from one value to the next.
+fn noise(values: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    (1.4826 * median(&mut steps)).powi(2) / 2.0
 }
 
 fn is_other(one: &[f64], other: &[f64]) -> bool {

@@ -7,13 +7,17 @@ use crate::statistics::median;
 /// Values on either side that a value is held against: so many in a row, at most, can be a spike.
 const REACH: usize = 5;
 
-/// A spike is so many standard deviations off. Normal noise never is; of noise with tails as wide as Laplace's one
-/// sample in 10¹⁸.
-const FAR: f64 = 30.0;
+/// A spike is so many standard deviations off, and so many times as far as all but a thousandth of the values: normal
+/// noise never is, and of noise with tails as wide as Laplace's one sample in 10⁷.
+const FAR: f64 = 8.0;
+const BEYOND_TAIL: f64 = 2.5;
+
+/// At the end of a stretch it is so many: there the unit may have begun to move.
+const FAR_AT_AN_END: f64 = 30.0;
 
 /// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after.
 /// Shaking that begins does not.
-const ALONE: f64 = 10.0;
+const ALONE: f64 = 5.0;
 const AROUND: usize = 25;
 
 /// More than this share of the rows are no spikes: the noise comes and goes.
@@ -32,11 +36,12 @@ pub struct Spikes {
     pub worst: (usize, f64, f64),
 }
 
-/// The spikes among `stretches` of rows without gaps: values further than 30 standard deviations from the median of
-/// those around them, and ten times as far off as their neighbours. None where there are more of them than a
-/// thousandth, or too few values to tell.
+/// The spikes among `stretches` of rows without gaps: values further than 8 standard deviations from the median of those
+/// around them, far beyond the tail of all, and five times as far off as their neighbours. None where there are more of
+/// them than a thousandth, or too few values to tell.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut off: Vec<(usize, f64)> = Vec::new();
+    let mut is_inside: Vec<bool> = Vec::new();
     for stretch in stretches {
         let known: Vec<usize> = stretch.clone().filter(|row| values[*row].is_finite()).collect();
         for at in 0..known.len() {
@@ -44,6 +49,7 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
             if around.len() > REACH {
                 let mut window: Vec<f64> = around.iter().map(|row| values[*row]).collect();
                 off.push((known[at], (values[known[at]] - median(&mut window)).abs()));
+                is_inside.push((REACH..known.len() - REACH.min(known.len())).contains(&at));
             }
         }
     }
@@ -62,7 +68,15 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
         let place = others.len().saturating_sub(REACH + 1);
         own > ALONE * *others.select_nth_unstable_by(place, f64::total_cmp).1
     };
-    let is_far = |at: &usize| off[*at].1 > FAR * deviation && stands_alone(*at);
+    let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
+    let tail = sizes.len() - 1 - sizes.len() / 1000;
+    let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
+    // a thousandth may be spikes themselves, which then are the tail
+    let far = (FAR * deviation).max((BEYOND_TAIL * tail).min(FAR_AT_AN_END * deviation));
+    let is_far = |at: &usize| {
+        let (_, own) = off[*at];
+        own > if is_inside[*at] { far } else { FAR_AT_AN_END * deviation } && stands_alone(*at)
+    };
     let far: Vec<(usize, f64)> = (0..off.len()).filter(is_far).map(|at| off[at]).collect();
     let worst = far.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let few = far.len() <= ((MOST * off.len() as f64) as usize).max(1);

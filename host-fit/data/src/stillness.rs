@@ -6,6 +6,8 @@ use std::ops::Range;
 
 use fos_core::{StillnessDetector, StillnessLimits};
 
+use crate::disturbance::{self, Disturbance};
+use crate::pose;
 use crate::recording::Recording;
 use crate::statistics::{mean, median_of, variance};
 
@@ -23,6 +25,10 @@ pub struct Stillness {
     pub still: Vec<bool>,
     /// How it is known.
     pub known_by: KnownBy,
+    /// When the unit was moved though it was meant to be at rest; those rows are not still.
+    pub disturbances: Vec<Disturbance>,
+    /// Rows from which on gravity may have another direction than before.
+    pub turns: Vec<usize>,
     /// Limits for the detector on the device, learnt from the quietest windows; `None` without all six axes.
     pub limits: Option<StillnessLimits<f64>>,
 }
@@ -51,16 +57,40 @@ impl KnownBy {
     }
 }
 
-/// Finds where `recording` is still: by its column, else by the detector, else all of it.
+/// Finds where `recording` is still: by its column, else by the detector, else all of it; without the rows in which it
+/// was moved all the same.
 pub fn find(recording: &Recording) -> Stillness {
-    let limits = limits(recording, &(0..recording.n_rows()));
-    if let Some(still) = &recording.still {
-        return Stillness { still: still.clone(), known_by: KnownBy::Column, limits };
+    find_apart(recording, recording.n_rows())
+}
+
+/// As [`find`], of a log whose first `learnt_rows` something is learnt from: what comes after them has no say in which
+/// of them are at rest.
+pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
+    let learnt = 0..learnt_rows.min(recording.n_rows());
+    let parts = [learnt.clone(), learnt.end..recording.n_rows()];
+    let limits = limits(recording, &learnt);
+    let detected = || detect(recording, limits?, &parts);
+    let (mut still, known_by) = match &recording.still {
+        Some(still) => (still.clone(), KnownBy::Column),
+        None => match detected() {
+            Some(still) => (still, KnownBy::Detector),
+            None => (vec![true; recording.n_rows()], KnownBy::Assumed),
+        },
+    };
+    let mut disturbances = Vec::new();
+    for part in parts.into_iter().filter(|part| !part.is_empty()) {
+        let mut rest = vec![false; still.len()];
+        rest[part.clone()].copy_from_slice(&still[part]);
+        disturbances.extend(disturbance::find(recording, &rest));
     }
-    let detected = limits.and_then(|limits| detect(recording, limits));
-    match detected {
-        Some(still) => Stillness { still, known_by: KnownBy::Detector, limits },
-        None => Stillness { still: vec![true; recording.n_rows()], known_by: KnownBy::Assumed, limits: None },
+    disturbance::leave_out(&mut still, &disturbances);
+    let turns = pose::turns(recording, &still, &disturbances);
+    Stillness {
+        still,
+        known_by,
+        disturbances,
+        turns,
+        limits: limits.filter(|_| known_by != KnownBy::Assumed),
     }
 }
 
@@ -69,7 +99,7 @@ fn triad<'a>(recording: &'a Recording, names: [&str; 3]) -> Option<[&'a [f64]; 3
     Some([column(names[0])?, column(names[1])?, column(names[2])?])
 }
 
-fn detect(recording: &Recording, limits: StillnessLimits<f64>) -> Option<Vec<bool>> {
+fn detect(recording: &Recording, limits: StillnessLimits<f64>, parts: &[Range<usize>]) -> Option<Vec<bool>> {
     let (accel, gyro) = (triad(recording, ACCELEROMETERS)?, triad(recording, GYROS)?);
     let mut detector = StillnessDetector::new(limits).ok()?;
     let mut still = vec![false; recording.n_rows()];
@@ -78,7 +108,12 @@ fn detect(recording: &Recording, limits: StillnessLimits<f64>) -> Option<Vec<boo
         for row in segment.rows.clone() {
             still[row] = detector.update(accel.map(|axis| axis[row]), gyro.map(|axis| axis[row]));
         }
-        back_date(&mut still[segment.rows.clone()], usize::from(limits.window));
+        for part in parts {
+            let rows = segment.rows.start.max(part.start)..segment.rows.end.min(part.end);
+            if !rows.is_empty() {
+                back_date(&mut still[rows], usize::from(limits.window));
+            }
+        }
     }
     Some(still)
 }

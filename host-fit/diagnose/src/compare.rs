@@ -6,6 +6,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::dependence::{Dependence, DependenceError, Trained, dependence};
+use crate::physical::{PhysicalError, in_known_pose};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::Stillness;
@@ -27,6 +28,9 @@ pub enum CompareError {
     /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
+    /// What the model corrects cannot be told.
+    #[error(transparent)]
+    Physical(#[from] PhysicalError),
     /// What is left cannot be held against what is logged.
     #[error(transparent)]
     Dependence(#[from] DependenceError),
@@ -87,6 +91,17 @@ pub fn compare(
     trained: Option<&Trained<'_>>,
     mut progress: impl FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
+    let is_same = trained.is_some_and(|trained| std::ptr::eq(trained.recording, recording));
+    let known_pose = in_known_pose(model, recording, stillness)?;
+    let recording = known_pose.as_ref().unwrap_or(recording);
+    let other_pose = match trained.filter(|_| !is_same) {
+        Some(trained) => in_known_pose(model, trained.recording, trained.stillness)?,
+        None => None,
+    };
+    let trained = trained.map(|trained| Trained {
+        recording: if is_same { recording } else { other_pose.as_ref().unwrap_or(trained.recording) },
+        ..trained.clone()
+    });
     let playback = Playback::new(recording, model, &stillness.still)?;
     if !rows.clone().any(|row| playback.is_still(row)) {
         return Err(CompareError::NothingLeft { trained: rows.start });
@@ -108,7 +123,7 @@ pub fn compare(
         add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?);
     }
     progress(MODEL);
-    let dependences = dependence(model, recording, stillness, rows.clone(), trained)?;
+    let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
     let mut own = trace::<f64>(model, &playback, rows.clone(), |_| {})?;
     add(MODEL, &own);
     for axis in &mut own.axes {
@@ -153,7 +168,7 @@ pub fn study_of(
     read: LoadOptions,
     progress: impl FnMut(&str),
 ) -> Result<(Study, Comparison, Trace), CompareError> {
-    let trained_rows = fos_fit::fit::training_rows(recording, stillness, settings.train).end;
+    let trained_rows = fos_fit::fit::training_rows(recording, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
     let mut model = models.remove(0);

@@ -8,5 +8,6 @@ pub mod compare;
 pub mod dependence;
 pub mod detect;
 pub mod effects;
+pub mod physical;
 pub mod refine;
 pub mod study;

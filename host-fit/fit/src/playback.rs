@@ -102,31 +102,40 @@ impl<'a> Playback<'a> {
             .collect();
         let mut playback =
             Self { measured, reference, gated: Vec::new(), has_reference: false, quantities, still, breaks };
-        for (index, axis) in model.axes.iter().enumerate() {
-            if matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az) {
-                playback.leave_out_other_poses(index, axis.parameters.offset, axis.parameters.scale);
-            }
-        }
+        playback.leave_out_other_poses(model);
         playback.gated = model.axes.iter().zip(&playback.reference).map(gated).collect();
         playback.has_reference =
             playback.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
         Ok(playback)
     }
 
-    /// Forgets the constant reference of an accelerometer wherever the unit lies still in another pose.
-    fn leave_out_other_poses(&mut self, axis: usize, offset: f64, scale: f64) {
-        let Reference::Constant(reference) = self.reference[axis] else { return };
+    /// Forgets the constant references of the accelerometers wherever the unit lies still in another pose, by any of
+    /// them: turned about one of them that one feels the same gravity.
+    fn leave_out_other_poses(&mut self, model: &UnitModel) {
         let n_rows = self.still.len();
-        let is_other = |stretch: &Range<usize>| {
-            let finite = || self.measured[axis][stretch.clone()].iter().filter(|value| value.is_finite());
+        let is_gated = |place: &usize| {
+            let is_own = matches!(self.reference[*place], Reference::Constant(_));
+            is_own && matches!(model.axes[*place].parameters.axis, Axis::Ax | Axis::Ay | Axis::Az)
+        };
+        let gated: Vec<usize> = (0..model.axes.len()).filter(is_gated).collect();
+        if gated.is_empty() {
+            return;
+        }
+        let is_off = |place: usize, stretch: &Range<usize>| {
+            let AxisParameters { reference, offset, scale, .. } = model.axes[place].parameters;
+            let finite = || self.measured[place][stretch.clone()].iter().filter(|value| value.is_finite());
             let mean = finite().sum::<f64>() / finite().count() as f64;
             (mean - reference - offset).abs() > OTHER_POSE * scale
         };
+        let is_other = |stretch: &Range<usize>| gated.iter().any(|place| is_off(*place, stretch));
         let other: Vec<Range<usize>> = self.still_stretches(0..n_rows).into_iter().filter(is_other).collect();
-        if !other.is_empty() {
-            let mut values = vec![reference; n_rows];
-            other.into_iter().for_each(|stretch| values[stretch].fill(f64::NAN));
-            self.reference[axis] = Reference::Pose(values);
+        if other.is_empty() {
+            return;
+        }
+        for place in gated {
+            let mut values = vec![model.axes[place].parameters.reference; n_rows];
+            other.iter().for_each(|stretch| values[stretch.clone()].fill(f64::NAN));
+            self.reference[place] = Reference::Pose(values);
         }
     }
 
@@ -193,7 +202,7 @@ impl<'a> Playback<'a> {
 
     /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does,
     /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
-    /// if the sample before was in the pose of the fit; the first sample after power-on is told by itself.
+    /// if all of them were in the pose of the fit in the sample before; the first sample after power-on is told by itself.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
         self.catch_up(predictor, row);
@@ -202,6 +211,7 @@ impl<'a> Playback<'a> {
             return predictor.coast(&row_sample.sample());
         }
         let is_first = row == 0 || matches!(self.breaks.get(&row), Some(Break::Recording));
+        let mut is_in_pose = true;
         for (axis, parameters) in self.gated.iter().enumerate() {
             let Some(parameters) = parameters else { continue };
             let of_device: AxisParameters<R> = parameters.convert();
@@ -209,8 +219,12 @@ impl<'a> Playback<'a> {
                 Some(correction) => correction.corrected,
                 None => row_sample.measured[axis] - of_device.offset,
             };
-            let is_open = PoseGate::new(&of_device).is_open_after(before);
-            row_sample.reference[axis] = if is_open { of_device.reference } else { R::from_f64(f64::NAN) };
+            is_in_pose &= PoseGate::new(&of_device).is_open_after(before);
+            row_sample.reference[axis] = of_device.reference;
+        }
+        if !is_in_pose {
+            let gated = self.gated.iter().zip(&mut row_sample.reference).filter(|(gated, _)| gated.is_some());
+            gated.for_each(|(_, reference)| *reference = R::from_f64(f64::NAN));
         }
         let sample = row_sample.sample();
         predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])

@@ -2,9 +2,8 @@
 
 use fos_core::{ModelError, Sample};
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
-use fos_data::stillness;
 
-use crate::fit::{AxisError, AxisFit, AxisReport, FitOptions, fit_axis};
+use crate::fit::{AxisError, AxisFit, AxisReport, FitOptions, fit_axis, rest};
 use crate::model::{HostPredictor, UnitModel};
 
 /// What the column of a plain series is called.
@@ -74,7 +73,8 @@ pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<
     let columns = vec![("t_s".to_owned(), time), (COLUMN.to_owned(), values.to_vec())];
     let read = LoadOptions { rate_hz: Some(rate_hz), ..LoadOptions::default() };
     let recording = Recording::from_columns(Source::made_by("a series"), columns, &read)?;
-    let AxisFit { model, report } = fit_axis(&recording, &stillness::find(&recording), COLUMN, options)?;
+    let stillness = rest(&recording, options.train);
+    let AxisFit { model, report } = fit_axis(&recording, &stillness, COLUMN, options)?;
     let innovation_deviation = report.mse.sqrt() * model.axes[0].parameters.scale;
     Ok(SeriesFit { model, report, innovation_deviation })
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::case_meta::meta;
 use super::coloured::AxisNoise;
+use super::disturbance::{self, Disturbed, Motion};
 use super::draft::{Draft, FIELD, draft};
 use super::plan::{CasePlan, PlanError};
 use super::planting::{self, Planted};
@@ -44,6 +45,10 @@ pub struct Truth {
     pub white_density: f64,
     /// Noise of the target.
     pub noise: AxisNoise,
+    /// When the field is disturbed.
+    pub disturbed_field: Vec<Disturbed>,
+    /// When the evaluation is.
+    pub disturbed_eval: Vec<Disturbed>,
     /// What a perfect model subtracts from the field, and what it is made of; in truth_field.parquet.
     #[serde(skip)]
     pub field: LogTruth,
@@ -57,6 +62,8 @@ pub struct Truth {
 pub struct LogTruth {
     /// What all planted effects add to the target, its unit: what a perfect model subtracts.
     pub error: Vec<f64>,
+    /// What the axis shows of the disturbances, its unit: true motion and wild samples, which no model takes off.
+    pub motion: Vec<f64>,
     /// The regressors of all planted effects; `planted.k.name`, k counting from 0.
     pub regressors: Vec<NamedSeries>,
 }
@@ -77,9 +84,23 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
     let baseline = scene.baseline(plan.durations.baseline_s, &mut random(seed, Stream::World(BASELINE)));
     let eval = scene.log(plan.durations.eval_s, true, &mut random(seed, Stream::World(EVAL)));
 
-    let quiet = recorder::analog(&unit, &baseline, target, &vec![0.0; baseline.len()], (seed, BASELINE));
+    let nothing_moves = Motion::default();
+    let quiet = recorder::analog(
+        &unit,
+        &baseline,
+        &nothing_moves,
+        target,
+        &vec![0.0; baseline.len()],
+        (seed, BASELINE),
+    );
     let none = Faults::default();
-    let baseline = recorder::record(&unit, &baseline, (target, &quiet), (&logged, &none), (seed, BASELINE));
+    let baseline = recorder::record(
+        &unit,
+        (&baseline, &nothing_moves),
+        (target, &quiet),
+        (&logged, &none),
+        (seed, BASELINE),
+    );
 
     let columns = shapes.iter().map(|shape| shape.columns(&field, FIELD, seed)).collect();
     let mut planted =
@@ -90,7 +111,11 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
     let mut logs = Vec::new();
     for (world, columns, log) in [(&field, columns, FIELD), (&eval, eval_columns, EVAL)] {
         let mut error = planting::sum(&weights, &columns, world.len());
-        let analog = recorder::analog(&unit, world, target, &error, (seed, log));
+        let motion = disturbance::motion(plan.disturbance, world, (seed, log));
+        let mut analog = recorder::analog(&unit, world, &motion, target, &error, (seed, log));
+        let sound = analog.clone();
+        let wild =
+            disturbance::spoil(plan.disturbance, &mut analog, (noise.white, world.period_s), (seed, log));
         let lsb = part.lsb(target);
         planting::add_faults(&mut faults, plan, &mut planted, (&analog, noise), (lsb, seed, log == FIELD));
         for (error, value) in error.iter_mut().zip(&analog) {
@@ -99,7 +124,8 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
                     - recorder::convert(&part, target, &none, *value);
             }
         }
-        let record = recorder::record(&unit, world, (target, &analog), (&logged, &faults), (seed, log));
+        let record =
+            recorder::record(&unit, (world, &motion), (target, &analog), (&logged, &faults), (seed, log));
         let mut regressors: Vec<NamedSeries> = columns
             .into_iter()
             .enumerate()
@@ -107,13 +133,16 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
                 columns.into_iter().map(move |(name, values)| (format!("planted.{k}.{name}"), values))
             })
             .collect();
-        for values in regressors.iter_mut().map(|(_, values)| values).chain([&mut error]) {
+        let shown = |row: usize| motion.at(target as usize, row) + analog[row] - sound[row];
+        let mut shown: Vec<f64> = (0..world.len()).map(shown).collect();
+        for values in regressors.iter_mut().map(|(_, values)| values).chain([&mut error, &mut shown]) {
             recorder::drop_lost(values, &faults.lost);
         }
-        logs.push((record, LogTruth { error, regressors }));
+        let disturbed: Vec<Disturbed> = motion.when.iter().copied().chain(wild).collect();
+        logs.push((record, LogTruth { error, motion: shown, regressors }, disturbed));
     }
-    let (eval, eval_truth) = logs.pop().unwrap_or_default();
-    let (field, field_truth) = logs.pop().unwrap_or_default();
+    let (eval, eval_truth, disturbed_eval) = logs.pop().unwrap_or_default();
+    let (field, field_truth, disturbed_field) = logs.pop().unwrap_or_default();
     let truth = Truth {
         plan: plan.clone(),
         outside: planted.iter().any(|planted| planted.effect.is_outside()),
@@ -122,6 +151,8 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         bias: unit.bias[target as usize],
         white_density: (2.0 * noise.period_s * noise.fast_density(0.0, 0.0)).sqrt(),
         noise: noise.clone(),
+        disturbed_field,
+        disturbed_eval,
         field: field_truth,
         eval: eval_truth,
     };

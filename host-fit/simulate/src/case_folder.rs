@@ -44,9 +44,12 @@ impl SimulatedCase {
             write(folder, name, columns.iter())?;
         }
         for (name, truth) in [("truth_field", &self.truth.field), ("truth_eval", &self.truth.eval)] {
-            let LogTruth { error, regressors } = truth;
-            let error: NamedSeries = ("error".to_owned(), error.clone());
-            write(folder, name, std::iter::once(&error).chain(regressors))?;
+            let LogTruth { error, motion, regressors } = truth;
+            let mut columns: Vec<NamedSeries> = vec![("error".to_owned(), error.clone())];
+            if motion.iter().any(|moved| *moved != 0.0) {
+                columns.push(("motion".to_owned(), motion.clone()));
+            }
+            write(folder, name, columns.iter().chain(regressors))?;
         }
         json(folder.join("truth.json"), &self.truth)?;
         // last: a folder with a meta.json is whole

@@ -8,6 +8,7 @@
 //! | `part`, `coloured` | data sheets; the noise of a drawn unit |
 //! | `setup`, `thermal`, `motion`, `world` | how it is used; what is then true |
 //! | `effect`, `regressors`, `course` | what can be planted; its formula |
+//! | `disturbance` | what the world does beside: knocks, hands, motors, wild samples, the part's filter |
 //! | `plant`, `planting`, `strength`, `rivals` | what is planted; how large it is in the noise |
 //! | `plan`, `recorder`, `case`, `case_meta`, `case_folder` | what to simulate; what is logged; a whole case |
 //! | `suite` | many cases, to measure rates |
@@ -23,6 +24,7 @@ mod case_folder;
 mod case_meta;
 mod coloured;
 mod course;
+mod disturbance;
 mod draft;
 mod effect;
 mod motion;
@@ -51,6 +53,7 @@ pub use axis::Axis;
 pub use case::{LogTruth, SimulatedCase, Truth, simulate_case};
 pub use case_folder::CaseFolderError;
 pub use coloured::{AxisNoise, Colour, GaussMarkov};
+pub use disturbance::{Disturbance, Disturbed};
 pub use effect::{Band, Description, Effect, Outside};
 pub use part::{PARTS, Part};
 pub use plan::{CasePlan, Durations, Kind, Level, NOMINAL_RATE_HZ, PlanError};
@@ -58,5 +61,5 @@ pub use plant::Plant;
 pub use planting::{Planted, assess};
 pub use setup::{Path, Setup};
 pub use story::{HIDDEN_IN, StoryError, hidden_effects};
-pub use suite::suite;
+pub use suite::{suite, suite_in};
 pub use unit::{SimulatedLog, Simulation, simulate};

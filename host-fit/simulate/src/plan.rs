@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::axis::Axis;
+use super::disturbance::Disturbance;
 use super::effect::Effect;
 use super::part::PARTS;
 use super::plant::Plant;
@@ -97,6 +98,9 @@ pub struct CasePlan {
     pub durations: Durations,
     /// What the case is for.
     pub kind: Kind,
+    /// What disturbs field and evaluation.
+    #[serde(default)]
+    pub disturbance: Disturbance,
 }
 
 impl CasePlan {
@@ -111,6 +115,7 @@ impl CasePlan {
             planted: Vec::new(),
             durations: Durations::default(),
             kind: Kind::Nothing,
+            disturbance: Disturbance::Clean,
         }
     }
 }

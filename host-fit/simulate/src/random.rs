@@ -24,6 +24,10 @@ pub(super) enum Stream {
     Plant(u64),
     /// The course of a planted effect in a log, where chance has a part in it.
     Course(u64, u64),
+    /// The motion that disturbs a log.
+    Disturbance(u64),
+    /// Samples of a log that are no measurements.
+    Wild(u64),
     /// One case of a suite.
     Suite(u64),
 }
@@ -38,6 +42,8 @@ pub(super) fn random(seed: u64, stream: Stream) -> Random {
         Stream::Noise(log, axis) => 100 + 10 * log + axis,
         Stream::Plant(effect) => 1000 + effect,
         Stream::Course(log, effect) => 2000 + 100 * log + effect,
+        Stream::Disturbance(log) => 3000 + log,
+        Stream::Wild(log) => 3100 + log,
         Stream::Suite(case) => 10_000 + case,
     };
     let mut random = ChaCha8Rng::seed_from_u64(seed);

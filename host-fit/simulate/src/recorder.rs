@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::coloured::AxisNoise;
+use super::disturbance::{Filter, Motion};
 use super::part::Part;
 use super::random::{Stream, normal, random};
 use super::regressors::NamedSeries;
@@ -14,6 +15,14 @@ pub(super) struct Unit {
     pub(super) part: Part,
     pub(super) noise: [AxisNoise; 6],
     pub(super) bias: [f64; 6],
+    /// What its noise goes through.
+    pub(super) filter: Option<Filter>,
+}
+
+impl Unit {
+    fn filtered(&self, noise: Vec<f64>) -> Vec<f64> {
+        self.filter.as_ref().map_or_else(|| noise.clone(), |filter| filter.apply(&noise))
+    }
 }
 
 /// Which optional columns a log has.
@@ -53,15 +62,17 @@ pub(super) struct Faults {
 pub(super) fn analog(
     unit: &Unit,
     world: &World,
+    motion: &Motion,
     target: Axis,
     planted: &[f64],
     (seed, log): (u64, u64),
 ) -> Vec<f64> {
     let axis = target as usize;
     let random = &mut random(seed, Stream::Noise(log, axis as u64));
-    let noise = unit.noise[axis].series(world.len(), random);
+    let noise = unit.filtered(unit.noise[axis].series(world.len(), random));
     let truth = world.truth(target);
-    (0..world.len()).map(|n| truth[n] + unit.bias[axis] + noise[n] + planted[n]).collect()
+    let seen = |n: usize| truth[n] + motion.at(axis, n) + unit.bias[axis] + noise[n] + planted[n];
+    (0..world.len()).map(seen).collect()
 }
 
 /// Clips and rounds as the part does, `faults` included.
@@ -76,7 +87,7 @@ pub(super) fn convert(part: &Part, axis: Axis, faults: &Faults, value: f64) -> f
 /// The columns of a log, the target's analog values given.
 pub(super) fn record(
     unit: &Unit,
-    world: &World,
+    (world, motion): (&World, &Motion),
     (target, analog): (Axis, &[f64]),
     (logged, faults): (&Logged, &Faults),
     (seed, log): (u64, u64),
@@ -104,9 +115,11 @@ pub(super) fn record(
         }
         let index = axis as usize;
         let noise = unit.noise[index].plain_series(n, &mut random(seed, Stream::Noise(log, index as u64)));
+        let noise = unit.filtered(noise);
         let fine = Faults::default();
         let truth = world.truth(axis);
-        let value = |k: usize| convert(&unit.part, axis, &fine, truth[k] + unit.bias[index] + noise[k]);
+        let seen = |k: usize| truth[k] + motion.at(index, k) + unit.bias[index] + noise[k];
+        let value = |k: usize| convert(&unit.part, axis, &fine, seen(k));
         add(axis.column(), (0..n).map(value).collect());
     }
     let hold = (0.1 / period_s).round() as usize;

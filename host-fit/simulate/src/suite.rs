@@ -3,6 +3,7 @@
 use rand::RngExt;
 
 use super::axis::Axis;
+use super::disturbance::Disturbance;
 use super::effect::{Band, Effect, Outside};
 use super::part::PARTS;
 use super::plan::{CasePlan, Kind, Level};
@@ -49,6 +50,13 @@ pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
     });
     plans.sort_by_key(|(index, _)| *index);
     plans.into_iter().map(|(_, plan)| plan).collect()
+}
+
+/// The plans of a suite that suit a disturbance, disturbed so: the same cases can be held against each other with and
+/// without it.
+pub fn suite_in(seed: u64, count: usize, disturbance: Disturbance) -> Vec<CasePlan> {
+    let suited = suite(seed, count).into_iter().filter(|plan| disturbance.suits(plan.setup));
+    suited.map(|plan| CasePlan { disturbance, ..plan }).collect()
 }
 
 fn pick<T: Copy>(random: &mut Random, choices: &[T]) -> T {

@@ -138,12 +138,6 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         .filter(|o| o.verdict == Verdict::Missing)
         .filter_map(shares)
         .collect();
-    let predictions = singles.iter().filter_map(|o| {
-        let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
-        let measured = o.measured_reduction?;
-        let counts = o.found.len() == 1 && found.effect != "bias_step" && found.expected.0 > 0.0;
-        counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&measured))
-    });
     let seconds = outcomes.iter().map(|o| o.seconds);
     vec![
         rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(o))),
@@ -205,11 +199,60 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         rate(
             "predicted reduction's 90 % interval holds",
             Goal::Within([0.80, 0.97], [0.87, 0.93]),
-            predictions,
+            predictions(singles.iter().copied()),
         ),
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),
         quantile("  longest", Goal::Seconds(5.0, 1.0), 1.0, seconds),
     ]
+}
+
+/// What is held against one another between worlds: the same cases, their logs disturbed.
+pub fn in_world(outcomes: &[Outcome]) -> Vec<Statistic> {
+    let of = |wanted: fn(&Kind) -> bool| outcomes.iter().filter(move |o| wanted(&o.kind));
+    let is_clear = |kind: &Kind| matches!(kind, Kind::Single(Level::Medium | Level::Strong));
+    let first = |o: &Outcome| o.found.first().is_some_and(|found| found.effect == o.planted[0].effect);
+    let worse_by =
+        |share: f64| outcomes.iter().map(move |o| o.measured_reduction.is_some_and(|gone| gone < -share));
+    vec![
+        rate(
+            "single effect, medium or strong, named first",
+            Goal::AtLeast(0.92, 0.96),
+            of(is_clear).map(first),
+        ),
+        rate(
+            "nothing missing: silent",
+            Goal::AtLeast(0.97, 0.99),
+            of(|kind| *kind == Kind::Nothing).map(|o| o.verdict == Verdict::NothingMissing),
+        ),
+        rate(
+            "wrong name claimed",
+            Goal::AtMost(0.02, 0.01),
+            of(|kind| matches!(kind, Kind::Single(_))).map(|o| o.verdict == Verdict::Missing && !first(o)),
+        ),
+        rate(
+            "outside the library: unexplained",
+            Goal::AtLeast(0.75, 0.90),
+            of(|kind| *kind == Kind::Outside).map(|o| o.verdict == Verdict::Unexplained),
+        ),
+        rate(
+            "predicted reduction's 90 % interval holds",
+            Goal::Within([0.80, 0.97], [0.85, 0.95]),
+            predictions(outcomes.iter().filter(|o| matches!(o.kind, Kind::Single(_)))),
+        ),
+        rate("made worse by over 2 %", Goal::AtMost(0.005, 0.0), worse_by(0.02)),
+        rate("made worse by over 50 %", Goal::AtMost(0.0, 0.0), worse_by(0.5)),
+    ]
+}
+
+/// Whether the measured reduction is within the interval of the predicted one, where the one effect alone is found.
+fn predictions<'a>(singles: impl IntoIterator<Item = &'a Outcome>) -> Vec<bool> {
+    let holds = |o: &Outcome| {
+        let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
+        let measured = o.measured_reduction?;
+        let counts = o.found.len() == 1 && found.effect != "bias_step" && found.expected.0 > 0.0;
+        counts.then(|| (found.expected.1[0]..=found.expected.1[1]).contains(&measured))
+    };
+    singles.into_iter().filter_map(holds).collect()
 }
 
 /// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come

@@ -13,6 +13,7 @@ use super::outcome::Outcome;
 use crate::program::this_build;
 use fos_data::file::{FileError, write_atomically};
 use fos_diagnose::effects::Library;
+use fos_simulate::Disturbance;
 
 /// Behind the name of the file with the outcomes stands this.
 const ENDING: &str = ".partial";
@@ -32,9 +33,9 @@ struct Heading {
 }
 
 impl Heading {
-    fn of(seed: u64, count: usize, library: &Library) -> Self {
+    fn of((seed, world): (u64, Disturbance), count: usize, library: &Library) -> Self {
         let mut digest = Sha256::new();
-        digest.update(format!("{} {seed} {count} ", this_build()));
+        digest.update(format!("{} {seed} {count} {} ", this_build(), world.name()));
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
         Self { cases: digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect() }
     }
@@ -47,11 +48,16 @@ impl KeptOutcomes {
     /// # Errors
     ///
     /// What the system refuses.
-    pub fn beside(outcomes: &Path, seed: u64, count: usize, library: &Library) -> Result<Self, FileError> {
+    pub fn beside(
+        outcomes: &Path,
+        suite: (u64, Disturbance),
+        count: usize,
+        library: &Library,
+    ) -> Result<Self, FileError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);
         let path = PathBuf::from(path);
-        let heading = Heading::of(seed, count, library);
+        let heading = Heading::of(suite, count, library);
         let left = match fs::read_to_string(&path) {
             Ok(left) => left,
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
@@ -112,8 +118,8 @@ mod tests {
     fn a_calibration_goes_on_where_it_was_broken_off() {
         let folder = tempfile::tempdir().unwrap();
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
-        let kept = |seed| KeptOutcomes::beside(&outcomes, seed, 3, &library).unwrap();
-        let whole = calibrate(1, 3, &library, Some(&kept(1)), |_| {}).unwrap();
+        let kept = |seed| KeptOutcomes::beside(&outcomes, (seed, Disturbance::Clean), 3, &library).unwrap();
+        let whole = calibrate((1, Disturbance::Clean), 3, &library, Some(&kept(1)), |_| {}).unwrap();
         let path = folder.path().join("outcomes.json.partial");
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().count(), 4);
@@ -122,7 +128,9 @@ mod tests {
         let left = kept(1);
         assert_eq!(left.len(), 2);
         let computed = Mutex::new(0);
-        let again = calibrate(1, 3, &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
+        let again =
+            calibrate((1, Disturbance::Clean), 3, &library, Some(&left), |_| *computed.lock().unwrap() += 1)
+                .unwrap();
         assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
         // times apart, which differ, it comes to the same
         let but_times = |calibration: &crate::calibration::Calibration| {

@@ -11,38 +11,41 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 pub use error::CalibrationError;
-pub use figures::{Goal, Statistic, figures};
+pub use figures::{Goal, Statistic, figures, in_world};
 pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
 
 use fos_diagnose::effects::Library;
-use fos_simulate::suite;
+use fos_simulate::{Disturbance, suite_in};
 
 /// A calibration: what came out of every case, and the figures.
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibration {
     /// Seed of the suite.
     pub seed: u64,
+    /// What disturbs its logs.
+    pub world: Disturbance,
     /// What came out of every case.
     pub outcomes: Vec<Outcome>,
     /// How often the diagnosis was right.
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates `count` cases from `seed` and counts how often the diagnosis is right with the effects of `library`. What
-/// is `kept` already is not computed again, and what comes out is kept. `progress` is told the cases done.
+/// Simulates `count` cases from `seed`, or those of them that suit `world`, their logs disturbed as there, and counts how often the diagnosis is right
+/// with the effects of `library`. What is `kept` already is not computed again, and what comes out is kept. `progress`
+/// is told the cases done.
 ///
 /// # Errors
 ///
 /// A case cannot be simulated or diagnosed, or its outcome cannot be kept.
 pub fn calibrate(
-    seed: u64,
+    (seed, world): (u64, Disturbance),
     count: usize,
     library: &Library,
     kept: Option<&KeptOutcomes>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
-    let plans = suite(seed, count);
+    let plans = suite_in(seed, count, world);
     let done = AtomicUsize::new(0);
     let outcomes: Vec<Outcome> = plans
         .par_iter()
@@ -60,5 +63,5 @@ pub fn calibrate(
             Ok(outcome)
         })
         .collect::<Result<_, CalibrationError>>()?;
-    Ok(Calibration { seed, figures: figures(&outcomes), outcomes })
+    Ok(Calibration { seed, world, figures: figures(&outcomes), outcomes })
 }

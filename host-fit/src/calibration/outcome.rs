@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::error::CalibrationError;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
-use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Verdict, correction, diagnose};
+use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Verdict, correction, diagnose};
 use fos_diagnose::effects::Library;
 use fos_fit::noise::{Gls, NoiseLevels};
 use fos_fit::signal;
@@ -161,14 +161,17 @@ impl Corrected<'_> {
             true => reduced.wide_variance(left, &rows),
             false => reduced.slow_variance(left, &rows),
         };
+        // what moves the unit is no error of it
+        let error: Vec<f64> =
+            reduced.error.iter().zip(&eval_truth.motion).map(|(error, moved)| error - moved).collect();
         let take = |correction: &[f64]| -> f64 {
-            let left: Vec<f64> =
-                reduced.error.iter().zip(correction).map(|(error, taken)| error - taken).collect();
-            1.0 - variance(&left) / variance(&reduced.error)
+            let left: Vec<f64> = error.iter().zip(correction).map(|(error, taken)| error - taken).collect();
+            1.0 - variance(&left) / variance(&error)
         };
-        let own = correction(&answer.findings, self.field, self.eval)?;
-        let realised =
-            answer.findings.iter().any(|finding| !finding.correction.is_empty()).then(|| take(&own));
+        let claimed: Vec<Finding> =
+            answer.findings.iter().filter(|finding| finding.doubt.is_none()).cloned().collect();
+        let own = correction(&claimed, self.field, self.eval)?;
+        let realised = claimed.iter().any(|finding| !finding.correction.is_empty()).then(|| take(&own));
         if field_truth.regressors.is_empty() {
             return Ok((None, realised));
         }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::Failure;
+use fos_data::disturbance;
 use fos_data::recording::{ColumnMap, LoadOptions, Recording, load};
 use fos_data::stillness::Stillness;
 use fos_diagnose::effects::{EffectError, Library};
@@ -63,6 +64,9 @@ pub(super) struct Reading {
     /// Refuse the first row that cannot be read instead of skipping and counting
     #[arg(long)]
     pub(super) strict: bool,
+    /// Count the rows in which the unit was moved (knocks, steps, hands) as any others
+    #[arg(long)]
+    pub(super) keep_moved: bool,
 }
 
 impl Reading {
@@ -80,7 +84,7 @@ impl Reading {
         for spec in &self.map {
             columns.add(spec)?;
         }
-        Ok(LoadOptions { columns, rate_hz: self.rate, strict: self.strict })
+        Ok(LoadOptions { columns, rate_hz: self.rate, strict: self.strict, keep_moved: self.keep_moved })
     }
 
     /// The same; which columns and what rate, where they are not given, is as it was `before`.
@@ -90,6 +94,7 @@ impl Reading {
             columns: if given.columns.is_empty() { before.columns.clone() } else { given.columns },
             rate_hz: given.rate_hz.or(before.rate_hz),
             strict: given.strict,
+            keep_moved: given.keep_moved || before.keep_moved,
         })
     }
 }
@@ -145,6 +150,10 @@ fn quality(recording: &Recording, stillness: &Stillness) -> String {
     for oddity in recording.oddities(&stillness.still) {
         let line = if report.is_empty() { "" } else { "\n" };
         report += &format!("{line}caution: {oddity}");
+    }
+    for told in disturbance::told(recording, &stillness.disturbances) {
+        let line = if report.is_empty() { "" } else { "\n" };
+        report += &format!("{line}moved: {told}");
     }
     if report.is_empty() { String::new() } else { format!("\n  {}", report.replace('\n', "\n  ")) }
 }

@@ -1,5 +1,6 @@
 //! `calibrate`: how often the diagnosis is right, on simulated cases.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,8 +8,11 @@ use clap::Args;
 use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
-use crate::calibration::{Calibration, Goal, KeptOutcomes, Statistic, calibrate};
+use super::world::Worlds;
+use crate::calibration::{Calibration, Goal, KeptOutcomes, Statistic, calibrate, in_world};
 use fos_data::file::write_atomically;
+use fos_diagnose::effects::Library;
+use fos_simulate::Disturbance;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
 #[derive(Debug, Args)]
@@ -20,6 +24,9 @@ pub(super) struct Calibrate {
     /// Seed of all of them
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// What disturbs the logs beside the effect; "all" for a table of all of them
+    #[arg(long, value_enum, default_value = "clean")]
+    world: Worlds,
     /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial: a
     /// calibration that was broken off goes on where it was
     #[arg(long, value_name = "FILE")]
@@ -38,38 +45,96 @@ pub(super) struct Calibrate {
 impl Calibrate {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = library(&self.effects)?;
-        let bar = progress(self.cases as u64, "diagnosing");
-        let keep = |path: &OutputFile| KeptOutcomes::beside(path, self.seed, self.cases, &library);
-        let kept = self.outcomes.as_ref().map(keep).transpose()?;
-        let advance = |done| bar.set_position(done as u64);
-        let calibration = calibrate(self.seed, self.cases, &library, kept.as_ref(), advance)?;
-        bar.finish_and_clear();
+        let worlds = match self.world.0 {
+            Some(world) => vec![world],
+            None => Disturbance::ALL.to_vec(),
+        };
+        let mut calibrations = Vec::new();
+        for world in worlds {
+            calibrations.push(self.calibrated(world, &library)?);
+        }
+        let is_one = self.world.0.is_some();
         if let Some(path) = &self.outcomes {
-            write_atomically(path, &serde_json::to_vec_pretty(&calibration.outcomes)?)?;
+            let outcomes: BTreeMap<&str, _> =
+                calibrations.iter().map(|one| (one.world.name(), &one.outcomes)).collect();
+            let text = match &calibrations[..] {
+                [one] if is_one => serde_json::to_vec_pretty(&one.outcomes)?,
+                _ => serde_json::to_vec_pretty(&outcomes)?,
+            };
+            write_atomically(path, &text)?;
         }
-        kept.into_iter().for_each(KeptOutcomes::remove);
-        if self.json {
-            print_json(&calibration.figures)?;
-        } else {
-            print(&calibration);
-        }
-        let missed: Vec<&str> = calibration
-            .figures
+        let judged: Vec<(Disturbance, Vec<Statistic>)> = calibrations
             .iter()
-            .filter(|figure| !figure.may_hold())
-            .map(|figure| figure.name.trim())
+            .map(|one| match is_one && one.world == Disturbance::Clean {
+                true => (one.world, one.figures.clone()),
+                false => (one.world, in_world(&one.outcomes)),
+            })
+            .collect();
+        if self.json {
+            let by_world: BTreeMap<&str, _> =
+                judged.iter().map(|(world, figures)| (world.name(), figures)).collect();
+            match &judged[..] {
+                [(_, figures)] if is_one => print_json(figures)?,
+                _ => print_json(&by_world)?,
+            }
+        } else {
+            match &judged[..] {
+                [(world, figures)] => print(&calibrations[0], *world, figures),
+                _ => print_worlds(&calibrations[0], &judged),
+            }
+        }
+        let missed: Vec<String> = judged
+            .iter()
+            .flat_map(|(world, figures)| {
+                let missed = figures.iter().filter(|figure| !figure.may_hold());
+                missed.map(|figure| match is_one {
+                    true => figure.name.trim().to_owned(),
+                    false => format!("{}: {}", world.name(), figure.name.trim()),
+                })
+            })
             .collect();
         if self.check && !missed.is_empty() {
             return Err(format!("not as it must be: {}", missed.join("; ")).into());
         }
         Ok(())
     }
+
+    fn calibrated(&self, world: Disturbance, library: &Library) -> Result<Calibration, Failure> {
+        let bar = progress(self.cases as u64, world.name());
+        let keep = |path: &OutputFile| KeptOutcomes::beside(path, (self.seed, world), self.cases, library);
+        let kept = self.outcomes.as_ref().map(keep).transpose()?;
+        let advance = |done| bar.set_position(done as u64);
+        let calibration = calibrate((self.seed, world), self.cases, library, kept.as_ref(), advance)?;
+        bar.finish_and_clear();
+        kept.into_iter().for_each(KeptOutcomes::remove);
+        Ok(calibration)
+    }
 }
 
-fn print(calibration: &Calibration) {
-    print_line!("{} cases, seed {}\n", calibration.outcomes.len(), calibration.seed);
+/// A row for each world.
+fn print_worlds(calibration: &Calibration, judged: &[(Disturbance, Vec<Statistic>)]) {
+    print_line!("{} cases in each world, seed {}\n", calibration.outcomes.len(), calibration.seed);
+    let names = judged.first().map_or(&[][..], |(_, figures)| &figures[..]).iter();
+    let header: Vec<&str> = std::iter::once("world").chain(names.map(|figure| figure.name.trim())).collect();
+    let mut rows = table(&header);
+    for (world, figures) in judged {
+        let cell = |figure: &Statistic| {
+            let value =
+                figure.value.map_or_else(|| "–".to_owned(), |value| format!("{:.1} %", 100.0 * value));
+            let interval = figure.interval.map_or_else(String::new, |[low, high]| {
+                format!(" ({:.0} … {:.0}) of {}", 100.0 * low, 100.0 * high, figure.cases)
+            });
+            format!("{value}{interval}{}", if figure.holds() { "" } else { " missed" })
+        };
+        rows.add_row(std::iter::once(world.words().to_owned()).chain(figures.iter().map(cell)));
+    }
+    print_line!("{rows}");
+}
+
+fn print(calibration: &Calibration, world: Disturbance, figures: &[Statistic]) {
+    print_line!("{} cases, seed {}, {}\n", calibration.outcomes.len(), calibration.seed, world.words());
     let mut rows = table(&["figure", "value", "95 % interval", "cases", "must", "aim", ""]);
-    for figure in &calibration.figures {
+    for figure in figures {
         let (must, aim) = match figure.goal {
             Goal::AtLeast(must, aim) => (format!("≥ {}", number(must)), format!("≥ {}", number(aim))),
             Goal::AtMost(must, aim) | Goal::Seconds(must, aim) => {

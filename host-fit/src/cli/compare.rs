@@ -62,12 +62,13 @@ impl Compare {
                 100.0 * (ratio - 1.0)
             ));
         }
-        let stillness = stillness::find(&recording);
+        let learnt_rows = if same { study.data.trained_rows } else { recording.n_rows() };
+        let stillness = stillness::find_apart(&recording, learnt_rows);
         let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
         // where it still is what it was
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
         let own = own.filter(|own| study.data.is(own));
-        let own = own.map(|own| (stillness::find(&own), own));
+        let own = own.map(|own| (stillness::find_apart(&own, study.data.trained_rows), own));
         let trained_rows = 0..study.data.trained_rows;
         let trained = match &own {
             Some((stillness, recording)) => Some(Trained { recording, stillness, rows: trained_rows }),

@@ -21,7 +21,7 @@ use fos_diagnose::compare::{compare, study_of};
 use fos_diagnose::dependence::Trained;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
-use fos_fit::fit::{FitOptions, fit_axis};
+use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
@@ -58,8 +58,8 @@ impl Demo {
             minutes(&later)
         );
 
-        let quiet_stillness = stillness::find(&quiet);
         let options = FitOptions::default();
+        let quiet_stillness = rest(&quiet, options.train);
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
         let mut fits = Vec::new();

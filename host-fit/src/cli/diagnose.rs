@@ -110,6 +110,9 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     for caution in &diagnosis.cautions {
         print_line!("  caution: {caution}");
     }
+    for moved in &diagnosis.moved {
+        print_line!("  moved: {moved}");
+    }
     if !diagnosis.findings.is_empty() {
         print_line!();
         let mut rows =
@@ -122,7 +125,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
             print_evidence(finding);
         }
     }
-    if diagnosis.verdict == Verdict::Unexplained {
+    if !diagnosis.leads.is_empty() {
         print_line!("\n  leads, what the rest follows (not findings):");
         for lead in diagnosis.leads.iter().take(5) {
             print_line!("    {} (score {})", lead.follows, number(lead.score));
@@ -136,6 +139,11 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         .collect();
     if !rejected.is_empty() {
         print_line!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
+    }
+    for rejected in &diagnosis.rejected {
+        if let Some(why) = &rejected.why {
+            print_line!("    {}: {why}", rejected.effect);
+        }
     }
     let mut by_needs: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for untested in &diagnosis.untested {
@@ -189,6 +197,9 @@ fn row(finding: &Finding) -> Vec<String> {
 }
 
 fn print_evidence(finding: &Finding) {
+    if let Some(doubt) = &finding.doubt {
+        print_line!("  {}: no claim, since {doubt}", finding.effect);
+    }
     if let Some([begin, end]) = finding.shows_from_to_s {
         let against =
             finding.shows_against.as_ref().map(|column| format!("against {column}, ")).unwrap_or_default();

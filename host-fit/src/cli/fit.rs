@@ -3,18 +3,20 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use fos_core::GRAVITY_MPS2;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use fos_data::file::compare_and_swap::FileVersion;
-use fos_data::stillness;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
 use fos_fit::evaluate::ModelErrors;
-use fos_fit::fit::{AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axis};
+use fos_fit::fit::{
+    AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axis, rest,
+};
 use fos_fit::signal::wavelet::Denoising;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
@@ -64,7 +66,7 @@ pub(super) struct Fit {
     /// When to stop before: multiplicity (allows for the number of candidates), korenberg, never
     #[arg(long, default_value = "multiplicity")]
     stop: Stop,
-    /// Train on this share of the rows at rest, from the start (50%), or for this long (180s)
+    /// Train on this share of the log, from its start (50%), or on so much of it (180s), at rest in it or not
     #[arg(long, default_value = "50%")]
     train: Train,
     /// Take this off the error instead of its mean, in the axis' unit
@@ -129,7 +131,7 @@ impl Fit {
         let file = FileVersion::now(&self.output)?;
         let read = self.reading.options()?;
         let recording = read_all(&self.log, &read)?;
-        let stillness = stillness::find(&recording);
+        let stillness = rest(&recording, options.train);
         if !self.json {
             print_line!("{}", describe(&recording, &stillness));
         }
@@ -192,6 +194,19 @@ fn print_selection(report: &AxisReport) {
             ]);
         }
         print_line!("{steps}");
+    }
+    for (number_of, pose) in (1..).zip(&report.poses) {
+        let force: Vec<String> = pose.force.iter().map(|force| number(*force)).collect();
+        let size = pose.force.iter().map(|force| force * force).sum::<f64>().sqrt();
+        let away = match pose.force.len() {
+            3 => format!(", |a| − g {} m/s²", number(size - f64::from(GRAVITY_MPS2))),
+            _ => String::new(),
+        };
+        print_line!(
+            "  pose {number_of}, with a constant of its own: from {:.1} s on, {} m/s²{away}",
+            pose.from_s,
+            force.join(", ")
+        );
     }
     if report.spikes > 0 {
         print_line!("  caution: {} samples are no measurements and were left out", report.spikes);

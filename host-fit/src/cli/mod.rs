@@ -28,6 +28,7 @@ mod simulate;
 mod simulate_case;
 mod table;
 mod undo;
+mod world;
 
 use std::process::ExitCode;
 

@@ -8,7 +8,8 @@ use clap::{Args, ValueEnum};
 use super::arguments::OutputFolder;
 use super::numbers::{count, within};
 use super::output::{Failure, Written, print_written, progress};
-use fos_simulate::{Axis, CasePlan, Effect, Kind, Level, Plant, Setup, simulate_case, suite};
+use super::world::World;
+use fos_simulate::{Axis, CasePlan, Disturbance, Effect, Kind, Level, Plant, Setup, simulate_case, suite_in};
 
 /// What goes into a case.
 #[derive(Debug, Args)]
@@ -34,6 +35,9 @@ pub(super) struct CaseArguments {
     /// Size of each effect in the noise of the field, in standard errors
     #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log", value_parser = within(1e-6..=1e6))]
     size: f64,
+    /// What disturbs field and evaluation of a case, or of the cases of a suite that it suits
+    #[arg(long, value_enum, default_value = "clean", conflicts_with_all = ["minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
+    world: World,
 }
 
 /// How the unit is used, on the command line.
@@ -88,7 +92,7 @@ impl CaseArguments {
                 let what = format!("{planted} in {}", case.meta.target);
                 print_written(&[Written { path: folder.display().to_string(), what }], json)
             }
-            (None, Some(count), Some(folder)) => write_suite(folder, seed, count, json),
+            (None, Some(count), Some(folder)) => write_suite(folder, (seed, self.world.0), count, json),
             // clap asks for it
             _ => Err("name the folder to write into: host-fit simulate --suite 45 FOLDER".into()),
         }
@@ -99,6 +103,7 @@ impl CaseArguments {
             format!("there is no axis {:?}; choose from ax, ay, az, gx, gy, gz", self.target)
         })?;
         let mut plan = CasePlan::new(seed, &self.part, self.setup.0, target);
+        plan.disturbance = self.world.0;
         for text in &self.effects {
             plan.planted.push(parse(text, self.size)?);
         }
@@ -136,8 +141,13 @@ fn parse(text: &str, size: f64) -> Result<Plant, Failure> {
     Ok(Plant { effect, parameter, size })
 }
 
-fn write_suite(folder: &Path, seed: u64, count: usize, json: bool) -> Result<(), Failure> {
-    let plans = suite(seed, count);
+fn write_suite(
+    folder: &Path,
+    (seed, world): (u64, Disturbance),
+    count: usize,
+    json: bool,
+) -> Result<(), Failure> {
+    let plans = suite_in(seed, count, world);
     let bar = progress(plans.len() as u64, "writing cases");
     for (number, plan) in plans.iter().enumerate() {
         simulate_case(plan)?.write(folder.join(format!("case_{number:03}")))?;

@@ -3,6 +3,7 @@
 use fos_data::column::Column;
 use serde::Serialize;
 
+use fos_data::disturbance;
 use fos_data::recording::Recording;
 use fos_data::stillness::{self, KnownBy};
 
@@ -59,6 +60,8 @@ impl LogSummary {
             |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
+        let moved =
+            disturbance::told(log, &stillness.disturbances).into_iter().map(|told| format!("moved: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),
@@ -73,7 +76,7 @@ impl LogSummary {
             still_share: still as f64 / log.n_rows().max(1) as f64,
             still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
-            quality: quality.chain(oddities).collect(),
+            quality: quality.chain(moved).chain(oddities).collect(),
         }
     }
 }

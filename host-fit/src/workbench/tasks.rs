@@ -12,12 +12,11 @@ use crate::examine::examine;
 use crate::report::{AxisSection, LogSummary};
 use fos_data::file::name_of;
 use fos_data::recording::{Recording, load};
-use fos_data::stillness;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
-use fos_fit::fit::{FitOptions, fit_axis};
+use fos_fit::fit::{FitOptions, fit_axis, rest};
 
 /// Does a task.
 ///
@@ -79,8 +78,8 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let logs = &known.read()?.logs;
     let own = logs.quiet.as_ref().unwrap_or(&logs.field);
-    let stillness = stillness::find(own);
     let options = FitOptions::default();
+    let stillness = rest(own, options.train);
     let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
     let (study, ..) =
         study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;

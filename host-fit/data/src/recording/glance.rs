@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::Recording;
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
+use crate::stuck::stuck;
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
 const GRAVITY: f64 = 9.806_65;
@@ -46,6 +47,15 @@ pub enum Oddity {
         count: usize,
         /// The worst: its time as stamped, s, its value, and by how many standard deviations it is off.
         worst: [f64; 3],
+    },
+    /// An axis held its value for a while, now and then.
+    Held {
+        /// As in the log format, as `gx_rads`.
+        column: String,
+        /// How often, and for how long all together, s.
+        times: usize,
+        /// All together, s.
+        seconds: f64,
     },
     /// Two axes hold the same values.
     Same {
@@ -88,6 +98,10 @@ impl fmt::Display for Oddity {
                 f,
                 "{column}: {count} samples are no measurements, as {value:e} at {time_s:.3} s, {times:.0} standard deviations off; fits and diagnoses leave them out"
             ),
+            Self::Held { column, times, seconds } => write!(
+                f,
+                "{column}: stuck {times} times, for {seconds:.1} s together; fits and diagnoses leave that out"
+            ),
             Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
             Self::NotGravity { magnitude } => write!(
                 f,
@@ -123,6 +137,11 @@ impl Recording {
             {
                 let (column, worst) = ((*axis).to_owned(), [self.time_s[row], value, times]);
                 found.push(Oddity::Spikes { column, count: rows.len(), worst });
+            }
+            let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
+            if !stuck.is_empty() {
+                let seconds = stuck.iter().map(Range::len).sum::<usize>() as f64 * self.rate.period_s;
+                found.push(Oddity::Held { column: (*axis).to_owned(), times: stuck.len(), seconds });
             }
             for other in &axes[place + 1..] {
                 let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
@@ -161,13 +180,31 @@ impl Recording {
         spikes(&error.values, &stretches)
     }
 
-    /// The same recording with the spikes of an axis among `rows` at rest taken for empty cells, and how many there
-    /// are.
-    pub fn without_spikes(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
-        let Some(spikes) = self.spikes(axis, rows, still) else { return (Cow::Borrowed(self), 0) };
+    /// The rows among `rows` at rest in which an axis holds a value for longer than chance would.
+    fn stuck_rows(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> Vec<Range<usize>> {
+        stuck(self.values(axis), &self.stretches_where(|row| rows.contains(&row) && still[row]))
+    }
+
+    /// The same recording with what is no measurement of an axis among `rows` at rest, spikes and values that stay, taken
+    /// for empty cells, and how many there are.
+    pub fn only_measurements(
+        &self,
+        axis: &str,
+        rows: Range<usize>,
+        still: &[bool],
+    ) -> (Cow<'_, Self>, usize) {
+        let spikes = self.spikes(axis, rows.clone(), still).map_or_else(Vec::new, |spikes| spikes.rows);
+        let stuck = self.stuck_rows(axis, rows, still);
+        if spikes.is_empty() && stuck.is_empty() {
+            return (Cow::Borrowed(self), 0);
+        }
         let mut values = self.values(axis).to_vec();
-        spikes.rows.iter().for_each(|row| values[*row] = f64::NAN);
-        (Cow::Owned(self.with_values(axis, values)), spikes.rows.len())
+        spikes.iter().for_each(|row| values[*row] = f64::NAN);
+        stuck.iter().for_each(|rows| values[rows.clone()].fill(f64::NAN));
+        let left_out =
+            values.iter().zip(self.values(axis)).filter(|(now, was)| now.is_nan() && !was.is_nan());
+        let left_out = left_out.count();
+        (Cow::Owned(self.with_values(axis, values)), left_out)
     }
 
     fn values(&self, column: &str) -> &[f64] {

@@ -67,6 +67,7 @@ impl Recording {
             }
             _ => None,
         };
+        self.turns.extend(next.turns.iter().map(|turn| turn + rows));
         self.quality.add(next.quality);
         self.sources.extend(next.sources);
         Ok(())

@@ -59,6 +59,13 @@ pub struct LoadOptions {
     /// it: a log that was read once is read again, however strictly.
     #[serde(skip)]
     pub strict: bool,
+    /// Count the rows in which the unit was moved as any others, though it was meant to be at rest.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub keep_moved: bool,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// Reads a CSV, gzip'd CSV or Parquet file, told apart by their first bytes.
@@ -251,7 +258,17 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     quality.clock_back = grid.clock_back;
     quality.gaps = grid.segments.iter().filter(|segment| segment.missing_before > 0).count() as u64;
     quality.samples_missing = grid.segments.iter().map(|segment| segment.missing_before).sum();
-    Ok(Recording { sources: vec![source], time_s, channels, segments: grid.segments, rate, still, quality })
+    Ok(Recording {
+        sources: vec![source],
+        time_s,
+        channels,
+        segments: grid.segments,
+        rate,
+        still,
+        turns: Vec::new(),
+        keeps_moved: options.keep_moved,
+        quality,
+    })
 }
 
 /// Refuses a map that names columns the log does not have.

@@ -89,6 +89,10 @@ pub struct Recording {
     pub rate: Rate,
     /// Where the sensor is known to be still, one flag per row; `None` if the log does not say.
     pub still: Option<Vec<bool>>,
+    /// Rows from which on gravity may have another direction than before; what a log does not say.
+    pub turns: Vec<usize>,
+    /// Rows in which the unit was moved count as any others.
+    pub keeps_moved: bool,
     /// What was wrong with the log.
     pub quality: Quality,
 }
@@ -157,6 +161,8 @@ impl Recording {
                 .collect(),
             rate: self.rate.clone(),
             still: self.still.as_ref().map(|still| still[..rows].to_vec()),
+            turns: self.turns.iter().copied().filter(|turn| *turn < rows).collect(),
+            keeps_moved: self.keeps_moved,
             quality: self.quality.clone(),
         }
     }
@@ -168,6 +174,11 @@ impl Recording {
             channel.values = values.into();
         }
         other
+    }
+
+    /// The same with other rows known to be still, and from which of them on gravity may have turned.
+    pub fn with_rests(&self, still: Vec<bool>, turns: Vec<usize>) -> Self {
+        Self { still: Some(still), turns, ..self.clone() }
     }
 
     /// From the first sample to the last by the sample grid, s: stamps may go back.

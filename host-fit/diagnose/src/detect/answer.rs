@@ -45,6 +45,9 @@ pub struct Diagnosis {
     pub noise: NoiseReport,
     /// Why the answer should be taken with care.
     pub cautions: Vec<String>,
+    /// When the unit was moved though it was meant to be at rest, in words.
+    #[serde(default)]
+    pub moved: Vec<String>,
 }
 
 /// A missing effect.
@@ -77,6 +80,9 @@ pub struct Finding {
     /// The reduction that was measured on the log that was given to judge on, those before it in the model.
     #[serde(rename = "realised_fall", default, skip_serializing_if = "Option::is_none")]
     pub measured_reduction: Option<f64>,
+    /// Why it is no claim; none where nothing speaks against it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<String>,
     /// Effects that this log cannot tell from it.
     pub confounded_with: Vec<String>,
     /// The experiments that separate them.
@@ -138,6 +144,9 @@ pub struct Rejected {
     pub effect: String,
     /// Its score alone on the log.
     pub score: f64,
+    /// Why it is no finding, if its score alone would have made it one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
 }
 
 /// An effect that could not be tried.

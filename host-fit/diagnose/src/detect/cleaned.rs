@@ -1,11 +1,11 @@
 //! The logs of a question without what is no measurement, and what anybody would see in them.
 
 use fos_data::column::Column;
+use fos_data::disturbance::{self, Disturbance};
 use std::borrow::Cow;
 
 use super::question::{DiagnoseError, Question};
 use fos_data::recording::{Oddity, Recording};
-use fos_data::stillness;
 
 /// The logs of a question, cleaned.
 #[derive(Debug)]
@@ -13,6 +13,7 @@ pub(super) struct Cleaned<'a> {
     column: String,
     field: Log<'a>,
     quiet: Option<Log<'a>>,
+    judged: Option<Cow<'a, Recording>>,
 }
 
 /// A log as it is and without the spikes of the column to explain.
@@ -21,6 +22,7 @@ struct Log<'a> {
     whole: &'a Recording,
     still: Vec<bool>,
     without: Cow<'a, Recording>,
+    disturbances: Vec<Disturbance>,
 }
 
 impl<'a> Cleaned<'a> {
@@ -33,13 +35,19 @@ impl<'a> Cleaned<'a> {
         let column = question.field.axis(question.target)?.name.clone();
         let field = Log::of(question.field, &column)?;
         let quiet = question.quiet.map(|quiet| Log::of(quiet, &column)).transpose()?;
-        Ok(Self { column, field, quiet })
+        let judged = question.judged.map(|judged| disturbance::marked(judged).0);
+        Ok(Self { column, field, quiet, judged })
     }
 
     /// The question, asked of them.
     pub(super) fn question<'q>(&'q self, question: &Question<'q>) -> Question<'q> {
         let quiet = self.quiet.as_ref().map(|quiet| &*quiet.without);
-        Question { field: &self.field.without, quiet, ..*question }
+        Question { field: &self.field.without, quiet, judged: self.judged.as_deref(), ..*question }
+    }
+
+    /// When the unit was moved in the field log.
+    pub(super) fn disturbances(&self) -> &[Disturbance] {
+        &self.field.disturbances
     }
 
     /// What is odd about the logs that bears on the column to explain.
@@ -58,15 +66,23 @@ impl<'a> Log<'a> {
         if let Some(value) = known.next().filter(|first| known.all(|value| value == *first)) {
             return Err(DiagnoseError::Stuck { column: column.to_owned(), value: *value });
         }
-        let still = stillness::find(whole).still;
-        let (without, _) = whole.without_spikes(column, 0..whole.n_rows(), &still);
-        Ok(Self { whole, still, without })
+        let (at_rest, disturbances) = disturbance::marked(whole);
+        // a wild sample is no motion, whatever a detector of motion makes of it
+        let still = at_rest.still.clone().unwrap_or_else(|| vec![true; whole.n_rows()]);
+        let without = match at_rest {
+            Cow::Borrowed(whole) => whole.only_measurements(column, 0..whole.n_rows(), &still).0,
+            Cow::Owned(marked) => {
+                Cow::Owned(marked.only_measurements(column, 0..whole.n_rows(), &still).0.into_owned())
+            }
+        };
+        Ok(Self { whole, still, without, disturbances })
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {
         let bears = |oddity: &Oddity| match oddity {
             Oddity::Stuck { column: other, .. }
             | Oddity::Spikes { column: other, .. }
+            | Oddity::Held { column: other, .. }
             | Oddity::TurnsAtRest { column: other, .. }
             | Oddity::NoiseDiffers { column: other, .. } => other == column,
             Oddity::Same { columns } => columns.iter().any(|other| other == column),

@@ -3,7 +3,8 @@
 
 use std::rc::Rc;
 
-use fos_data::column::ACCELEROMETERS;
+use fos_data::column::{AXES, Column};
+use fos_data::disturbance;
 
 use super::answer::{Diagnosis, Finding, Untested};
 use super::cleaned::Cleaned;
@@ -27,6 +28,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let mut diagnosis = diagnose_cleaned(&logs.question(question))?;
     diagnosis.cautions.extend(logs.cautions());
+    diagnosis.moved = disturbance::told(question.field, logs.disturbances());
     Ok(diagnosis)
 }
 
@@ -130,8 +132,8 @@ fn learnt_from(question: &Question<'_>) -> String {
     .to_owned()
 }
 
-/// Lines that are errors: an accelerometer on a shaker rightly shows those that its neighbours show too, and those that
-/// come and go.
+/// Lines that are errors. What moves the unit is none: on a shaker or beside a machine an axis rightly shows the lines
+/// that others show too, and what comes and goes, or wanders, on several at once is motion wherever it is.
 fn lines(
     question: &Question<'_>,
     column: &str,
@@ -141,11 +143,17 @@ fn lines(
     let mut lines = lines::of(reduced, question.field);
     if shaken {
         lines.retain(|line| line.duty >= lines::STEADY);
-        for other in ACCELEROMETERS.into_iter().filter(|other| *other != column) {
-            if question.field.channel(other).is_ok() {
-                let other = ErrorInBlocks::new(question.field, other, &[])?;
-                lines.retain(|line| !lines::is_shared(question.field, &other, line));
-            }
+    }
+    let is_asked = |line: &Line| shaken || !line.coherent || line.duty < lines::STEADY;
+    for other in AXES.into_iter().filter(|other| *other != column) {
+        if !lines.iter().any(is_asked) {
+            break;
+        }
+        if question.field.channel(other).is_ok() {
+            let is_of_unit = Column::named(other).unit() == Column::named(column).unit();
+            let other = ErrorInBlocks::new(question.field, other, &[])?;
+            let mut shared = lines::shared(question.field, &other, &lines, is_of_unit).into_iter();
+            lines.retain(|line| !(shared.next().unwrap_or(false) && is_asked(line)));
         }
     }
     Ok(lines)

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::faults::Fault;
+use super::question::is_bias_known;
 use fos_data::recording::{Recording, RecordingError, Reference};
 use fos_data::statistics::median;
 use fos_fit::evaluate::SLOW_BLOCK_S;
@@ -25,6 +26,8 @@ pub struct ErrorInBlocks {
     pub blocks: Blocks,
     /// Block means of the error.
     pub means: Vec<f64>,
+    /// Blocks from which on the level may be another: where gravity turned under an accelerometer without a reference.
+    level_starts: Vec<usize>,
     /// Most samples lie near a stop: what is left away from it says nothing of the bias.
     pub clipped_through: bool,
 }
@@ -106,9 +109,20 @@ impl ErrorInBlocks {
         let unclipped = known.iter().filter(|known| **known).count();
         let all: Vec<bool> = (0..recording.n_rows()).map(|row| is_candidate(row, vouched)).collect();
         let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
-        let blocks = Blocks::new(recording, length_s, if clipped_through { all } else { known });
+        let mut counts = if clipped_through { all } else { known };
+        let turns = if is_bias_known(recording, column) { &[][..] } else { &recording.turns };
+        let mut blocks = Blocks::new(recording, length_s, counts.clone());
+        if !turns.is_empty() {
+            // a block is of one level: of that after the turn
+            for block in &blocks.blocks {
+                let inside = turns.iter().filter(|turn| block.rows.contains(turn));
+                inside.for_each(|turn| counts[block.rows.start..*turn].fill(false));
+            }
+            blocks = Blocks::new(recording, length_s, counts);
+        }
         let means = blocks.means(&series.values);
-        Ok(Self { error: series.values, blocks, means, clipped_through })
+        let level_starts = level_starts(&blocks, turns);
+        Ok(Self { error: series.values, blocks, means, level_starts, clipped_through })
     }
 
     /// The same with the noise of each block that of the shaking in it.
@@ -125,12 +139,34 @@ impl ErrorInBlocks {
         (sum / f64::from(count.max(1)) / 2.0).sqrt()
     }
 
-    /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`.
+    /// Columns over the blocks that are 1 from a turn on: with a constant, a level for each rest.
+    pub(super) fn level_columns(&self) -> Vec<Vec<f64>> {
+        let from =
+            |start: usize| (0..self.blocks.len()).map(move |block| f64::from(u8::from(block >= start)));
+        self.level_starts.iter().map(|start| from(*start).collect()).collect()
+    }
+
+    /// Variance of values, one per block, each about the mean of its level; of those in `blocks`.
+    pub(super) fn variance_in(&self, values: &[f64], blocks: Range<usize>) -> f64 {
+        let cuts = self.level_starts.iter().copied().filter(|cut| *cut > blocks.start && *cut < blocks.end);
+        let cuts: Vec<usize> = cuts.collect();
+        if cuts.is_empty() {
+            return signal::variance(&[&values[blocks]]);
+        }
+        let starts = std::iter::once(blocks.start).chain(cuts.iter().copied());
+        let levels = starts.zip(cuts.iter().copied().chain([blocks.end]));
+        let about_own_mean = |(start, end): (usize, usize)| {
+            let mean = signal::mean(&[&values[start..end]]);
+            values[start..end].iter().map(move |value| value - mean)
+        };
+        signal::variance(&[&levels.flat_map(about_own_mean).collect::<Vec<f64>>()])
+    }
+
+    /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`; about a mean for
+    /// each rest where gravity may have turned.
     pub fn slow_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
-        let means = self.blocks.means(left);
-        let inside =
-            self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
-        signal::variance(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
+        let begins_before = |row: usize| self.blocks.blocks.partition_point(|block| block.rows.start < row);
+        self.variance_in(&self.blocks.means(left), begins_before(rows.start)..begins_before(rows.end))
     }
 
     /// Mean of the block means of what is left of the error, of the blocks that begin in `rows`.
@@ -146,6 +182,15 @@ impl ErrorInBlocks {
         let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();
         signal::variance(&[&rows.clone().filter(counts).map(|row| left[row]).collect::<Vec<f64>>()])
     }
+}
+
+/// The first block of each new level, with blocks on either side.
+fn level_starts(blocks: &Blocks, turns: &[usize]) -> Vec<usize> {
+    let first_after = |turn: &usize| blocks.blocks.partition_point(|block| block.rows.end <= *turn);
+    let mut starts: Vec<usize> = turns.iter().map(first_after).collect();
+    starts.retain(|start| (1..blocks.len()).contains(start));
+    starts.dedup();
+    starts
 }
 
 /// Median of the differences of neighbours as a standard deviation: steps and clipped stretches do not move it.

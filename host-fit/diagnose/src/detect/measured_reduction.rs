@@ -1,12 +1,13 @@
 //! What was found in one log, held against another: what makes the error worse there is no law.
 
-use super::answer::{Diagnosis, Finding, Verdict};
+use super::answer::{Diagnosis, Finding};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
-use super::findings::{outweighed, sentence};
+use super::findings::{sentence, verdict};
 use super::open::Lead;
 use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
+use fos_data::disturbance;
 use fos_data::recording::Recording;
 
 /// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect
@@ -20,6 +21,7 @@ pub fn with_measured_reduction(
     field: &Recording,
     judged: &Recording,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
     let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
     let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
     let rows = 0..judged.n_rows();
@@ -65,6 +67,8 @@ pub fn with_measured_reduction(
                 gain: finding.gain,
                 score: finding.score,
                 share: finding.predicted_reduction,
+                band: finding.band,
+                decides: true,
             });
         } else {
             held.push(finding);
@@ -73,8 +77,7 @@ pub fn with_measured_reduction(
     diagnosis.findings = held;
     if !diagnosis.leads.is_empty() {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
-        diagnosis.verdict = Verdict::Unexplained;
-        outweighed(&mut diagnosis.findings, &diagnosis.leads);
+        diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads);
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
     }
     Ok(diagnosis)

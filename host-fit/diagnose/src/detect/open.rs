@@ -6,6 +6,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use crate::effects::Band;
+
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 use fos_fit::noise::{Gls, dot};
@@ -19,6 +21,9 @@ const ACCEPT: f64 = 12.0;
 const KNOTS: [usize; 3] = [7, 15, 31];
 const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
+
+/// A remainder of less than this share of the variance of what is left is noticed by nobody.
+const NOTICED: f64 = 0.01;
 
 /// Leads whose noise levels are fitted.
 const FITTED: usize = 2;
@@ -35,6 +40,20 @@ pub struct Lead {
     pub score: f64,
     /// Its share of the variance of the block means of what is left.
     pub share: f64,
+    /// In block means or in the samples: what shows in the samples alone says nothing against a slow effect.
+    #[serde(default = "slow")]
+    pub band: Band,
+    /// Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice.
+    #[serde(default = "yes")]
+    pub decides: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn slow() -> Band {
+    Band::Slow
 }
 
 /// A curve that was tried.
@@ -100,7 +119,15 @@ impl Left<'_> {
                 };
                 let gain = self.fitted.deviance - fitted.deviance;
                 let share = self.share(&fitted.gls, &regressors);
-                Lead { follows: curve.follows.clone(), gain, score: gain - price(k), share }
+                let follows = curve.follows.clone();
+                Lead {
+                    follows,
+                    gain,
+                    score: gain - price(k),
+                    share,
+                    band: Band::Slow,
+                    decides: share >= NOTICED,
+                }
             })
             .filter(|lead| lead.score >= ACCEPT)
             .collect();

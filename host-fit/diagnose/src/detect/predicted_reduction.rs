@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::error_in_blocks::ErrorInBlocks;
 use super::slow::{Found, SlowResult};
-use fos_fit::noise::Blocks;
 use fos_fit::noise::{Fitted, Regression, UnknownLevels};
 
 /// Draws of noise and coefficients.
@@ -91,7 +91,7 @@ impl SlowEffect {
 
 /// What is known of the log that is to be judged.
 pub(super) struct PredictedReductions<'a> {
-    pub(super) blocks: &'a Blocks,
+    pub(super) log: &'a ErrorInBlocks,
     /// The regression that says what is known of the noise levels.
     pub(super) regression: &'a Regression<'a>,
     pub(super) fitted: &'a Fitted,
@@ -109,7 +109,8 @@ impl PredictedReductions<'_> {
         later: &[SlowEffect],
     ) -> Result<PredictedReduction, UnknownLevels> {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let (n, k) = (self.blocks.len(), effect.coefficients.len());
+        let blocks = &self.log.blocks;
+        let (n, k) = (blocks.len(), effect.coefficients.len());
         let mut missing = vec![0.0; n];
         for other in later {
             let own = SlowEffect::sum(&other.columns, &other.coefficients, n);
@@ -124,13 +125,13 @@ impl PredictedReductions<'_> {
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                 let coefficients =
                     &effect.coefficients + &effect.factor * DVector::from_fn(k, |_, _| normal());
-                let noise = levels.simulate(self.blocks, &mut random);
+                let noise = levels.simulate(blocks, &mut random);
                 let truth = SlowEffect::sum(&effect.columns, &coefficients, n);
                 let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
                 let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
                 let error = |left: &[f64]| match effect.is_step {
                     true => left.iter().map(|value| value * value).sum::<f64>() / n as f64,
-                    false => fos_fit::signal::variance(&[left]),
+                    false => self.log.variance_in(left, 0..n),
                 };
                 1.0 - error(&after) / error(&before)
             })

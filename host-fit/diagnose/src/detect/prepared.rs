@@ -36,6 +36,8 @@ pub(super) struct Prepared {
     pub(super) prior: LevelPrior,
     /// The same where a random walk larger than the baseline's is tried.
     free_walk_prior: LevelPrior,
+    /// Inertial axes of the log.
+    axes: usize,
     pub(super) given: Vec<Vec<f64>>,
     /// The axis measures shaking, and no reference says what of it.
     pub(super) shaken: bool,
@@ -44,6 +46,7 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
+    /// Of a question whose field log is clean.
     pub(super) fn new(question: &Question<'_>) -> Result<Self, DiagnoseError> {
         let Question { field, target, library, .. } = *question;
         let column = field.axis(target)?.name.clone();
@@ -71,9 +74,23 @@ impl Prepared {
             let effect = Rc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
+        // where gravity may have turned, each rest has a level of its own; what a gyro shows goes on
+        given.extend(reduced.level_columns());
         let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
         let free_walk_prior = prior.with_free_walk(FREE_WALK)?;
-        Ok(Self { free_walk_prior, column, faults, testable, reduced, prior, given, shaken, fast_deviation })
+        let axes = field.axes()?.len();
+        Ok(Self {
+            axes,
+            free_walk_prior,
+            column,
+            faults,
+            testable,
+            reduced,
+            prior,
+            given,
+            shaken,
+            fast_deviation,
+        })
     }
 
     pub(super) fn search<'s>(
@@ -86,6 +103,7 @@ impl Prepared {
             y: &self.reduced.means,
             given: &self.given,
             hypotheses,
+            axes: self.axes,
             effects,
             prior: self.prior,
             free_walk_prior: self.free_walk_prior,
@@ -117,7 +135,10 @@ fn prior(
         (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
     };
     match quiet {
-        Some(quiet) => Ok(start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]])?),
+        Some(quiet) => {
+            let levels = quiet.level_columns().into_iter().chain([vec![1.0; quiet.blocks.len()]]);
+            Ok(start.learnt(&quiet.blocks, &quiet.means, &levels.collect::<Vec<_>>())?)
+        }
         None => Ok(start),
     }
 }

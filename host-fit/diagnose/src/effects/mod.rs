@@ -171,6 +171,12 @@ pub struct EffectTerm {
     /// Unit of its coefficient for an accelerometer.
     #[serde(default)]
     pub accelerometer: Option<String>,
+    /// The largest coefficient that is typical of a gyro, in its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro_typical: Option<f64>,
+    /// The same of an accelerometer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accelerometer_typical: Option<f64>,
 }
 
 /// The parameter of an effect, searched for on a logarithmic grid and then refined.
@@ -408,6 +414,15 @@ impl Effect {
             false => None,
         };
         unit.and_then(|unit| unit.parse().ok())
+    }
+
+    /// The largest coefficient of a term that is typical of a target column, in its data-sheet unit.
+    pub fn typical(&self, term: usize, target: &str) -> Option<f64> {
+        let term = self.terms.get(term)?;
+        match Column::named(target).is_angular_rate() {
+            true => term.gyro_typical,
+            false => term.accelerometer_typical.filter(|_| Column::named(target).is_specific_force()),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use fos_data::recording::RecordingError;
 
 use crate::detect::DiagnoseError;
 use crate::effects::EffectError;
+use crate::physical::PhysicalError;
 use crate::study::StudyAxisError;
 
 /// Why an effect cannot be added.
@@ -24,6 +25,9 @@ pub enum RefineError {
         "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too, or fit fewer axes together"
     )]
     Model(#[from] ModelError),
+    /// What the model corrects cannot be told.
+    #[error(transparent)]
+    Physical(#[from] PhysicalError),
     /// The study has no such axis, or nothing was added to it.
     #[error(transparent)]
     Study(#[from] StudyAxisError),

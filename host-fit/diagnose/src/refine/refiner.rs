@@ -6,6 +6,7 @@ use std::ops::Range;
 use fos_data::column::Column;
 use fos_data::recording::Recording;
 use fos_data::stillness::{self, KnownBy};
+use fos_data::{disturbance, pose};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::fit::regressors::Regressors;
@@ -20,6 +21,7 @@ use crate::detect::{
     estimate, is_bias_known, is_step,
 };
 use crate::effects::{Band, Detector, Effect, Library};
+use crate::physical::physical;
 use crate::study::{Added, Left, LogSources, Refinement, RefinementStep, Study, StudyAxisError};
 
 /// Share of the field log that effects are estimated from where no other log is there to judge on.
@@ -39,6 +41,9 @@ pub struct Refiner<'a> {
     judged: &'a Recording,
     judged_rows: Range<usize>,
     library: &'a Library,
+    /// Field and judged log as they are at rest; none where nothing moved the unit.
+    field_at_rest: Option<Recording>,
+    judged_at_rest: Option<Recording>,
 }
 
 impl<'a> Refiner<'a> {
@@ -50,19 +55,12 @@ impl<'a> Refiner<'a> {
         library: &'a Library,
     ) -> Self {
         let cut = (FITTED_SHARE * field.n_rows() as f64) as usize;
-        match judged {
-            Some(judged) => {
-                let judged_rows = 0..judged.n_rows();
-                Self { field: Cow::Borrowed(field), quiet, judged, judged_rows, library }
-            }
-            None => Self {
-                field: Cow::Owned(field.first_rows(cut)),
-                quiet,
-                judged: field,
-                judged_rows: cut..field.n_rows(),
-                library,
-            },
-        }
+        let (field, judged, judged_rows) = match judged {
+            Some(judged) => (Cow::Borrowed(field), judged, 0..judged.n_rows()),
+            None => (Cow::Owned(field.first_rows(cut)), field, cut..field.n_rows()),
+        };
+        let (field_at_rest, judged_at_rest) = (at_rest(&field), at_rest(judged));
+        Self { field, quiet, judged, judged_rows, library, field_at_rest, judged_at_rest }
     }
 
     /// Rows that effects are estimated from.
@@ -203,7 +201,7 @@ impl<'a> Refiner<'a> {
                 let effect = self.library.get(&finding.effect);
                 let can_be_added =
                     effect.is_ok_and(|effect| self.can_add(&refinement.column, effect).is_ok());
-                !finding.correction.is_empty() && can_be_added
+                !finding.correction.is_empty() && finding.doubt.is_none() && can_be_added
             });
             // two effects may cancel in part: the one that helps most alone comes first
             let best = worth_adding.max_by(|a, b| {
@@ -262,17 +260,7 @@ impl<'a> Refiner<'a> {
             return Ok(vec![0.0; log.n_rows()]);
         }
         let known = known_rows(log, &model.axes[0].column);
-        let playback = Playback::new(log, model, &known)?;
-        let mut alone = model.clone();
-        alone.axes[0].stochastic.clear();
-        alone.axes[0].parameters.constant = 0.0;
-        let mut predictor = alone.predictor::<f64>()?;
-        let offset = alone.axes[0].parameters.offset;
-        let predicted = (0..log.n_rows()).map(|row| {
-            playback.catch_up(&mut predictor, row);
-            playback.coast(&mut predictor, row)[0].predicted - offset
-        });
-        Ok(predicted.collect())
+        Ok(physical(model, log, &known)?.swap_remove(0))
     }
 
     /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is
@@ -286,7 +274,8 @@ impl<'a> Refiner<'a> {
             false => (parameters.reference, parameters.offset) = (level, 0.0),
         }
         let known = known_rows(log, &column);
-        let playback = Playback::new(log, &model, &known)?;
+        let in_one_pose = self.in_one_pose(&model, log, self.field_at_rest.as_ref(), level)?;
+        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(log), &model, &known)?;
         let mut alone = model.clone();
         alone.axes[0].stochastic.clear();
         let regressors = Regressors::of(&alone, &playback, log.n_rows())?;
@@ -299,9 +288,27 @@ impl<'a> Refiner<'a> {
         Ok(model)
     }
 
+    /// `log` as it would be if an axis whose bias is not known had one level in all its poses; `None` if it has.
+    fn in_one_pose(
+        &self,
+        model: &UnitModel,
+        log: &Recording,
+        at_rest: Option<&Recording>,
+        level: f64,
+    ) -> Result<Option<Recording>, RefineError> {
+        let column = &model.axes[0].column;
+        let turns = at_rest.map_or(&[][..], |at_rest| &at_rest.turns);
+        if turns.is_empty() || is_bias_known(log, column) {
+            return Ok(None);
+        }
+        let (values, explained) = (&log.channel(column)?.values, self.physical(model, log)?);
+        let moved = pose::with_levels(values, &explained, &known_rows(log, column), turns, |_| level);
+        Ok(Some(log.with_values(column, moved)))
+    }
+
     /// The field log without samples of an axis that are no measurements.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
-        self.field.without_spikes(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
+        self.field.only_measurements(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
     }
 
     /// What a rival has seen: the field log as it was.
@@ -340,8 +347,8 @@ impl<'a> Refiner<'a> {
             left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
             Ok((reduced, left))
         };
-        let (field, left_of_field) = of(&self.field)?;
-        let (reduced, left) = of(self.judged)?;
+        let (field, left_of_field) = of(self.field_at_rest.as_ref().unwrap_or(&self.field))?;
+        let (reduced, left) = of(self.judged_at_rest.as_ref().unwrap_or(self.judged))?;
         let rows = &self.judged_rows;
         let moved = || {
             let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
@@ -368,7 +375,8 @@ impl<'a> Refiner<'a> {
             // another pose has another constant
             (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
         }
-        let playback = Playback::new(self.judged, &judged, &known)?;
+        let in_one_pose = self.in_one_pose(&model, self.judged, self.judged_at_rest.as_ref(), level)?;
+        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(self.judged), &judged, &known)?;
         let trace = trace::<f64>(&judged, &playback, self.judged_rows.clone(), |_| {})?;
         let name = match &added {
             None => "before".to_owned(),
@@ -377,6 +385,14 @@ impl<'a> Refiner<'a> {
         let errors = ModelErrors::of(&trace, 0, &name, &column, None);
         let cost = Cost::of(&model);
         Ok(RefinementStep { added, model, errors, left, cost })
+    }
+}
+
+/// The log without the rows in which the unit was moved.
+fn at_rest(log: &Recording) -> Option<Recording> {
+    match disturbance::marked(log).0 {
+        Cow::Borrowed(_) => None,
+        Cow::Owned(marked) => Some(marked),
     }
 }
 

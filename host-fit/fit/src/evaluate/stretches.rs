@@ -43,7 +43,7 @@ pub struct Stretch {
     pub special: Vec<String>,
 }
 
-/// The five stretches of `axis` in which most is left, worst first.
+/// The five stretches of `axis` in which most is left, worst first: five different ones, neighbours in time are one.
 pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
@@ -52,7 +52,8 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
     let left = |place: &Range<usize>| {
         &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start]
     };
-    let rms = |place: &Range<usize>| (left(place).iter().map(|e| e * e).sum::<f64>() / length as f64).sqrt();
+    let rms =
+        |rows: &Range<usize>| (left(rows).iter().map(|e| e * e).sum::<f64>() / rows.len() as f64).sqrt();
     let mut ranked: Vec<(f64, usize)> = places
         .iter()
         .enumerate()
@@ -62,21 +63,60 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
     let median_rms = median(ranked.iter().map(|(rms, _)| *rms));
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let backdrop = Backdrop::new(recording, &places);
-    ranked
-        .iter()
-        .take(NAMED)
-        .map(|&(rms, index)| {
-            let place = &places[index];
+    let mut named: Vec<Stretch> = different(&ranked, &places)
+        .into_iter()
+        .map(|Group { places: indices, worst, .. }| {
+            let rows = places[indices.start].start..places[indices.end - 1].end;
+            let rms = rms(&rows);
             Stretch {
-                begin_s: recording.time_s[place.start],
-                end_s: recording.time_s[place.end - 1],
+                begin_s: recording.time_s[rows.start],
+                end_s: recording.time_s[rows.end - 1],
                 rms,
-                mean: left(place).iter().sum::<f64>() / length as f64,
+                mean: left(&rows).iter().sum::<f64>() / rows.len() as f64,
                 ratio: rms / median_rms,
-                special: backdrop.special(recording, trace, index, place),
+                special: backdrop.special(recording, trace, worst, &places[worst]),
             }
         })
-        .collect()
+        .collect();
+    named.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+    named
+}
+
+/// Places next to one another, and the worst of them.
+struct Group {
+    places: Range<usize>,
+    worst: usize,
+    rms: f64,
+}
+
+/// A place beside a worse one belongs to it if so much of its size is left there; less is its slope.
+const BELONGS: f64 = 0.5;
+
+/// The worst places, each with its neighbours.
+fn different(ranked: &[(f64, usize)], places: &[Range<usize>]) -> Vec<Group> {
+    let touches = |one: usize, next: usize| places[one].end == places[next].start;
+    let mut groups: Vec<Group> = Vec::new();
+    for &(rms, index) in ranked {
+        let is_before = |group: &Group| index + 1 == group.places.start && touches(index, index + 1);
+        let is_after = |group: &Group| index == group.places.end && touches(index - 1, index);
+        let mut beside: Vec<usize> =
+            (0..groups.len()).filter(|at| is_before(&groups[*at]) || is_after(&groups[*at])).collect();
+        match beside.first() {
+            None if groups.len() < NAMED => {
+                groups.push(Group { places: index..index + 1, worst: index, rms })
+            }
+            Some(&into) if rms >= BELONGS * groups[into].rms => {
+                // the one between two joins them
+                let other = beside.pop().filter(|other| *other != into).map(|other| groups.remove(other));
+                let joined = &mut groups[into].places;
+                for part in [index..index + 1].into_iter().chain(other.map(|other| other.places)) {
+                    *joined = joined.start.min(part.start)..joined.end.max(part.end);
+                }
+            }
+            _ => {}
+        }
+    }
+    groups
 }
 
 /// Mean and spread of every channel in every stretch.
@@ -159,4 +199,32 @@ fn score(values: &[f64], index: usize) -> Option<(f64, f64)> {
 /// Not a number of none: a ratio to it is no score.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     median_of(values).unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_one_stretch_and_five_are_named() {
+        // two hills, one with a gap in the rows in its middle, and a plain
+        let heights = [1.0, 1.1, 8.0, 9.0, 7.0, 2.0, 1.2, 5.0, 6.0, 1.3, 0.9, 1.4, 0.3, 1.5];
+        let places: Vec<Range<usize>> = (0..heights.len())
+            .map(|i| 10 * i + usize::from(i > 7)..10 * i + 10 + usize::from(i > 7))
+            .collect();
+        let mut ranked: Vec<(f64, usize)> = heights.iter().copied().zip(0..).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let found: Vec<(Range<usize>, usize)> =
+            different(&ranked, &places).into_iter().map(|group| (group.places, group.worst)).collect();
+        assert_eq!(found[..3], [(2..5, 3), (8..9, 8), (7..8, 7)]);
+        assert_eq!(found.len(), NAMED);
+    }
+
+    #[test]
+    fn one_between_two_joins_them() {
+        let places: Vec<Range<usize>> = (0..5).map(|i| 10 * i..10 * i + 10).collect();
+        let ranked = [(9.0, 1), (8.0, 3), (7.0, 2), (0.1, 0), (0.1, 4)];
+        let found = different(&ranked, &places);
+        assert_eq!((found.len(), found[0].places.clone(), found[0].worst), (1, 1..4, 1));
+    }
 }

@@ -11,13 +11,13 @@ use super::axis_error::AxisError;
 use super::axis_report::AxisReport;
 use super::options::{FitOptions, InputSpec, Train};
 use super::physical;
+use super::poses::Poses;
 use super::regressors::Regressors;
 use super::stochastic;
 use crate::evaluate;
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
-use fos_data::pose::{self, Pose};
 use fos_data::recording::{Recording, Reference};
 use fos_data::stillness::{self, Stillness};
 
@@ -46,22 +46,28 @@ pub struct AxisFit {
     pub report: AxisReport,
 }
 
-/// The first rows of the recording that hold the training part.
-pub fn training_rows(recording: &Recording, stillness: &Stillness, train: Train) -> Range<usize> {
-    let still_rows = stillness.still.iter().filter(|still| **still).count();
-    let wanted = match train {
-        Train::Share(share) => (share * still_rows as f64).round() as usize,
-        Train::Seconds(seconds) => (seconds / recording.rate.period_s).round() as usize,
+/// The first rows of the recording: a share of them, or those of its first seconds, at rest or not.
+pub fn training_rows(recording: &Recording, train: Train) -> Range<usize> {
+    let end = match train {
+        Train::Share(share) => (share * recording.n_rows() as f64).round() as usize,
+        Train::Seconds(seconds) => {
+            let ticks = (seconds / recording.rate.period_s).round() as u64;
+            let rows = recording.segments.iter().map(|segment| {
+                let left = ticks.saturating_sub(segment.tick);
+                segment.rows.len().min(usize::try_from(left).unwrap_or(usize::MAX))
+            });
+            rows.sum()
+        }
     };
-    let mut seen = 0;
-    let end = stillness.still.iter().position(|still| {
-        seen += usize::from(*still);
-        seen > wanted
-    });
-    0..end.unwrap_or(recording.n_rows())
+    0..end.min(recording.n_rows())
 }
 
-/// Fits `axis` (`gx`, or a column) of `recording`.
+/// Where a log is at rest that a model is fitted to: in the training part told from that part alone.
+pub fn rest(recording: &Recording, train: Train) -> Stillness {
+    stillness::find_apart(recording, training_rows(recording, train).end)
+}
+
+/// Fits `axis` (`gx`, or a column) of `recording`; `stillness` is [`rest`], or what else is known about the log.
 ///
 /// # Errors
 ///
@@ -74,9 +80,12 @@ pub fn fit_axis(
 ) -> Result<AxisFit, AxisError> {
     let column = recording.axis(axis)?.name.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
-    let training = training_rows(recording, stillness, options.train);
-    let (cleaned, spikes) = recording.without_spikes(&column, training.clone(), &stillness.still);
-    let recording = cleaned.as_ref();
+    let training = training_rows(recording, options.train);
+    let (cleaned, spikes) = recording.only_measurements(&column, training.clone(), &stillness.still);
+    let reference = cleaned.error_series(&column)?.reference;
+    let poses = Poses::of(&cleaned, stillness, (&column, &reference), &training)?;
+    let in_first_pose = poses.in_first(&cleaned, |_| 0.0);
+    let recording = in_first_pose.as_ref().unwrap_or(&cleaned);
     let series = recording.error_series(&column)?;
     let known: Vec<f64> = training
         .clone()
@@ -93,9 +102,6 @@ pub fn fit_axis(
             fits: String::new(),
         });
     }
-    if series.reference == Reference::Constant {
-        check_pose(recording, stillness, &column, training.clone())?;
-    }
     let mut model = start(recording, stillness, (&column, &series.reference), &training, &known, options)?;
     let playback = Playback::new(recording, &model, &stillness.still)?;
 
@@ -103,12 +109,25 @@ pub fn fit_axis(
     let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     let mut left_out = Vec::new();
+    let levelled;
+    let mut recording = recording;
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
-        let part = physical::fit(&regressors, &inputs).map_err(of_column)?;
+        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(of_column)?;
         model.axes[0].physical = part.terms;
         left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
+        let scale = model.axes[0].parameters.scale;
+        let explained = |row: usize| {
+            let left = regressors.remainder.get(row).map_or(f64::NAN, |left| scale * left);
+            series.values[row] - left
+        };
+        if let Some(in_first_pose) = poses.in_first(recording, explained) {
+            levelled = in_first_pose;
+            recording = &levelled;
+            let playback = Playback::new(recording, &model, &stillness.still)?;
+            regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
+        }
         if options.offset.is_none() {
             take_off_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
         }
@@ -123,6 +142,7 @@ pub fn fit_axis(
         },
         left_out,
         spikes,
+        poses: poses.told(),
         ..part.report
     };
     set_ranges(&mut model, &regressors);
@@ -130,29 +150,6 @@ pub fn fit_axis(
     let playback = Playback::new(recording, &model, &stillness.still)?;
     set_statistics(&mut model, &playback, training).map_err(model_error)?;
     Ok(AxisFit { model, report })
-}
-
-/// Whether an accelerometer that is trained without a reference lies in one pose.
-fn check_pose(
-    recording: &Recording,
-    stillness: &Stillness,
-    column: &str,
-    training: Range<usize>,
-) -> Result<(), AxisError> {
-    let mut used = stillness.still.clone();
-    used[training.end..].fill(false);
-    let [first, second] = &pose::first_two(recording, &pose::columns_of(recording, column), &used)[..] else {
-        return Ok(());
-    };
-    let begins = |pose: &Pose| (recording.time_s[pose.rows.start], pose.force.clone());
-    let in_first = used[..first.rows.end].iter().filter(|used| **used).count();
-    let train_s = (in_first as f64 * recording.rate.period_s) as u64;
-    Err(AxisError::TwoPoses {
-        column: column.to_owned(),
-        first: begins(first),
-        second: begins(second),
-        train_s,
-    })
 }
 
 /// The model before anything is fitted: offset, scale, inputs.

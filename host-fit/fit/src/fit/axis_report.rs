@@ -4,6 +4,7 @@ use fos_core::Factor;
 use serde::{Deserialize, Serialize};
 
 use super::options::FitMethod;
+use super::poses::FittedPose;
 
 /// How one axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,10 @@ pub struct AxisReport {
     /// Samples that are no measurements, and were left out.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub spikes: usize,
+    /// The poses that it was fitted in, each with a constant of its own; none where there is one, or where gravity does
+    /// not bear on it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<FittedPose>,
     /// Why the search stopped, or what was done instead, in words.
     pub stopped: String,
     /// Condition number of the final terms, columns scaled.

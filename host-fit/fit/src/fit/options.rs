@@ -38,7 +38,7 @@ pub struct FitOptions {
     pub max_terms: usize,
     /// When to stop before that.
     pub stop: Stop,
-    /// What the model is trained on, from the start of the log. Default: half of the rows at rest.
+    /// What the model is trained on, from the start of the log. Default: half of it.
     pub train: Train,
     /// Taken off the measured error before scaling, in the axis' unit; by default its mean.
     pub offset: Option<f64>,
@@ -153,7 +153,7 @@ impl FromStr for Stop {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Train {
-    /// This share of the rows at rest.
+    /// This share of the rows.
     Share(f64),
     /// This long a time at rest, s.
     Seconds(f64),

@@ -37,16 +37,16 @@ pub struct UnknownTerm {
     pub standard_error: f64,
 }
 
-/// The physical part over `inputs`. A term whose coefficient noise alone would have given is left out, the least sure
+/// The physical part over `inputs`, beside `levels`: columns of constants that hold for part of the rows. A term whose coefficient noise alone would have given is left out, the least sure
 /// first, and the others are estimated anew: it would be followed where the input goes, and do nothing but harm.
 ///
 /// # Errors
 ///
 /// Too few rows, or inputs that the data cannot tell apart.
-pub fn fit(regressors: &Regressors, inputs: &[u8]) -> Result<PhysicalPart, FitError> {
+pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Result<PhysicalPart, FitError> {
     let (mut inputs, mut left_out) = (inputs.to_vec(), Vec::new());
     loop {
-        let (terms, rows) = coefficients(regressors, &inputs)?;
+        let (terms, rows) = coefficients(regressors, &inputs, levels)?;
         // as for a term of the search (`stop`), of a pool of those that were asked for
         let least = NoiseRule::ExtendedBic.threshold(rows, inputs.len() + left_out.len()) * rows as f64;
         let sureness = |term: &FittedTerm| {
@@ -67,13 +67,23 @@ pub fn fit(regressors: &Regressors, inputs: &[u8]) -> Result<PhysicalPart, FitEr
 /// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
 /// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
 /// of it after ten lags. Also gives the rows that count.
-fn coefficients(regressors: &Regressors, inputs: &[u8]) -> Result<(Vec<FittedTerm>, usize), FitError> {
+fn coefficients(
+    regressors: &Regressors,
+    inputs: &[u8],
+    levels: &[Vec<f64>],
+) -> Result<(Vec<FittedTerm>, usize), FitError> {
     if inputs.is_empty() {
         return Ok((Vec::new(), 0));
     }
-    let monomials: Vec<Monomial> = inputs.iter().map(|input| vec![u(*input, 0)]).collect();
+    let n_rows = regressors.remainder.len();
+    let levels = levels.iter().map(|level| &level[..n_rows]);
+    let all: Vec<&[f64]> = regressors.columns().into_iter().chain(levels).collect();
+    // a level is an input like any other, but no term of the model
+    let of_levels = (regressors.inputs.len()..all.len() - 1).filter_map(|input| u8::try_from(input).ok());
+    let estimated: Vec<u8> = inputs.iter().copied().chain(of_levels).collect();
+    let monomials: Vec<Monomial> = estimated.iter().map(|input| vec![u(*input, 0)]).collect();
     let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
-    let mut whitened: Vec<Vec<f64>> = regressors.columns().iter().map(|column| column.to_vec()).collect();
+    let mut whitened: Vec<Vec<f64>> = all.iter().map(|column| column.to_vec()).collect();
     let mut round = 0;
     // ends after WHITENING_ROUNDS: that it settles is not presumed
     loop {
@@ -81,23 +91,21 @@ fn coefficients(regressors: &Regressors, inputs: &[u8]) -> Result<(Vec<FittedTer
         let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
         let solution = refit::refit(&columns, &rows, &monomials)?;
         if round == WHITENING_ROUNDS {
-            return Ok((solution.terms(&monomials), solution.rows));
+            let mut terms = solution.terms(&monomials);
+            terms.truncate(inputs.len());
+            return Ok((terms, solution.rows));
         }
         round += 1;
-        let residual: Vec<f64> = (0..regressors.remainder.len())
+        let residual: Vec<f64> = (0..n_rows)
             .map(|row| {
-                let explained = solution.coefficients.iter().zip(inputs);
-                let explained = explained.map(|(c, input)| c * regressors.inputs[usize::from(*input)][row]);
+                let explained = solution.coefficients.iter().zip(&estimated);
+                let explained = explained.map(|(c, input)| c * all[usize::from(*input) + 1][row]);
                 regressors.remainder[row] - explained.sum::<f64>()
             })
             .collect();
         let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;
         let colour = refit::refit(&[&residual], &rows, &lags)?.coefficients;
-        whitened = regressors
-            .columns()
-            .iter()
-            .map(|column| whiten(column, &regressors.stretches, &colour))
-            .collect();
+        whitened = all.iter().map(|column| whiten(column, &regressors.stretches, &colour)).collect();
     }
 }
 

@@ -165,6 +165,7 @@ fn about(
         ties: Vec::new(),
         left_out: Vec::new(),
         spikes: 0,
+        poses: Vec::new(),
         stopped: String::new(),
         condition_number: refit.condition,
         mse: refit.mse,

@@ -309,7 +309,9 @@ untested: Array<Untested>,
 /** The noise levels that the evidence rests on. */
 noise: NoiseReport,
 /** Why the answer should be taken with care. */
-cautions: Array<string>, };
+cautions: Array<string>,
+/** When the unit was moved though it was meant to be at rest, in words. */
+moved: Array<string>, };
 
 /** A physical effect: what it is, and how it is looked for. */
 export type Effect = {
@@ -355,7 +357,11 @@ targets: Targets,
 /** Unit of its coefficient for a gyro. */
 gyro: string | null,
 /** Unit of its coefficient for an accelerometer. */
-accelerometer: string | null, };
+accelerometer: string | null,
+/** The largest coefficient that is typical of a gyro, in its unit. */
+gyro_typical?: number | null,
+/** The same of an accelerometer. */
+accelerometer_typical?: number | null, };
 
 /** A study in a list. */
 export type Entry = { id: number, name: string, verdict: Verdict | null, working: boolean,
@@ -393,6 +399,8 @@ expected_drop: number,
 expected_drop_ci: [number, number],
 /** The reduction that was measured on the log that was given to judge on, those before it in the model. */
 realised_fall?: number | null,
+/** Why it is no claim; none where nothing speaks against it. */
+doubt?: string | null,
 /** Effects that this log cannot tell from it. */
 confounded_with: Array<string>,
 /** The experiments that separate them. */
@@ -465,7 +473,11 @@ gain: number,
 /** The gain after the price of its coefficients and of everything that was tried. */
 score: number,
 /** Its share of the variance of the block means of what is left. */
-share: number, };
+share: number,
+/** In block means or in the samples: what shows in the samples alone says nothing against a slow effect. */
+band: Band,
+/** Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice. */
+decides: boolean, };
 
 /** What the physical part leaves of the error, in the square of the axis' unit. */
 export type Left = {
@@ -497,7 +509,9 @@ fitted_rows: number,
 /** Which column is which channel, in what unit. */
 columns: Array<string>,
 /** Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps. */
-rate_hz?: number, };
+rate_hz?: number,
+/** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
+keep_moved?: boolean, };
 
 /** A log in a few facts. */
 export type LogSummary = {
@@ -690,7 +704,9 @@ export type Rejected = {
 /** As in the library, as `thermal_lag`. */
 effect: string,
 /** Its score alone on the log. */
-score: number, };
+score: number,
+/** Why it is no finding, if its score alone would have made it one. */
+why?: string | null, };
 
 /** What the exported image does on the log that errors are of. */
 export type Replayed = {

@@ -93,6 +93,7 @@ pub(super) fn bare(effect: &Effect, score: f64) -> Finding {
         predicted_reduction: 0.0,
         predicted_reduction_interval: [0.0; 2],
         measured_reduction: None,
+        doubt: None,
         confounded_with: Vec::new(),
         separate: Vec::new(),
         shows_against: None,

@@ -1,18 +1,25 @@
 //! Findings and leads put together to an answer.
 
 use super::assembly::Assembly;
-use super::verdict::{outweighed, sentence};
-use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Rejected, Verdict};
+use super::doubt::doubt;
+use super::verdict::{sentence, verdict};
+use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Rejected};
 use crate::detect::lines;
 use crate::detect::open::Lead;
 use crate::detect::question::DiagnoseError;
 use crate::detect::shape::Misshape;
-use crate::detect::slow::Found;
+use crate::detect::slow::{Found, MAX_FOUND};
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
 /// More steps than this are jumps to and fro and no longer a shock.
-const MOST_STEPS: usize = 1;
+const MOST_STEPS: usize = 2;
+
+/// What is there for a smaller share of the time says nothing about the rest.
+const LEAST_DUTY: f64 = 0.01;
+
+/// Effects whose score alone is at least this are worth a word on why they were not chosen.
+const WORTH_A_WORD: f64 = 9.0;
 
 impl Assembly<'_> {
     /// The answer.
@@ -44,37 +51,29 @@ impl Assembly<'_> {
         let steps = findings.iter().filter(|finding| is_step(finding)).count();
         if steps > MOST_STEPS {
             let gain = findings.iter().filter(|finding| is_step(finding)).map(|finding| finding.gain).sum();
-            leads.push(Lead { follows: format!("{steps} jumps of the bias"), gain, score: gain, share: 0.0 });
+            let follows = format!("{steps} jumps of the bias");
+            leads.push(Lead { follows, gain, score: gain, share: 0.0, band: Band::Slow, decides: true });
             findings.retain(|finding| !is_step(finding));
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
             let share = match line.duty {
-                duty if duty < 0.01 => "less than 1 %".to_owned(),
+                duty if duty < LEAST_DUTY => "less than 1 %".to_owned(),
                 duty => format!("{:.0} %", 100.0 * duty),
             };
             let follows = format!(
                 "interference near {:.2} Hz that is there for {share} of the time",
                 line.frequency_hz
             );
-            leads.push(Lead { follows, gain: line.score, score: line.score, share: 0.0 });
+            let score = line.score;
+            let decides = line.duty >= LEAST_DUTY;
+            leads.push(Lead { follows, gain: score, score, share: 0.0, band: Band::Wide, decides });
         }
+        doubt(&mut findings, self.question.library, self.column);
+        let claimed: Vec<String> = findings.iter().map(|finding| finding.name.clone()).collect();
+        let named: Vec<String> = findings.iter().map(|finding| finding.effect.clone()).collect();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let verdict = match (leads.is_empty(), findings.is_empty()) {
-            (false, _) => Verdict::Unexplained,
-            (true, false) => Verdict::Missing,
-            (true, true) => Verdict::NothingMissing,
-        };
-        if verdict == Verdict::Unexplained {
-            outweighed(&mut findings, &leads);
-        }
-        let found: Vec<&str> = findings.iter().map(|finding| finding.effect.as_str()).collect();
-        let rejected = self
-            .slow
-            .tried
-            .iter()
-            .filter(|(id, _)| !found.contains(&id.as_str()))
-            .map(|(id, score)| Rejected { effect: id.clone(), score: *score })
-            .collect();
+        let verdict = verdict(&mut findings, &leads);
+        let rejected = self.rejected(&findings, &named, &claimed, &leads);
         let mut cautions = Vec::new();
         if self.question.quiet.is_none() {
             cautions
@@ -96,7 +95,52 @@ impl Assembly<'_> {
                 blocks: self.reduced.blocks.len(),
             },
             cautions,
+            moved: Vec::new(),
         })
+    }
+}
+
+impl Assembly<'_> {
+    /// Effects that were tried and are no findings, and why: `named` and `claimed` are identifiers and names of all that
+    /// stood before a remainder was held against them.
+    fn rejected(
+        &self,
+        findings: &[Finding],
+        named: &[String],
+        claimed: &[String],
+        leads: &[Lead],
+    ) -> Vec<Rejected> {
+        let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
+        let beside = match claimed {
+            [] => "the further noise that was found".to_owned(),
+            _ => claimed.join(" and "),
+        };
+        let why = |id: &str, score: f64, left: Option<f64>| -> Option<String> {
+            let rival_of =
+                findings.iter().find(|finding| finding.confounded_with.iter().any(|rival| rival == id));
+            let lead = leads.first().map(|lead| lead.follows.as_str());
+            match (rival_of, left) {
+                _ if score < WORTH_A_WORD => None,
+                _ if named.iter().any(|found| found == id) => {
+                    lead.map(|lead| format!("it stands, but more is unexplained: what follows {lead}"))
+                }
+                (Some(finding), _) => Some(format!("this log cannot tell it from {}", finding.name)),
+                (None, Some(left)) if left < WORTH_A_WORD => {
+                    Some(format!("with {beside} taken off its score is {left:.0}"))
+                }
+                (None, Some(left)) => Some(format!(
+                    "no more than {MAX_FOUND} are looked for at once; with {beside} taken off its score is {left:.0}"
+                )),
+                (None, None) => Some(format!("with {beside} taken off nothing of it is left")),
+            }
+        };
+        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));
+        tried
+            .map(|(id, score)| {
+                let left = self.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);
+                Rejected { effect: id.clone(), score: *score, why: why(id, *score, left) }
+            })
+            .collect()
     }
 }
 
@@ -107,6 +151,8 @@ fn lead_of(misshape: &Misshape) -> Lead {
             gain: *gain,
             score: *kurtosis,
             share: 0.0,
+            band: Band::Slow,
+            decides: true,
         },
         Misshape::Level { follows, spread, score } => Lead {
             follows: match follows {
@@ -117,7 +163,9 @@ fn lead_of(misshape: &Misshape) -> Lead {
             },
             gain: *score,
             score: *score,
-            share: 0.0,
+            share: *spread,
+            band: Band::Wide,
+            decides: true,
         },
     }
 }

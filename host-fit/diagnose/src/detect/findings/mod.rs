@@ -10,9 +10,10 @@
 
 mod assembly;
 mod diagnosis;
+mod doubt;
 mod lines;
 mod slow;
 mod verdict;
 
 pub(super) use assembly::Assembly;
-pub(super) use verdict::{outweighed, sentence};
+pub(super) use verdict::{sentence, verdict};

@@ -130,8 +130,9 @@ impl Assembly<'_> {
             order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let mut blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?.blocks;
-        blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
+        let mut in_blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?;
+        in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
+        let blocks = &in_blocks.blocks;
         let inputs = Inputs::new(log);
         let mut effects: Vec<SlowEffect> = Vec::new();
         for ((found, estimate), limits) in order.iter().zip(estimates).zip(limits) {
@@ -168,7 +169,7 @@ impl Assembly<'_> {
             prior: &self.slow.prior,
         };
         let falls =
-            PredictedReductions { blocks: &blocks, regression: &regression, fitted: &self.slow.fitted };
+            PredictedReductions { log: &in_blocks, regression: &regression, fitted: &self.slow.fitted };
         (0..effects.len()).map(|at| Ok(falls.of(&effects[at], &effects[at + 1..])?)).collect()
     }
 }

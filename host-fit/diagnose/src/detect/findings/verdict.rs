@@ -7,17 +7,46 @@ use crate::effects::Band;
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
 const OUTWEIGHS: f64 = 5.0;
 
-/// Leaves those findings beside an unexplained rest that explain far more than it.
-pub(crate) fn outweighed(findings: &mut Vec<Finding>, leads: &[Lead]) {
-    let most = leads.iter().map(|lead| lead.gain).fold(0.0, f64::max);
-    findings.retain(|finding| finding.band == Band::Data || finding.gain > OUTWEIGHS * most);
+/// The outcome. Of the findings those are left that explain far more than anything of their band that follows no effect:
+/// what stands by itself is not withheld because something else is there too, which is described beside it.
+pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead]) -> Verdict {
+    let most = |is_wide: bool| {
+        let of_band = leads.iter().filter(|lead| lead.decides && (lead.band == Band::Wide) == is_wide);
+        of_band.map(|lead| lead.gain).fold(0.0, f64::max)
+    };
+    let (slow, wide) = (most(false), most(true));
+    let withheld = findings.len();
+    findings.retain(|finding| match finding.band {
+        Band::Data => true,
+        Band::Wide => finding.gain > OUTWEIGHS * wide,
+        Band::Slow | Band::Stochastic => finding.gain > OUTWEIGHS * slow,
+    });
+    let claims = || findings.iter().filter(|finding| finding.doubt.is_none());
+    let is_slow = |finding: &Finding| matches!(finding.band, Band::Slow | Band::Stochastic);
+    let slow_is_explained = slow == 0.0 || findings.len() == withheld && claims().any(is_slow);
+    match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
+        (true, true) => Verdict::NothingMissing,
+        (false, _) if slow_is_explained && claims().next().is_some() => Verdict::Missing,
+        _ => Verdict::Unexplained,
+    }
 }
 
 /// The outcome in a sentence.
 pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
     match verdict {
-        Verdict::NothingMissing => {
-            "Nothing is missing: what is left looks like the noise of the unit.".to_owned()
+        Verdict::NothingMissing => match leads.first() {
+            None => "Nothing is missing: what is left looks like the noise of the unit.".to_owned(),
+            Some(lead) => format!(
+                "Nothing is missing that would be noticed. A trace is left: it follows {}.",
+                lead.follows
+            ),
+        },
+        Verdict::Unexplained if leads.is_empty() => {
+            let doubtful = findings.first().map_or_else(String::new, |finding| {
+                let why = finding.doubt.as_deref().unwrap_or("it explains only part of it");
+                format!(": {}, but {why}", finding.name)
+            });
+            format!("Something is missing, and what explains it best is no claim{doubtful}.")
         }
         Verdict::Unexplained => {
             let lead = leads.first().map(|lead| lead.follows.as_str()).unwrap_or("nothing that is logged");
@@ -47,7 +76,10 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 true => String::new(),
                 false => format!(" This log cannot tell it from {}.", finding.confounded_with.join(", ")),
             };
-            format!("Most likely missing: {}{params}{drop}.{rivals}", finding.name)
+            let beside = leads.first().map_or_else(String::new, |lead| {
+                format!(" Something smaller is left beside it: it follows {}.", lead.follows)
+            });
+            format!("Most likely missing: {}{params}{drop}.{rivals}{beside}", finding.name)
         }
     }
 }

@@ -81,14 +81,26 @@ fn merged(found: Vec<Line>) -> Vec<Line> {
     lines
 }
 
-/// Whether another axis has the same line, at least a tenth as strong: then it is motion.
-pub(crate) fn is_shared(recording: &Recording, other: &ErrorInBlocks, line: &Line) -> bool {
+/// Which of the lines another axis has too: then they are motion. On an axis of the same unit a line counts from a
+/// tenth of the amplitude on, on one of another from where it stands out of the noise there.
+pub(crate) fn shared(
+    recording: &Recording,
+    other: &ErrorInBlocks,
+    lines: &[Line],
+    is_of_unit: bool,
+) -> Vec<bool> {
     let slow = slow_blocks(recording, other.blocks.known());
     let series = Series::new(recording, &slow, &other.error);
-    Periodogram::of(&series).is_some_and(|periodogram| {
+    let Some(periodogram) = Periodogram::of(&series) else { return vec![false; lines.len()] };
+    let is_shared = |line: &Line| {
         let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
         let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
-        let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
-        excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
-    })
+        if is_of_unit {
+            let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
+            excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
+        } else {
+            periodogram.stands_out(&band)
+        }
+    };
+    lines.iter().map(is_shared).collect()
 }

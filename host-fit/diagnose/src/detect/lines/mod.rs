@@ -21,5 +21,5 @@ mod sine;
 #[cfg(test)]
 mod tests;
 
-pub(super) use find::{is_shared, of};
+pub(super) use find::{of, shared};
 pub(super) use line::{Line, STEADY};

@@ -24,6 +24,9 @@ pub(super) const WIDEST_HZ: f64 = 0.7;
 /// up.
 const BAND_SHARE: f64 = 1.0 / 3.0;
 
+/// Ordinates on either side that a band is held against.
+const SIDE_ORDINATES: usize = 32;
+
 /// Power over the local noise floor.
 pub(super) struct Periodogram {
     /// |X|²/n per ordinate.
@@ -73,13 +76,34 @@ impl Periodogram {
                     continue;
                 }
                 let gain = gain(sums[start + width] - sums[start], width);
+                if gain - self.price() < ACCEPT || !self.is_above_both_sides(start..start + width) {
+                    continue;
+                }
                 if best.as_ref().is_none_or(|(other, _)| gain > *other) {
                     best = Some((gain, start..start + width));
                 }
             }
             width *= 2;
         }
-        best.filter(|(gain, _)| gain - self.price() >= ACCEPT).map(|(_, band)| band)
+        best.map(|(_, band)| band)
+    }
+
+    /// Whether a band stands out of the ordinates on either side of it, too: where the noise went through a filter its
+    /// spectrum has slopes and edges, that no floor follows to the end, but they rise on one side only.
+    fn is_above_both_sides(&self, band: Range<usize>) -> bool {
+        let margin = band.len().max(4);
+        let side = SIDE_ORDINATES.max(2 * band.len());
+        let below =
+            band.start.saturating_sub(margin + side).max(self.first)..band.start.saturating_sub(margin);
+        let above = band.end + margin..(band.end + margin + side).min(self.power.len());
+        let level = |side: Range<usize>| match side.len() >= SIDE_ORDINATES / 2 {
+            true => median(&mut self.power[side].to_vec()) / std::f64::consts::LN_2,
+            // at the end of the spectrum there is one side only
+            false => 0.0,
+        };
+        let level = level(below).max(level(above));
+        let sum: f64 = self.power[band.clone()].iter().sum();
+        gain(sum / level, band.len()) - self.price() >= ACCEPT
     }
 
     fn most_ordinates(&self) -> usize {
@@ -123,6 +147,17 @@ impl Periodogram {
         }
     }
 }
+
+impl Periodogram {
+    /// Whether a band that was named before has more power than noise has once in a thousand times.
+    pub(super) fn stands_out(&self, band: &Range<usize>) -> bool {
+        let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
+        !band.is_empty() && gain(sum, band.len()) > STANDS_OUT
+    }
+}
+
+/// Twice the logarithm of odds of a thousand to one.
+const STANDS_OUT: f64 = 13.8;
 
 /// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against their mean being 1.
 fn gain(sum: f64, width: usize) -> f64 {

@@ -66,7 +66,7 @@ impl SlowSearch<'_> {
             let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
             noise_gain = without.deviance - state.fitted.deviance;
             let price = if matches!(state.noise, ExtraNoise::Walk) { 1.0 } else { 2.0 };
-            noise_score = noise_gain - price * (self.blocks.len() as f64).ln();
+            noise_score = noise_gain - price * (self.blocks.len() as f64).ln() - self.price_of_axes();
         }
         let noise = match (state.noise, state.fitted.levels.gauss_markov) {
             (ExtraNoise::GaussMarkov(_), Some(process)) => ExtraNoise::GaussMarkov(process),
@@ -82,6 +82,7 @@ impl SlowSearch<'_> {
             prior,
             quiet_prior: self.prior,
             tried: tried.scores,
+            beside: Vec::new(),
             silent: tried.silent,
         })
     }

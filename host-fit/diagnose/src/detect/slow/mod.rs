@@ -22,3 +22,4 @@ mod terms;
 
 pub(super) use model::SlowSearch;
 pub(super) use result::{ExtraNoise, Found, SlowResult};
+pub(super) use selection::MAX_FOUND;

@@ -30,6 +30,9 @@ pub(crate) struct SlowSearch<'a> {
     pub(crate) given: &'a [Vec<f64>],
     /// Makes the hypotheses.
     pub(crate) hypotheses: &'a Hypotheses<'a>,
+    /// Axes of the log, of which the target is one: each of them is asked for noise beyond the baseline's, and a log is
+    /// judged by all.
+    pub(crate) axes: usize,
     /// The effects to try.
     pub(crate) effects: &'a [Rc<Effect>],
     /// What is known of the noise levels.

@@ -15,10 +15,10 @@ impl SlowSearch<'_> {
             return None;
         }
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let price = (self.blocks.len() as f64).ln();
+        let (price, of_axes) = ((self.blocks.len() as f64).ln(), self.price_of_axes());
         let start = state.fitted.levels;
         let walk = self.fit(&accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
-        let walk_score = state.fitted.deviance - walk.deviance - price;
+        let walk_score = state.fitted.deviance - walk.deviance - price - of_axes;
         let deviation = (fos_fit::signal::variance(&[&state.fitted.gls.residual]).sqrt() * start.flicker)
             .max(start.flicker);
         let longest = self.blocks.len() as f64 * self.blocks.length_s / 5.0;
@@ -38,7 +38,7 @@ impl SlowSearch<'_> {
             // a shorter one is white noise in block means, and of that there is a level already
             let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
             let process = fitted.levels.gauss_markov.filter(is_slow)?;
-            let score = state.fitted.deviance - fitted.deviance - 2.0 * price;
+            let score = state.fitted.deviance - fitted.deviance - 2.0 * price - of_axes;
             Some((ExtraNoise::GaussMarkov(process), fitted, score))
         });
         let walk = (ExtraNoise::Walk, walk, walk_score);
@@ -46,6 +46,11 @@ impl SlowSearch<'_> {
             Some(process) if process.2 > walk.2 => Some(process),
             _ => Some(walk),
         }
+    }
+
+    /// What it costs to have asked every axis of the log.
+    pub(super) fn price_of_axes(&self) -> f64 {
+        2.0 * (self.axes.max(1) as f64).ln()
     }
 
     /// Further noise that an effect has made unnecessary goes.
@@ -56,7 +61,7 @@ impl SlowSearch<'_> {
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
         let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
         let price = (self.blocks.len() as f64).ln();
-        if without.deviance - state.fitted.deviance < price + ACCEPT {
+        if without.deviance - state.fitted.deviance < price + self.price_of_axes() + ACCEPT {
             *state = State { noise: ExtraNoise::None, fitted: without, accepted: state.accepted.clone() };
         }
     }

@@ -10,7 +10,7 @@ use crate::effects::Effect;
 use fos_data::recording::RecordingError;
 
 /// Most effects that are found one after the other.
-const MAX_FOUND: usize = 4;
+pub(crate) const MAX_FOUND: usize = 4;
 
 impl SlowSearch<'_> {
     /// Searches.
@@ -20,15 +20,17 @@ impl SlowSearch<'_> {
     /// A column is missing.
     pub(crate) fn run(&self) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
-        let mut tried = Tried::default();
+        let (mut tried, mut beside) = (Tried::default(), Vec::new());
         // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit
         // anew and may lose some of it
         for round in 0..MAX_FOUND {
             fos_data::interrupt::check();
             let first_pass = self.first_pass(&state)?;
             let candidates = self.fitted(&state, &first_pass)?;
-            if round == 0 {
-                tried = self.tried(&first_pass, &candidates);
+            let of_round = self.tried(&first_pass, &candidates);
+            match round {
+                0 => tried = of_round,
+                _ => beside = of_round.scores,
             }
             let noise = self.best_noise(&state);
             let best = candidates.into_iter().next();
@@ -47,7 +49,7 @@ impl SlowSearch<'_> {
             }
         }
         self.drop_unsupported(&mut state);
-        self.describe(state, tried)
+        Ok(SlowResult { beside, ..self.describe(state, tried)? })
     }
 
     /// Estimates these effects together, whether they are missing or not.

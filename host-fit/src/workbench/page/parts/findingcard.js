@@ -36,6 +36,7 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
       el(
         "div",
         { class: "finding-words" },
+        finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "No claim. "), `${finding.doubt.charAt(0).toUpperCase()}${finding.doubt.slice(1)}.`) : null,
         mechanism ? el("p", { class: "mechanism" }, mechanism) : null,
         fall(finding, band),
         el("dl", { class: "facts-list" }, facts(finding, offer)),

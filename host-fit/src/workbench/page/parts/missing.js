@@ -70,7 +70,7 @@ function verdictElement({ verdict, sentence }) {
 
 /** What else is to be known of the answer. @param {Diagnosis} diagnosis */
 function restOf(diagnosis) {
-  const { cautions, leads, rejected, untested, noise, unit } = diagnosis;
+  const { cautions, moved = [], leads, rejected, untested, noise, unit } = diagnosis;
   const levels = [
     ["white", quantity(noise.levels.white, unit)],
     ["flicker", quantity(noise.levels.flicker, unit)],
@@ -80,6 +80,14 @@ function restOf(diagnosis) {
     "div",
     { class: "grid two" },
     cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "To be taken with care"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
+    moved.length > 0 &&
+      el(
+        "div",
+        { class: "card wide" },
+        el("h3", {}, "The unit was moved"),
+        el("p", { class: "note" }, "Found from all axes together: what moves the unit shows on several at once. These stretches are left out of fits, comparisons and answers."),
+        el("ul", {}, moved.map((text) => el("li", {}, text))),
+      ),
     leads.length > 0 &&
       el(
         "div",
@@ -95,8 +103,8 @@ function restOf(diagnosis) {
       rejected.length === 0
         ? el("p", { class: "note" }, "Nothing else was tried.")
         : [
-            el("p", { class: "note" }, "Each alone on the log; a score below 9 is chance. A high one that is not chosen is explained better by what is named above."),
-            el("ul", { class: "scores" }, rejected.map(({ effect, score }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect)), el("span", { class: "score" }, number(score))))),
+            el("p", { class: "note" }, "Each alone on the log; a score below 9 is chance. Of a high one that is not chosen it is said why."),
+            el("ul", { class: "scores" }, rejected.map(({ effect, score, why }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect), why !== undefined && el("span", { class: "note" }, `: ${why}`)), el("span", { class: "score" }, number(score))))),
           ],
     ),
     el(

@@ -1,0 +1,111 @@
+//! What a motion looks like, from its length, how far the unit turned, and the levels before and after it.
+
+use std::ops::Range;
+
+use super::Disturbance;
+use crate::column::GYROS;
+use crate::pose;
+use crate::recording::Recording;
+use crate::statistics::median;
+
+/// What a motion looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Short: a blow.
+    Knock,
+    /// Seconds of shaking: steps, a motor.
+    Shaking,
+    /// Taken into the hand, or turned.
+    Handling,
+    /// Slow, of small size, for long: a building that sways.
+    Sway,
+    /// Lasting vibration: a machine that runs.
+    Vibration,
+}
+
+impl Kind {
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Knock => "knock",
+            Self::Shaking => "shaking",
+            Self::Handling => "handling",
+            Self::Sway => "sway",
+            Self::Vibration => "vibration",
+        }
+    }
+}
+
+/// Blows ring no longer, s.
+const KNOCK_S: f64 = 2.0;
+
+/// Shaking by steps or a motor lasts no longer, s.
+const SHAKING_S: f64 = 25.0;
+
+/// Whoever handles a unit turns it by more than this, rad: 2°.
+const TURNED_RAD: f64 = 0.035;
+
+/// Levels before and after are taken over so long, s.
+const LEVEL_S: f64 = 5.0;
+
+/// What the motion in these rows looks like.
+pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
+    let period_s = recording.rate.period_s;
+    let seconds = rows.len() as f64 * period_s;
+    let turned_rad = turned(recording, &rows, rest);
+    let is_tilted = is_tilted(recording, &rows, rest);
+    let kind = if turned_rad.is_some_and(|angle| angle > TURNED_RAD) || is_tilted && seconds > KNOCK_S {
+        Kind::Handling
+    } else if seconds <= KNOCK_S {
+        Kind::Knock
+    } else if seconds <= SHAKING_S {
+        Kind::Shaking
+    } else {
+        Kind::Sway
+    };
+    let rows = if kind == Kind::Handling { with_margin(recording, rows) } else { rows };
+    // who had it in the hand does not put it down exactly as it lay
+    Disturbance { rows, kind, turned_rad, is_tilted: is_tilted || kind == Kind::Handling }
+}
+
+/// A hand comes and goes without a jerk: so much before and after, s.
+const HAND_MARGIN_S: f64 = 1.0;
+
+fn with_margin(recording: &Recording, rows: Range<usize>) -> Range<usize> {
+    let margin = (HAND_MARGIN_S / recording.rate.period_s) as usize;
+    rows.start.saturating_sub(margin)..(rows.end + margin).min(recording.n_rows())
+}
+
+/// The rows at rest before and after, of [`LEVEL_S`] each, within the segment.
+fn beside(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<[Range<usize>; 2]> {
+    let length = (LEVEL_S / recording.rate.period_s) as usize;
+    let segment = recording.segments.iter().find(|segment| segment.rows.contains(&rows.start))?;
+    let before = rows.start.saturating_sub(length).max(segment.rows.start)..rows.start;
+    let after = rows.end..(rows.end + length).min(segment.rows.end);
+    let is_known = |part: &Range<usize>| part.len() >= 10 && part.clone().all(|row| rest[row]);
+    (is_known(&before) && is_known(&after)).then_some([before, after])
+}
+
+/// The largest angle away from the begin, by the gyros without their level before; rad.
+fn turned(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<f64> {
+    let [before, _] = beside(recording, rows, rest)?;
+    let mut angle = vec![[0.0_f64; 3]; rows.len()];
+    for (axis, name) in GYROS.into_iter().enumerate() {
+        let values = &recording.channel(name).ok()?.values;
+        let bias = median(&mut values[before.clone()].to_vec());
+        let mut sum = 0.0;
+        for (angle, row) in angle.iter_mut().zip(rows.clone()) {
+            let rate = values[row] - bias;
+            sum += if rate.is_finite() { rate * recording.rate.period_s } else { 0.0 };
+            angle[axis] = sum;
+        }
+    }
+    let size = |angle: &[f64; 3]| angle.iter().map(|part| part * part).sum::<f64>().sqrt();
+    Some(angle.iter().map(size).fold(0.0, f64::max))
+}
+
+/// Whether the accelerometers show another level than before.
+fn is_tilted(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> bool {
+    beside(recording, rows, rest).is_some_and(|[before, after]| pose::is_tilted(recording, &before, &after))
+}

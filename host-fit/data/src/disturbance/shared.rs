@@ -1,0 +1,186 @@
+//! Where several axes have more energy than usual at the same time.
+
+use std::ops::Range;
+
+use super::scale::{Scale, excess, halved, local_level, median_of_known};
+use crate::recording::{Recording, runs};
+
+/// Slower logs have no time scale on which a knock could be told from noise, s.
+pub(super) const LONGEST_PERIOD_S: f64 = 0.2;
+
+/// The longest blocks, s: the slowest sway of a building takes ten seconds.
+const LONGEST_BLOCK_S: f64 = 2.6;
+
+/// Up to here a block is of vibration, s; beyond it of motion.
+const VIBRATION_BLOCK_S: f64 = 0.1;
+
+/// Pieces of the local level of vibration, s: what lasts for less than two and a half of them is an event.
+const PIECE_S: f64 = 5.0;
+
+/// Vibration that lasts for so long is a state, s.
+const LASTING_S: f64 = 28.0;
+
+/// Sum of the squares of the excess of all axes but the one with most: chance reaches it less often than once in a
+/// million windows.
+const FAR: f64 = 30.0;
+
+/// What follows or comes before it and is still so much belongs to it.
+const NEAR: f64 = 7.0;
+
+/// Motions closer than this are one, s.
+const ONE_S: f64 = 0.75;
+
+/// The level of vibration in a lasting stretch is so much above that of the quietest tenth: half as much again in
+/// deviation.
+const SHAKEN: f64 = 0.8;
+
+/// What is so much above it is violent, and an event unless it lasts: ten times the deviation.
+const VIOLENT: f64 = 4.6;
+
+/// Where the unit was moved.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    /// For a while: events and slow motion.
+    pub(super) moved: Vec<Range<usize>>,
+    /// Lasting vibration.
+    pub(super) shaken: Vec<Range<usize>>,
+}
+
+/// Looks on all time scales at all axes. Where a reference says how the unit moves, slow motion is not looked for: what
+/// is left of it is the error.
+pub(super) fn find(recording: &Recording, axes: &[&[f64]], is_vouched: bool) -> Shared {
+    let period_s = recording.rate.period_s;
+    let n = recording.n_rows();
+    let mut moved = vec![false; n];
+    let mut shaken = vec![false; n];
+    let mut violent = vec![false; n];
+    let mut means: Vec<Vec<f64>> = axes.iter().map(|axis| axis.to_vec()).collect();
+    // by how much the slowest vibration of each axis is above its least, window by window
+    let mut leaking: Vec<(Scale, Vec<f64>)> = Vec::new();
+    for level in 0.. {
+        let scale = Scale::new(level, period_s);
+        let block_s = scale.block as f64 * period_s;
+        if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || is_vouched && block_s > VIBRATION_BLOCK_S {
+            break;
+        }
+        let joins = joins(recording, scale.block, means[0].len());
+        let energies: Vec<Vec<f64>> = means.iter().map(|means| scale.log_energy(means, &joins)).collect();
+        let is_vibration = block_s <= VIBRATION_BLOCK_S;
+        let levels: Vec<Vec<f64>> = match is_vibration {
+            true => {
+                let piece = (PIECE_S / (scale.window as f64 * period_s)).ceil() as usize;
+                energies.iter().map(|energy| local_level(energy, piece)).collect()
+            }
+            false => energies
+                .iter()
+                .zip(&leaking)
+                .map(|(energy, (of, leak))| {
+                    let leak_at =
+                        |window: usize| leak[(window * scale.window / of.window).min(leak.len() - 1)];
+                    let usual: Vec<f64> =
+                        energy.iter().enumerate().map(|(window, energy)| energy - leak_at(window)).collect();
+                    let middle = median_of_known(&usual);
+                    (0..energy.len()).map(|window| middle + leak_at(window)).collect()
+                })
+                .collect(),
+        };
+        let all: Vec<Vec<f64>> =
+            energies.iter().zip(&levels).map(|(energy, level)| excess(energy, level)).collect();
+        let score: Vec<f64> = (0..all[0].len()).map(|window| shared_score(&all, window)).collect();
+        mark(&mut moved, &scale, &score);
+        if is_vibration {
+            leaking = levels.iter().map(|level| (scale, above_least(level))).collect();
+            mark_shaken(&mut shaken, &scale, &leaking, SHAKEN);
+            mark_shaken(&mut violent, &scale, &leaking, VIOLENT);
+        }
+        // what was found is not found again: a knock that is left in the mean of a second would take the seconds around
+        // it along
+        let is_moved = |block: usize| {
+            let rows = block * scale.block..((block + 1) * scale.block).min(n);
+            moved[rows].contains(&true)
+        };
+        let lost: Vec<usize> = (0..means[0].len()).filter(|block| is_moved(*block)).collect();
+        means.iter_mut().for_each(|means| lost.iter().for_each(|block| means[*block] = f64::NAN));
+        means = means.iter().map(|means| halved(means)).collect();
+    }
+    let joined = (ONE_S / period_s) as usize;
+    let stretches = |flags: &[bool], within: usize| {
+        let mut all: Vec<Range<usize>> = Vec::new();
+        for rows in runs(0..n, |row| flags[row]) {
+            match all.last_mut() {
+                Some(last) if rows.start - last.end < within => last.end = rows.end,
+                _ => all.push(rows),
+            }
+        }
+        all
+    };
+    let mut lasting = stretches(&shaken, (PIECE_S / period_s) as usize);
+    let lasts = |rows: &Range<usize>| rows.len() as f64 * period_s >= LASTING_S;
+    // what is large and ends sooner is an event, whose middle the local level took for usual
+    let events = stretches(&violent, joined);
+    events.iter().filter(|rows| !lasts(rows)).for_each(|rows| moved[rows.clone()].fill(true));
+    lasting.retain(lasts);
+    Shared { moved: stretches(&moved, joined), shaken: lasting }
+}
+
+/// Whether a block and the two before it are of one segment.
+fn joins(recording: &Recording, block: usize, n_blocks: usize) -> Vec<bool> {
+    let mut joins = vec![true; n_blocks];
+    for segment in recording.segments.iter().skip(1) {
+        // the block that holds rows of both sides, and those whose second difference reaches over the cut
+        joins.iter_mut().skip(segment.rows.start / block).take(3).for_each(|joins| *joins = false);
+    }
+    joins
+}
+
+/// Sum of the squares of the excess of all axes but the one that has most.
+fn shared_score(all: &[Vec<f64>], window: usize) -> f64 {
+    let squares = all.iter().map(|axis| axis[window].max(0.0).powi(2));
+    let (sum, most) = squares.fold((0.0, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
+    sum - most
+}
+
+/// Marks the rows of windows that are far off, of their neighbours as long as they are off too, and one window on
+/// either side: a filter rings, and half a window may be enough to see it.
+fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
+    let mut window = 0;
+    while window < score.len() {
+        if score[window] < FAR {
+            window += 1;
+            continue;
+        }
+        let mut first = window;
+        while first > 0 && score[first - 1] >= NEAR {
+            first -= 1;
+        }
+        let mut end = window + 1;
+        while end < score.len() && score[end] >= NEAR {
+            end += 1;
+        }
+        // what is large is felt for longer than it stands out
+        let most = score[first..end].iter().copied().fold(FAR, f64::max);
+        let margin = (scale.margin as f64 * (1.0 + (most / FAR).log10())) as usize;
+        let rows =
+            (first * scale.window).saturating_sub(margin)..(end * scale.window + margin).min(moved.len());
+        moved[rows].fill(true);
+        window = end;
+    }
+}
+
+/// A level above that of its quietest tenth.
+fn above_least(level: &[f64]) -> Vec<f64> {
+    let mut known: Vec<f64> = level.iter().copied().filter(|level| level.is_finite()).collect();
+    known.sort_unstable_by(f64::total_cmp);
+    let least = known.get(known.len() / 10).copied().unwrap_or(0.0);
+    level.iter().map(|level| if level.is_finite() { (level - least).max(0.0) } else { 0.0 }).collect()
+}
+
+/// Marks where two axes are shaken at once by more than `least`.
+fn mark_shaken(shaken: &mut [bool], scale: &Scale, axes: &[(Scale, Vec<f64>)], least: f64) {
+    for window in 0..axes[0].1.len() {
+        if axes.iter().filter(|(_, above)| above[window] > least).count() >= 2 {
+            let rows = window * scale.window..((window + 1) * scale.window).min(shaken.len());
+            shaken[rows].fill(true);
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What speaks against a slow effect that was found: it is no claim then, and says why.
+
+use crate::detect::answer::Finding;
+use crate::effects::{Band, Detector, Effect, Library};
+
+/// A parameter this near to a limit of the search is at it.
+const AT_LIMIT: f64 = 1.02;
+
+/// An interval of a parameter that reaches so many times beyond what is searched has no end.
+const NO_END: f64 = 3.0;
+
+/// An effect so many times as large as the largest that is typical is another effect.
+const FAR_BEYOND: f64 = 20.0;
+
+/// Says of those of the slow findings that are no claim why, and puts them behind the others. `target` is the column that
+/// was explained.
+pub(super) fn doubt(findings: &mut Vec<Finding>, library: &Library, target: &str) {
+    let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
+    for place in 0..findings.len() {
+        // what comes after it is still missing in its prediction
+        let is_last = slow(&findings[place + 1..]) == 0;
+        let finding = &mut findings[place];
+        let Ok(effect) = library.get(&finding.effect) else { continue };
+        if effect.band == Band::Slow && effect.search == Detector::Terms {
+            finding.doubt = parameter(finding, effect)
+                .or_else(|| size(finding, effect, target))
+                .or_else(|| helps_nothing(finding).filter(|_| is_last));
+        }
+    }
+    findings.sort_by_key(|finding| finding.doubt.is_some());
+}
+
+/// A parameter at its limit, or of which the log does not say how large it may be.
+fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
+    let parameter = effect.parameter.as_ref()?;
+    let value = *finding.params.get(&parameter.name)?;
+    let (name, unit) = (&parameter.name, &parameter.unit);
+    if value <= parameter.low * AT_LIMIT || value >= parameter.high / AT_LIMIT {
+        return Some(format!("its {name} of {value:.4} {unit} is the limit of what is looked for"));
+    }
+    let [_, high] = finding.params_interval.get(name)?;
+    (!(*high <= NO_END * parameter.high))
+        .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
+}
+
+/// A size that no data sheet knows, even at the near end of its interval.
+fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
+    let typical = |term: usize| effect.typical(term, target);
+    let terms = (0..effect.terms.len())
+        .filter_map(|term| Some((effect.unit(term, target)?.to_string(), typical(term)?)));
+    let largest: Vec<(String, f64)> = terms.collect();
+    finding.sizes.iter().find_map(|size| {
+        let (unit, typical) = largest.iter().find(|(unit, _)| *unit == size.unit)?;
+        let [low, high] = size.interval;
+        let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
+        (least > FAR_BEYOND * typical).then(|| {
+            format!(
+                "its {:.3} {unit} are {:.0} times what is typical at most",
+                size.value,
+                size.value.abs() / typical
+            )
+        })
+    })
+}
+
+/// A fall of the error that may as well be none.
+fn helps_nothing(finding: &Finding) -> Option<String> {
+    let [low, high] = finding.predicted_reduction_interval;
+    (low <= 0.0).then(|| {
+        format!(
+            "with it the error may fall by {:.1} … {:.1} %, which includes nothing",
+            100.0 * low,
+            100.0 * high
+        )
+    })
+}

@@ -1,0 +1,73 @@
+//! What the physical part of a model makes of a log, and the log as it would be in a pose that the model knows.
+
+use fos_core::{Axis, OTHER_POSE};
+use fos_data::column::Column;
+use fos_data::pose;
+use fos_data::recording::{Recording, RecordingError};
+use fos_data::stillness::Stillness;
+use fos_fit::model::UnitModel;
+use fos_fit::playback::Playback;
+
+/// Why the physical part cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum PhysicalError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// fos-core refuses the model.
+    #[error("the model cannot be run: {0}")]
+    Model(#[from] fos_core::ModelError),
+}
+
+/// The physical part of each axis without its offset, in its unit, one value per row of `log`.
+pub(crate) fn physical(
+    model: &UnitModel,
+    log: &Recording,
+    known: &[bool],
+) -> Result<Vec<Vec<f64>>, PhysicalError> {
+    let playback = Playback::new(log, model, known)?;
+    let mut alone = model.clone();
+    for axis in &mut alone.axes {
+        axis.stochastic.clear();
+        axis.parameters.constant = 0.0;
+    }
+    let mut predictor = alone.predictor::<f64>()?;
+    let mut predicted = vec![Vec::with_capacity(log.n_rows()); model.axes.len()];
+    for row in 0..log.n_rows() {
+        playback.catch_up(&mut predictor, row);
+        let corrections = playback.coast(&mut predictor, row);
+        for ((predicted, correction), axis) in predicted.iter_mut().zip(corrections).zip(&alone.axes) {
+            predicted.push(correction.predicted - axis.parameters.offset);
+        }
+    }
+    Ok(predicted)
+}
+
+/// The log as it would be if the unit had lain in the pose of the fit in all its rests: in another pose an accelerometer
+/// without a reference shows another constant, and its error is what it does about that. `None` if gravity never turned.
+pub(crate) fn in_known_pose(
+    model: &UnitModel,
+    log: &Recording,
+    stillness: &Stillness,
+) -> Result<Option<Recording>, PhysicalError> {
+    let is_told = |column: &str| log.channel(&Column::named(column).reference()).is_ok();
+    let bears = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
+    let places: Vec<usize> = (0..model.axes.len())
+        .filter(|place| bears(model.axes[*place].parameters.axis) && !is_told(&model.axes[*place].column))
+        .collect();
+    if stillness.turns.is_empty() || places.is_empty() {
+        return Ok(None);
+    }
+    let explained = physical(model, log, &stillness.still)?;
+    let mut other = log.clone();
+    for place in places {
+        let axis = &model.axes[place];
+        let (reference, scale) = (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale);
+        let is_of_fit = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
+        let wanted = |level| if is_of_fit(level) { level } else { reference };
+        let values = &log.channel(&axis.column)?.values;
+        let moved = pose::with_levels(values, &explained[place], &stillness.still, &stillness.turns, wanted);
+        other = other.with_values(&axis.column, moved);
+    }
+    Ok(Some(other))
+}

@@ -1,0 +1,157 @@
+//! What the world does to a log beside the effect: knocks, steps, doors, sway, motors, fans, hands; wild and stuck
+//! samples; the part's own digital filter.
+//!
+//! Shapes and strengths are drawn over families as wide as the world's, from sources that are named where they are
+//! used; none is fitted to what a diagnosis looks for. Mechanical disturbances are true motion: they show on several
+//! axes of both triads, and are added to what the axes measure. The planted effect is sized without them, so that the
+//! same case can be rendered with and without.
+
+mod filter;
+mod handling;
+mod impulses;
+mod vibration;
+mod wild;
+
+use serde::{Deserialize, Serialize};
+
+use super::random::{Random, Stream, random};
+use super::setup::Setup;
+use super::world::World;
+
+pub(super) use filter::Filter;
+pub(super) use wild::spoil;
+
+/// What disturbs a log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Disturbance {
+    /// Nothing.
+    #[default]
+    Clean,
+    /// Somebody knocks the table, 2 to 8 times.
+    Knocks,
+    /// Somebody walks by.
+    Footsteps,
+    /// Doors slam.
+    Doors,
+    /// The building sways for 10 to 40 % of the time.
+    Sway,
+    /// The phone's vibration motor, in bursts.
+    Motor,
+    /// A fan that starts and stops.
+    Fan,
+    /// Picked up and put down again, six times at most.
+    Handling,
+    /// 1 to 50 samples far off.
+    Spikes,
+    /// The axis holds its value for 0.1 to 2 s.
+    Stuck,
+    /// The noise of quiet log and field went through the part's digital filter.
+    Filter,
+}
+
+impl Disturbance {
+    /// All of them, the clean log first.
+    pub const ALL: [Self; 11] = [
+        Self::Clean,
+        Self::Knocks,
+        Self::Footsteps,
+        Self::Doors,
+        Self::Sway,
+        Self::Motor,
+        Self::Fan,
+        Self::Handling,
+        Self::Spikes,
+        Self::Stuck,
+        Self::Filter,
+    ];
+
+    /// Whether a unit that is used in this way is disturbed so: nobody takes one out of a rig whose motion is logged.
+    pub fn suits(self, setup: Setup) -> bool {
+        self != Self::Handling || matches!(setup, Setup::Bench | Setup::Desk)
+    }
+
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Knocks => "knocks",
+            Self::Footsteps => "footsteps",
+            Self::Doors => "doors",
+            Self::Sway => "sway",
+            Self::Motor => "motor",
+            Self::Fan => "fan",
+            Self::Handling => "handling",
+            Self::Spikes => "spikes",
+            Self::Stuck => "stuck",
+            Self::Filter => "filter",
+        }
+    }
+
+    /// In words, for a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Clean => "nothing but noise and effects",
+            Self::Knocks => "the table is knocked 2 to 8 times",
+            Self::Footsteps => "somebody walks by",
+            Self::Doors => "doors slam",
+            Self::Sway => "the building sways",
+            Self::Motor => "a vibration motor in bursts",
+            Self::Fan => "a fan starts and stops",
+            Self::Handling => "picked up and put down again",
+            Self::Spikes => "1 to 50 samples far off",
+            Self::Stuck => "stuck for 0.1 to 2 s",
+            Self::Filter => "noise through the part's digital filter",
+        }
+    }
+}
+
+/// A stretch of a log that is disturbed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Disturbed {
+    /// From here, s after the first sample.
+    pub from_s: f64,
+    /// To here.
+    pub to_s: f64,
+}
+
+/// What is added to the six axes of a log, in their units, and when.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Motion {
+    /// One series for each axis; empty if nothing moves.
+    pub(super) axes: [Vec<f64>; 6],
+    /// When, in order.
+    pub(super) when: Vec<Disturbed>,
+}
+
+impl Motion {
+    fn none(n: usize) -> Self {
+        Self { axes: std::array::from_fn(|_| vec![0.0; n]), when: Vec::new() }
+    }
+
+    fn is_over(&mut self, from_s: f64, to_s: f64) {
+        self.when.push(Disturbed { from_s, to_s });
+    }
+
+    /// At a row, m/s² or rad/s.
+    pub(super) fn at(&self, axis: usize, row: usize) -> f64 {
+        self.axes[axis].get(row).copied().unwrap_or(0.0)
+    }
+}
+
+/// The motion that a disturbance brings into log number `log` of a case.
+pub(super) fn motion(disturbance: Disturbance, world: &World, (seed, log): (u64, u64)) -> Motion {
+    let random: &mut Random = &mut random(seed, Stream::Disturbance(log));
+    let mut motion = match disturbance {
+        Disturbance::Knocks => impulses::knocks(world, random),
+        Disturbance::Footsteps => impulses::footsteps(world, random),
+        Disturbance::Doors => impulses::doors(world, random),
+        Disturbance::Sway => vibration::sway(world, random),
+        Disturbance::Motor => vibration::motor(world, random),
+        Disturbance::Fan => vibration::fan(world, random),
+        Disturbance::Handling => handling::handling(world, random),
+        _ => Motion::default(),
+    };
+    motion.when.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+    motion
+}
