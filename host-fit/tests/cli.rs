@@ -2,7 +2,7 @@
 
 mod session;
 
-use session::{done, fails};
+use session::{done, fails, said};
 
 #[test]
 fn a_session_goes_from_a_log_to_a_corrected_log() {
@@ -43,6 +43,32 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     let again =
         done(folder, &["fit", "corrected.parquet", "--axis", "gx", "--memory", "none", "-o", "again.json"]);
     assert!(again.contains("gx_rads"), "{again}");
+}
+
+/// As a device answers when it is too late.
+#[test]
+fn export_says_which_hub_refuses_the_model() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.parquet", "--minutes", "1", "--at-rest"]);
+    let fit = ["fit", "log.parquet", "--axis", "gx", "--method", "yule-walker", "-o", "unit.json"];
+    done(folder, &[&fit[..], &["--max-lag", "10"]].concat());
+    let exported = done(folder, &["export", "unit.json", "--image", "a.fosm", "--c", "a.h"]);
+    assert!(exported.contains("samples a second, at most 10 % off, and gives raw values"), "{exported}");
+
+    done(folder, &[&fit[..], &["--max-lag", "140"]].concat());
+    let warned = said(folder, &["export", "unit.json", "--image", "b.fosm", "--rust", "b.rs"]);
+    for part in
+        ["warning: the hub of the C interface", "140 terms (room for 128)", "--max-terms", "Hub<0, 140, 256>"]
+    {
+        assert!(warned.contains(part), "{part}: {warned}");
+    }
+    assert!(folder.join("b.fosm").exists());
+    // Rust source has a hub that is large enough, a C header has none
+    assert_eq!(said(folder, &["export", "unit.json", "--rust", "b.rs"]), "");
+    let refused = fails(folder, 1, &["export", "unit.json", "--image", "c.fosm", "--c", "c.h"]);
+    assert!(refused.contains("error: the hub of the C interface") && refused.contains("help:"), "{refused}");
+    assert!(!folder.join("c.h").exists() && !folder.join("c.fosm").exists());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::{
     FOS_API_VERSION, FOS_DRIFT_MEAN, FOS_DRIFT_VARIANCE, FOS_MAX_HISTORY, FOS_MAX_INPUTS, FOS_MAX_TERMS,
     fos_motion, fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_status,
 };
-use crate::hub::Hub;
+use crate::hub::{CHub, Hub};
 
 /// Bytes that are enough for a hub on every target: for memory that is reserved when compiling.
 pub const FOS_HUB_BYTES: usize = 7168;
@@ -18,8 +18,11 @@ pub const FOS_HUB_ALIGN: usize = 8;
 /// One sensor of six axes and its model. It lives in memory of the caller's, from fos_hub_init() until the caller uses
 /// that memory for something else; there is nothing to free. It must not be copied or moved.
 pub struct fos_hub {
-    pub(super) hub: Hub<FOS_MAX_INPUTS, FOS_MAX_TERMS, FOS_MAX_HISTORY>,
+    pub(super) hub: CHub,
 }
+
+/// The header's numbers are those of the hub: else this has two types.
+const _: fn(Hub<FOS_MAX_INPUTS, FOS_MAX_TERMS, FOS_MAX_HISTORY>) -> CHub = |hub| hub;
 
 #[cfg(feature = "defmt")]
 impl defmt::Format for fos_hub {

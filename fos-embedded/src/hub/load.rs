@@ -11,7 +11,15 @@ use super::{Hub, HubError, Output};
 
 /// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks
 /// of such sensors are up to 5 % off, on either side of the fit.
-const PERIOD_TOLERANCE: f64 = 0.1;
+pub const PERIOD_TOLERANCE: f64 = 0.1;
+
+/// Whether a model with this sample period, s, runs on samples that come in that one:
+/// within [`PERIOD_TOLERANCE`]. A period that
+/// is not a number is near none.
+pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
+    let off = model_s - sensor_s;
+    off.max(-off) <= PERIOD_TOLERANCE * sensor_s
+}
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
     /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not
@@ -98,10 +106,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         stillness: Option<StillnessLimits<f32>>,
     ) -> Result<(), HubError> {
         let sensor = self.scales.period_s;
-        let off = model - sensor;
-        // neither is a period that is not a number
-        let near = off.max(-off) <= PERIOD_TOLERANCE * sensor;
-        if !near {
+        if !is_near_period(model, sensor) {
             return Err(HubError::Period { model_s: model as f32, sensor_s: sensor as f32 });
         }
         self.model_rate_hz = 1.0 / model as f32;

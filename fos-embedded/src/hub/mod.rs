@@ -20,6 +20,7 @@ use axes::{Modelled, at, axis_of, channel_of};
 pub use error::HubError;
 use gravity::Gravity;
 pub use gravity::leads_away;
+pub use load::{PERIOD_TOLERANCE, is_near_period};
 pub use output::Output;
 pub use quantities::MAX_LOGGED;
 use quantity_source::QuantitySource;
@@ -32,6 +33,9 @@ use crate::raw::{Faults, RawSample, Scales};
 /// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
 /// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
 const RATE_TOLERANCE: f32 = 0.01;
+
+/// The hub behind the C interface: what `fos_hub` of fos.h holds.
+pub type CHub = Hub<16, 128, 256>;
 
 /// Whether the unit is still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use fos_core::FittedOn;
+use fos_embedded::hub::{PERIOD_TOLERANCE, is_given};
 
 use super::arguments::OutputFile;
-use super::output::{Failure, Written, print_written};
-use crate::export::{c_source, image, rust_source};
+use super::output::{Failure, Written, number, print_line, print_warning, print_written};
+use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
 use fos_diagnose::study::Study;
+use fos_fit::model::UnitModel;
 
 /// Write the model of a study as an image, as Rust source, as a C header
 ///
 /// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs
-/// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h.
+/// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h. Says which hubs refuse
+/// the model, and what the one that takes it must be set up for.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h")]
 pub(super) struct Export {
@@ -42,26 +46,69 @@ impl Export {
             return Err("nothing to write\nhelp: give --image FILE, --rust FILE, --c FILE, or several".into());
         }
         let study = Study::read(&self.study)?;
-        let provenance = study.provenance();
+        let (model, provenance) = (&study.model, study.provenance());
+        // what cannot be written is said before anything is
+        let image = match &self.image {
+            Some(path) => Some((path, image(model, &self.sensor, &provenance)?)),
+            None => None,
+        };
+        let header = match &self.c {
+            Some(path) => {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                Some((path, c_source(model, &name, &self.sensor, &provenance)?))
+            }
+            None => None,
+        };
         let mut written = Vec::new();
         let mut note = |path: &Path, what: String| {
             written.push(Written { path: path.display().to_string(), what });
         };
-        if let Some(path) = &self.image {
-            let bytes = image(&study.model, &self.sensor, &provenance)?;
-            write_atomically(path, &bytes)?;
-            note(path, format!("{} bytes, {} terms", bytes.len(), study.model.n_terms()));
+        let terms = model.n_terms();
+        if let Some((path, bytes)) = &image {
+            write_atomically(path, bytes)?;
+            note(path, format!("{} bytes, {terms} terms", bytes.len()));
         }
         if let Some(path) = &self.rust {
-            write_atomically(path, rust_source(&study.model, &provenance).as_bytes())?;
-            note(path, format!("Rust source, {} terms", study.model.n_terms()));
+            write_atomically(path, rust_source(model, &provenance).as_bytes())?;
+            note(path, format!("Rust source, {terms} terms"));
         }
-        if let Some(path) = &self.c {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            let source = c_source(&study.model, &name, &self.sensor, &provenance)?;
+        if let Some((path, source)) = &header {
             write_atomically(path, source.as_bytes())?;
-            note(path, format!("C header, {} terms", study.model.n_terms()));
+            note(path, format!("C header, {terms} terms"));
         }
-        print_written(&written, self.json)
+        print_written(&written, self.json)?;
+        match Refusal::of(model) {
+            // Rust source comes with a hub that has the room
+            Some(Refusal::TooLargeForC(_)) if self.image.is_none() => {}
+            Some(refusal) => {
+                print_warning(&refusal.to_string());
+                if matches!(refusal, Refusal::Hub { .. }) {
+                    return Ok(());
+                }
+            }
+            None => {}
+        }
+        if !self.json {
+            print_sensor(model);
+        }
+        Ok(())
+    }
+}
+
+/// What a hub that takes it must be set up for.
+fn print_sensor(model: &UnitModel) {
+    let values = match model.fitted_on {
+        FittedOn::Raw => "raw values",
+        FittedOn::FactoryCorrected => "factory-corrected values",
+    };
+    print_line!(
+        "a hub takes it for a sensor that is set to {} samples a second, at most {:.0} % off, and gives {values}",
+        number(1.0 / model.period_s),
+        100.0 * PERIOD_TOLERANCE
+    );
+    let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
+    let given: Vec<&str> = given.map(|logged| logged.column.as_str()).collect();
+    if !given.is_empty() {
+        print_line!("the application gives the hub, in this order: {}", given.join(", "));
     }
 }

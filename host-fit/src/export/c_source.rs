@@ -7,8 +7,9 @@ use fos_embedded::hub::{AXES, Motion};
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample};
 
+use super::refusal::room_in_c;
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
-use super::{ExportError, UnusableImage, description, image};
+use super::{ExportError, Refusal, UnusableImage, description, image};
 use crate::escaping::c_comment;
 use fos_data::visible::visible;
 use fos_fit::model::UnitModel;
@@ -18,7 +19,7 @@ use fos_fit::model::UnitModel;
 ///
 /// # Errors
 ///
-/// The model makes no image, no hub takes it, or the name is none.
+/// The model makes no image, the hub behind fos.h refuses it, or the name is none.
 pub fn c_source(
     model: &UnitModel,
     name: &str,
@@ -26,7 +27,10 @@ pub fn c_source(
     provenance: &str,
 ) -> Result<String, ExportError> {
     let image = image(model, sensor, provenance)?;
-    let vector = test_vector(model).map_err(ExportError::Hub)?;
+    if let Some(refusal) = Refusal::of(model) {
+        return Err(ExportError::Refused(refusal));
+    }
+    let vector = test_vector(model).map_err(|error| ExportError::Refused(Refusal::hub(error, model)))?;
     let name = c_name(name)?;
     let parsed = Image::parse(&image).map_err(UnusableImage)?;
     let words = description(&parsed);
@@ -59,7 +63,7 @@ impl Display for Header<'_> {
         writeln!(f, "\n#ifndef {upper}_H\n#define {upper}_H\n")?;
         writeln!(f, "#include <stddef.h>\n#include <stdint.h>\n#include <string.h>\n")?;
         writeln!(f, "#include \"fos.h\"\n")?;
-        let Room { inputs, terms, history } = Room::for_model(self.model);
+        let Room { inputs, terms, history } = room_in_c(self.model, self.vector.vector().scales);
         writeln!(
             f,
             "#if FOS_MAX_INPUTS < {inputs} || FOS_MAX_TERMS < {terms} || FOS_MAX_HISTORY < {history}"

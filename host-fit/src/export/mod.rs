@@ -2,11 +2,13 @@
 
 mod c_source;
 mod error;
+mod refusal;
 mod rust_source;
 mod test_vector;
 
 pub use c_source::c_source;
 pub use error::ExportError;
 pub use fos_fit::export::{UnusableImage, description, image};
+pub use refusal::Refusal;
 pub use rust_source::rust_source;
-pub use test_vector::{OwnedTestVector, Unnoticed, test_vector};
+pub use test_vector::{OwnedTestVector, Room, Unnoticed, test_vector};

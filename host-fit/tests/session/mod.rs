@@ -19,6 +19,15 @@ pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
     out.into_owned()
 }
 
+/// Runs what must succeed; what it said beside what it printed.
+#[allow(dead_code, reason = "not every test asks")]
+pub(crate) fn said(folder: &Path, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    let err = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}\n{err}");
+    err
+}
+
 /// Runs what must fail with exit code `code`; what it said.
 pub(crate) fn fails(folder: &Path, code: i32, arguments: &[&str]) -> String {
     let output = host_fit(folder, arguments);

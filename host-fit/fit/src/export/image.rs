@@ -1,7 +1,7 @@
 //! The model image: docs/MODEL_FORMAT.md.
 
 use fos_core::image::encode;
-use fos_core::{Channel, Image, ImageError, Info, Quantity, Source, Transform};
+use fos_core::{Channel, Image, ImageError, Info, ModelError, Quantity, Source, Transform};
 use fos_data::column::Column;
 
 use crate::model::{HostPredictor, UnitModel};
@@ -12,8 +12,19 @@ const LARGEST: usize = 1 << 16;
 
 /// The image of a model cannot be written, or cannot be read back.
 #[derive(Debug, thiserror::Error)]
-#[error("the model makes no usable image: {0}")]
+#[error("the model makes no usable image: {error}\nhelp: {help}", error = .0, help = remedy(.0))]
 pub struct UnusableImage(pub ImageError);
+
+fn remedy(error: &ImageError) -> &'static str {
+    use ModelError::{LagTooDeep, TooManyInputs, TooManyTerms};
+    match error {
+        ImageError::TooLarge
+        | ImageError::Model(TooManyInputs { .. } | TooManyTerms { .. } | LagTooDeep { .. }) => {
+            "a model with a smaller `max_terms`, `max_lag`, or with fewer inputs"
+        }
+        _ => "a model that was fitted anew: what is stored does not fit into f32, or was changed by hand",
+    }
+}
 
 /// The image of `model`, read back and tried before it is returned.
 ///

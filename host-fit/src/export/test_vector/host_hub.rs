@@ -8,7 +8,7 @@ use fos_fit::model::UnitModel;
 pub(super) type HostHub = Hub<32, 512, 4096>;
 
 /// A hub with `model`, for a sensor with these scales.
-pub(super) fn loaded(model: &UnitModel, scales: Scales) -> Result<HostHub, HubError> {
+pub(in crate::export) fn loaded(model: &UnitModel, scales: Scales) -> Result<HostHub, HubError> {
     let mut hub = HostHub::new(scales);
     model.with::<f32, _>(|model| hub.load_model(model))?;
     Ok(hub)

@@ -13,10 +13,10 @@ use fos_embedded::test_log::HubLogRecord;
 use fos_embedded::test_vector::{Expected, TestSample, TestVector};
 
 use fos_fit::model::{FittedTerm, UnitModel};
-use host_hub::loaded;
+pub(super) use host_hub::loaded;
 use samples::{Generator, HOW};
 
-pub(super) use room::Room;
+pub use room::Room;
 
 /// A [`TestVector`] that owns what it is made of.
 #[derive(Debug, Clone)]

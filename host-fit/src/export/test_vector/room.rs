@@ -4,14 +4,18 @@ use fos_fit::model::UnitModel;
 
 /// What a hub must have room for: inputs and as many quantities, terms, values of history (a power of two).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::export) struct Room {
-    pub(in crate::export) inputs: usize,
-    pub(in crate::export) terms: usize,
-    pub(in crate::export) history: usize,
+pub struct Room {
+    /// As many for inputs as for logged quantities.
+    pub inputs: usize,
+    /// Of all axes together.
+    pub terms: usize,
+    /// (longest lag) × (inputs + axes) + inputs, up to the next power of two.
+    pub history: usize,
 }
 
 impl Room {
-    pub(in crate::export) fn for_model(model: &UnitModel) -> Self {
+    /// What `model` needs.
+    pub fn for_model(model: &UnitModel) -> Self {
         let (n_inputs, n_axes) = (model.inputs.len(), model.axes.len());
         let deepest = (longest_lag(model) * (n_inputs + n_axes) + n_inputs).max(n_inputs + n_axes);
         Self {
