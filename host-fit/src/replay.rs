@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fos_core::{Axis, Correction, Image, ImageError, Quantity, Sample, Validity};
-use fos_embedded::hub::{Motion, leads_away};
+use fos_embedded::hub::{Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use serde::Serialize;
 
@@ -22,6 +22,18 @@ pub enum ReplayError {
     /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// No hub runs the model on samples that come in this period.
+    #[error(
+        "{path}: a sample every {log_s:.6} s ({:.4} Hz), but the model was fitted to one every {model_s:.6} s ({:.4} Hz): a hub refuses it on a sensor that is more than {:.0} % off\nhelp: replay a log of the model's rate, or fit the model to logs of this one; --rate if the log's rate is read wrongly", 1.0 / .log_s, 1.0 / .model_s, 100.0 * PERIOD_TOLERANCE
+    )]
+    Period {
+        /// The log.
+        path: String,
+        /// Sample period of the model, s.
+        model_s: f64,
+        /// Sample period of the log, s.
+        log_s: f64,
+    },
     /// An axis or quantity of the image has no name of its own.
     #[error(
         "{what} {index} of the image has no column of its own\nhelp: name the columns of the axes with --axes"
@@ -197,7 +209,8 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayE
 ///
 /// # Errors
 ///
-/// The image cannot be run, or a column that it needs is missing.
+/// The image cannot be run, the recording has another sample period than a hub runs it on, or a column that it needs is
+/// missing.
 pub fn replay(
     image: &Image<'_>,
     recording: &Recording,
@@ -257,6 +270,10 @@ fn run(
             tallies[axis].add(single.innovation, double.innovation);
             tallies[axis].valid += usize::from(playback.is_still(row) && is_valid(single));
         }
+    }
+    let (model_s, log_s) = (image.period_s(), recording.rate.period_s);
+    if !is_near_period(model_s, log_s) {
+        return Err(ReplayError::Period { path: recording.paths(), model_s, log_s });
     }
     if let Some(rests) = &rests {
         rests.take_out(&mut tallies);

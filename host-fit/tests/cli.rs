@@ -93,6 +93,37 @@ fn json_is_json_and_nothing_else() {
     assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));
 }
 
+/// A log of so many samples a second, at rest or not as it says itself; gyro x follows no model but noise of a sort.
+fn log_at(rate_hz: f64, still: bool) -> String {
+    let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
+    let row =
+        |n: u32| format!("{},{},{}\n", f64::from(n) / rate_hz, 0.01 + 0.001 * noise(n), u8::from(still));
+    let rows: String = (0..6000).map(row).collect();
+    format!("t_s,gx_rads,still\n{rows}")
+}
+
+/// By the rule of the hub, which refuses such a sensor.
+#[test]
+fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for (name, rate_hz) in [("fit.csv", 100.0), ("near.csv", 108.0), ("far.csv", 113.0), ("half.csv", 50.0)] {
+        std::fs::write(folder.join(name), log_at(rate_hz, true)).expect("written");
+    }
+    done(folder, &["fit", "fit.csv", "--axis", "gx", "-o", "unit.json"]);
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    done(folder, &["replay", "unit.fosm", "near.csv"]);
+    for (log, periods) in
+        [("far.csv", ["0.008850 s", "0.010000 s"]), ("half.csv", ["0.020000 s", "0.010000 s"])]
+    {
+        let refused = fails(folder, 1, &["replay", "unit.fosm", log, "-o", "out.csv"]);
+        for part in [log, periods[0], periods[1], "10 %", "help:", "--rate"] {
+            assert!(refused.contains(part), "{part}: {refused}");
+        }
+        assert!(!folder.join("out.csv").exists());
+    }
+}
+
 #[test]
 fn a_study_is_repeatable() {
     let folder = tempfile::tempdir().expect("a folder");
