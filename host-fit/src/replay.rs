@@ -109,20 +109,43 @@ pub struct AxisSummary {
     pub column: String,
     /// Rows with an innovation.
     pub innovations: usize,
-    /// Root mean square of the innovations in f32, in the axis' unit.
+    /// Root mean square of the innovations in f32, in the axis' unit; NaN where there are none.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f32: f64,
     /// The same in f64.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f64: f64,
-    /// Largest difference between the two, in the axis' unit.
+    /// Largest difference between the two, in the axis' unit; NaN where there are none.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub largest_difference: f64,
-    /// Share of the tracked rows whose correction is valid, and does not lead away from gravity.
+    /// Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
+    /// tracked.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub valid_share: f64,
     /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
     pub errors: Option<ModelErrors>,
+}
+
+/// What f32 costs beside f64 on one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CostOfF32 {
+    /// The largest difference of an innovation, over the root mean square of them all.
+    Relative(f64),
+    /// The model leaves nothing, which nothing can be held against; the largest difference, in the axis' unit.
+    NothingLeft(f64),
+    /// No row has an innovation: none was tracked with a full history.
+    NotKnown,
+}
+
+impl AxisSummary {
+    /// What f32 costs on this axis.
+    pub fn cost_of_f32(&self) -> CostOfF32 {
+        match (self.innovations, self.innovation_rms_f64) {
+            (0, _) => CostOfF32::NotKnown,
+            (_, rms) if rms > 0.0 => CostOfF32::Relative(self.largest_difference / rms),
+            _ => CostOfF32::NothingLeft(self.largest_difference),
+        }
+    }
 }
 
 impl Replay {
@@ -248,6 +271,10 @@ fn run(
     axes: &[String],
     mut take: impl FnMut(usize, &Correction<f32>),
 ) -> Result<Summary, ReplayError> {
+    let (model_s, log_s) = (image.period_s(), recording.rate.period_s);
+    if !is_near_period(model_s, log_s) {
+        return Err(ReplayError::Period { path: recording.paths(), model_s, log_s });
+    }
     let model = model_of(image, axes)?;
     let playback = Playback::new(recording, &model, &stillness.still)?;
     let mut single: HostPredictor<f32> = image.predictor()?;
@@ -270,10 +297,6 @@ fn run(
             tallies[axis].add(single.innovation, double.innovation);
             tallies[axis].valid += usize::from(playback.is_still(row) && is_valid(single));
         }
-    }
-    let (model_s, log_s) = (image.period_s(), recording.rate.period_s);
-    if !is_near_period(model_s, log_s) {
-        return Err(ReplayError::Period { path: recording.paths(), model_s, log_s });
     }
     if let Some(rests) = &rests {
         rests.take_out(&mut tallies);
@@ -400,14 +423,15 @@ impl Tally {
     }
 
     fn summary(&self, column: &str, tracked: usize) -> AxisSummary {
-        let rms = |squares: f64| (squares / self.innovations.max(1) as f64).sqrt();
+        // of no rows these are not known: 0 over 0
+        let rms = |squares: f64| (squares / self.innovations as f64).sqrt();
         AxisSummary {
             column: column.to_owned(),
             innovations: self.innovations,
             innovation_rms_f32: rms(self.single_squares),
             innovation_rms_f64: rms(self.double_squares),
-            largest_difference: self.largest_difference,
-            valid_share: self.valid as f64 / tracked.max(1) as f64,
+            largest_difference: if self.innovations > 0 { self.largest_difference } else { f64::NAN },
+            valid_share: self.valid as f64 / tracked as f64,
             errors: None,
         }
     }
@@ -441,4 +465,22 @@ pub fn device_log(
         bytes.extend(record.encode());
     }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0 over 0 was printed as NaN.
+    #[test]
+    fn what_f32_costs_is_told_or_it_is_said_why_not() {
+        let cost = |innovations: &[(f32, f64)]| {
+            let mut tally = Tally::default();
+            innovations.iter().for_each(|(single, double)| tally.add(Some(*single), Some(*double)));
+            tally.summary("gx_rads", innovations.len()).cost_of_f32()
+        };
+        assert_eq!(cost(&[(2.0, 1.0), (-1.0, -1.0)]), CostOfF32::Relative(1.0));
+        assert_eq!(cost(&[(0.0, 0.0), (0.5, 0.0)]), CostOfF32::NothingLeft(0.5));
+        assert_eq!(cost(&[]), CostOfF32::NotKnown);
+    }
 }

@@ -124,6 +124,27 @@ fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
     }
 }
 
+/// It printed "NaN" for what f32 costs, and a root mean square of 0.
+#[test]
+fn a_replay_without_a_row_at_rest_says_that_nothing_can_be_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("fit.csv"), log_at(100.0, true)).expect("written");
+    std::fs::write(folder.join("moving.csv"), log_at(100.0, false)).expect("written");
+    done(folder, &["fit", "fit.csv", "--axis", "gx", "-o", "unit.json"]);
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    let replayed = done(folder, &["replay", "unit.fosm", "moving.csv"]);
+    assert!(!replayed.contains("NaN"), "{replayed}");
+    assert!(replayed.contains("–: no row at rest") && replayed.contains("help: "), "{replayed}");
+    let json: serde_json::Value =
+        serde_json::from_str(&done(folder, &["replay", "unit.fosm", "moving.csv", "--json"])).expect("JSON");
+    let axis = &json["axes"][0];
+    assert_eq!(axis["innovations"], 0);
+    for key in ["innovation_rms_f32", "innovation_rms_f64", "largest_difference", "valid_share"] {
+        assert!(axis[key].is_null(), "{key}: {axis}");
+    }
+}
+
 #[test]
 fn a_study_is_repeatable() {
     let folder = tempfile::tempdir().expect("a folder");

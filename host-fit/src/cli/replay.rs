@@ -6,9 +6,9 @@ use clap::Args;
 use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
-use super::output::{Failure, number, optional, print_json, print_line, spinner, table};
+use super::output::{Failure, optional, print_json, print_line, spinner, table};
 use crate::hub_log::hub_log;
-use crate::replay::{Replay as Replayed, device_log, model_of, replay};
+use crate::replay::{CostOfF32, Replay as Replayed, device_log, model_of, replay};
 use fos_data::file;
 use fos_data::recording::write_columns;
 use fos_data::stillness;
@@ -93,10 +93,15 @@ impl Replay {
             rows.add_row(vec![
                 format!("  {}", axis.column),
                 axis.innovations.to_string(),
-                number(axis.innovation_rms_f32),
-                number(axis.innovation_rms_f64),
-                format!("{:.1e}", axis.largest_difference / axis.innovation_rms_f64),
-                format!("{:.1} %", 100.0 * axis.valid_share),
+                optional(known(axis.innovation_rms_f32)),
+                optional(known(axis.innovation_rms_f64)),
+                match axis.cost_of_f32() {
+                    CostOfF32::Relative(cost) => format!("{cost:.1e}"),
+                    CostOfF32::NothingLeft(difference) => format!("{difference:.1e} of 0"),
+                    CostOfF32::NotKnown => "–".to_owned(),
+                },
+                known(axis.valid_share)
+                    .map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
                 optional(axis.errors.as_ref().and_then(|left| left.slow_error_coast).map(f64::sqrt)),
                 optional(axis.errors.as_ref().and_then(|left| left.coast.last()).map(|at| at.mse.sqrt())),
             ]);
@@ -106,6 +111,17 @@ impl Replay {
             "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
         );
         print_line!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
+        if summary.axes.iter().any(|axis| matches!(axis.cost_of_f32(), CostOfF32::NothingLeft(_))) {
+            print_line!(
+                "  of 0: the model leaves nothing of this log that the difference could be held against"
+            );
+        }
+        if summary.axes.iter().any(|axis| axis.cost_of_f32() == CostOfF32::NotKnown) {
+            print_line!(
+                "  –: no row at rest has its whole history before it, so there is no error to compare\n  \
+                 help: a log in which the unit rests, or a column `still` that says where"
+            );
+        }
         if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests_away > 0) {
             print_line!(
                 "  away from gravity: in {} of {} rests, {} of {} rows, the accelerometers are further from 9.81 m/s² corrected than as measured\n  \
@@ -128,4 +144,9 @@ impl Replay {
             print_line!("raw samples for a hub written to {}", path.display());
         }
     }
+}
+
+/// A number that is known.
+fn known(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
 }

@@ -96,13 +96,14 @@ export type AxisSummary = {
 column: string,
 /** Rows with an innovation. */
 innovations: number,
-/** Root mean square of the innovations in f32, in the axis' unit. */
+/** Root mean square of the innovations in f32, in the axis' unit; NaN where there are none. */
 innovation_rms_f32: number | null,
 /** The same in f64. */
 innovation_rms_f64: number | null,
-/** Largest difference between the two, in the axis' unit. */
+/** Largest difference between the two, in the axis' unit; NaN where there are none. */
 largest_difference: number | null,
-/** Share of the tracked rows whose correction is valid, and does not lead away from gravity. */
+/** Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
+ * tracked. */
 valid_share: number | null,
 /** What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests. */
 errors: ModelErrors | null, };
