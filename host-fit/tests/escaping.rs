@@ -236,14 +236,17 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
     let text = hostile();
     let effect = format!(
         "id = \"mine\"\nname = {0}\nband = \"slow\"\nmechanism = {0}\nequation = {0}\ntypical_size = {0}\nsource = {0}\nexperiment = {0}\ngives_away = {0}\ndevice = {0}\n\
-         [[terms]]\nregressor = \"clock:time\"\n[[confused_with]]\neffect = {0}\nseparate = {0}\n",
+         [[terms]]\nregressor = \"clock:time\"\n[[confused_with]]\neffect = \"temp_linear\"\nseparate = {0}\n",
         toml_string(&text)
     );
+    let no_rival = effect.replace("\"temp_linear\"", &toml_string(&text));
+    fs::write(folder.join("rival.toml"), no_rival).expect("written");
     fs::write(folder.join("mine.toml"), effect).expect("written");
     fs::write(folder.join("wrong.toml"), format!("id = {}\n", toml_string(&text))).expect("written");
     runs.done(folder, &["effects", "mine", "--effect", "mine.toml"]);
     runs.run(folder, &["effects", &text.replace('\0', ""), "--effect", "mine.toml"]);
     runs.run(folder, &["effects", "--effect", "wrong.toml"]);
+    runs.run(folder, &["effects", "--effect", "rival.toml"]);
     runs.json(folder, &["effects", "--effect", "mine.toml"]);
 
     // what looks at the log and the study

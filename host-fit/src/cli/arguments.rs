@@ -102,8 +102,8 @@ impl Reading {
 /// The built-in effects and those of these files.
 pub(super) fn library(files: &[PathBuf]) -> Result<Library, Failure> {
     Library::with_files(files).map_err(|error| match error {
-        EffectError::NotAnEffect { path, reason } => format!(
-            "{path}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
+        EffectError::NotAnEffect { place, reason } => format!(
+            "{place}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
         )
         .into(),
         _ => error.into(),

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{OutputFolder, Reading};
+use super::arguments::{OutputFolder, Reading, library};
 use super::output::{Failure, print_line, print_note, print_warning};
 use crate::workbench::{Folders, Server};
 use fos_data::recording::LoadOptions;
-use fos_diagnose::effects::Library;
 
 /// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
 ///
@@ -47,7 +46,7 @@ pub(super) struct Serve {
 
 impl Serve {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let library = Library::with_files(&self.effects)?;
+        let library = library(&self.effects)?;
         if self.listen.is_unspecified() {
             return Err(format!(
                 "--listen {}: requests are answered under the address that was named, and this is none\nhelp: name the one that others use, as --listen 192.168.1.5",

@@ -1,13 +1,14 @@
 //! The library of physical effects. An effect is data: a TOML file, the built-in ones and the user's own alike.
 
 mod inputs;
+mod own;
+mod place;
 #[cfg(test)]
 mod reference_tests;
 mod size;
 mod terms;
 
 use fos_data::column::{Column, Triad};
-use std::path::Path;
 
 use serde::Deserialize;
 
@@ -15,7 +16,7 @@ pub use inputs::Inputs;
 pub use size::SizeUnit;
 pub use terms::{Product, Regressor};
 
-use fos_data::file::{self, FileError};
+use fos_data::file::FileError;
 
 /// An effect of a user's own to begin with: every key, explained.
 pub const EXAMPLE: &str = include_str!("example.toml");
@@ -214,16 +215,40 @@ pub enum EffectError {
     File(#[from] FileError),
     /// It is no effect.
     #[error(
-        "{path}: not an effect: {reason}\nhelp: the example of the library is a complete file to start from"
+        "{place}: not an effect: {reason}\nhelp: the example of the library is a complete file to start from"
     )]
     NotAnEffect {
-        /// As it was given.
-        path: String,
-        /// What the reader said, with line and column.
+        /// The file as it was given, and where the reader says it, line and column.
+        place: String,
+        /// What the reader said.
         reason: String,
     },
+    /// Another effect has its identifier.
+    #[error(
+        "{place}: the id {id:?} is taken: {other} has an effect of it\nhelp: give this one another id, as \"my_{id}\""
+    )]
+    Taken {
+        /// File, line and column.
+        place: String,
+        /// The identifier.
+        id: String,
+        /// Where the other effect is.
+        other: String,
+    },
+    /// What it is confused with is no effect.
+    #[error("{place}: confused_with names {id:?}, which is no effect{}\nhelp: write one of {}, or leave the entry out", did_you_mean(.closest.as_deref()), .known.join(", "))]
+    NoRival {
+        /// File, line and column.
+        place: String,
+        /// What it names.
+        id: String,
+        /// The most similar identifier.
+        closest: Option<String>,
+        /// All identifiers.
+        known: Vec<String>,
+    },
     /// There is no such effect.
-    #[error("there is no effect {id:?}{}\nhelp: the library has {}", .closest.as_ref().map(|c| format!("; did you mean {c:?}?")).unwrap_or_default(), .known.join(", "))]
+    #[error("there is no effect {id:?}{}\nhelp: the library has {}", did_you_mean(.closest.as_deref()), .known.join(", "))]
     Unknown {
         /// What was asked for.
         id: String,
@@ -234,7 +259,7 @@ pub enum EffectError {
     },
     /// What was found is no effect that is known.
     #[error(
-        "nothing in the library is found as {search:?} on {column}\nhelp: leave out the file that replaces the built-in effect, or give it another identifier"
+        "nothing in the library is found as {search:?} on {column}\nhelp: undo the step whose effect has taken the place of the built-in one, and add it under another identifier"
     )]
     NoneFoundAs {
         /// How it was found.
@@ -242,6 +267,19 @@ pub enum EffectError {
         /// Where.
         column: String,
     },
+}
+
+fn did_you_mean(closest: Option<&str>) -> String {
+    closest.map(|closest| format!("; did you mean {closest:?}?")).unwrap_or_default()
+}
+
+impl EffectError {
+    fn toml(path: &str, text: &str, error: &toml::de::Error) -> Self {
+        Self::NotAnEffect {
+            place: place::place(path, text, error.span()),
+            reason: error.message().to_owned(),
+        }
+    }
 }
 
 /// All effects that are known.
@@ -257,22 +295,6 @@ impl Library {
             Effect::parse(&format!("{id}.toml"), text).expect("a test reads every built-in effect")
         };
         Self { effects: BUILT_IN.iter().map(read).collect() }
-    }
-
-    /// The built-in effects and the user's, one file each. A user's effect takes the place of a built-in one of its
-    /// identifier.
-    ///
-    /// # Errors
-    ///
-    /// A file cannot be read or is no effect.
-    pub fn with_files<P: AsRef<Path>>(paths: &[P]) -> Result<Self, EffectError> {
-        let mut library = Self::built_in();
-        for path in paths {
-            let path = path.as_ref();
-            let text = String::from_utf8_lossy(&file::read(path)?).into_owned();
-            library.add(Effect::parse(&path.display().to_string(), &text)?);
-        }
-        Ok(library)
     }
 
     /// Adds an effect, or puts it in the place of the one of its identifier.
@@ -342,8 +364,8 @@ impl Effect {
     ///
     /// It is no effect, a term cannot be read, or a unit is not known.
     pub fn parse(path: &str, text: &str) -> Result<Self, EffectError> {
-        let wrong = |reason: String| EffectError::NotAnEffect { path: path.to_owned(), reason };
-        let effect: Self = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
+        let wrong = |reason: String| EffectError::NotAnEffect { place: path.to_owned(), reason };
+        let effect: Self = toml::from_str(text).map_err(|error| EffectError::toml(path, text, &error))?;
         effect.check().map_err(wrong)?;
         Ok(effect)
     }
