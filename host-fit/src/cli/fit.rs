@@ -9,6 +9,7 @@ use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::error_table::error_table;
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, number, print_json, print_line, progress, table};
+use super::physical_terms::physical_terms;
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
@@ -165,6 +166,13 @@ pub(super) fn print_study(study: &Study) {
     );
     for report in &study.axes {
         print_selection(report);
+        if let Some(axis) = study.model.axes.iter().find(|axis| axis.column == report.column) {
+            let terms = physical_terms(&study.model, axis);
+            if !terms.is_empty() {
+                print_line!("  physical part, in the units of the log:");
+                terms.iter().for_each(|term| print_line!("    {term}"));
+            }
+        }
     }
     for (axis, report) in study.axes.iter().enumerate() {
         print_line!("\n{}: errors on the rows that were not fitted", report.column);

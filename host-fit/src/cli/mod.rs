@@ -20,6 +20,7 @@ mod man;
 mod numbers;
 mod output;
 mod record;
+mod physical_terms;
 mod refinement;
 mod replay;
 mod report;

@@ -1,4 +1,5 @@
 //! Runs the command line in a folder.
+#![allow(dead_code, reason = "not every test needs all of it")]
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -20,7 +21,6 @@ pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// Runs what must succeed; what it said beside what it printed.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn said(folder: &Path, arguments: &[&str]) -> String {
     let output = host_fit(folder, arguments);
     let err = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,0 +1,239 @@
+//! The terms of a physical part in the units of the log, as a data sheet has them: `0.0123 ± 0.0004 (rad/s)/°C of
+//! temp_c`. Inputs and axes are scaled while fitting; a coefficient there means nothing to a reader.
+
+use fos_core::{Channel, Factor, Source, Transform};
+
+use super::output::number;
+use fos_data::column::Column;
+use fos_diagnose::effects::SizeUnit;
+use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
+
+/// A line for every term of the physical part of an axis.
+pub(super) fn physical_terms(model: &UnitModel, axis: &FittedAxis) -> Vec<String> {
+    axis.physical.iter().map(|term| line(model, axis, term)).collect()
+}
+
+fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm) -> String {
+    let parts: Vec<Part> = term.factors.iter().filter_map(|factor| Part::of(model, *factor)).collect();
+    let per_scaled = axis.parameters.scale / parts.iter().map(|part| part.scale).product::<f64>();
+    let (value, error) =
+        (term.coefficient * per_scaled, term.standard_error.map(|error| error * per_scaled.abs()));
+    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    let column = Column::named(&axis.column);
+    let unit = ratio(column.unit().label(), &parts);
+    let mut text = number(value);
+    if let Some(error) = error {
+        text += &format!(" ± {}", number(error));
+    }
+    if !unit.is_empty() {
+        text += &format!(" {unit}");
+    }
+    text += &format!(" of {}", names.join(" · "));
+    if column.is_angular_rate() || column.is_specific_force() {
+        let sheet = SizeUnit::of_axis(column);
+        text += &format!(" ({} {})", number(value / sheet.si), ratio(&sheet.to_string(), &parts));
+    }
+    // a product is told about where its inputs were centred: elsewhere it is another slope of each
+    if let [_, _, ..] = parts[..] {
+        let about: Vec<String> = parts.iter().filter_map(Part::about).collect();
+        if !about.is_empty() {
+            text += &format!(", about {}", about.join(", "));
+        }
+    }
+    text
+}
+
+/// `(rad/s)/°C`, `mg/(°C·V)`; the numerator alone where the inputs have no unit, as a sine.
+fn ratio(numerator: &str, parts: &[Part]) -> String {
+    let below: Vec<&str> =
+        parts.iter().map(|part| part.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
+    let numerator = if numerator.contains('/') && !below.is_empty() {
+        format!("({numerator})")
+    } else {
+        numerator.to_owned()
+    };
+    let grouped = |unit: &str| match unit.contains('/') && !unit.starts_with('(') {
+        true => format!("({unit})"),
+        false => unit.to_owned(),
+    };
+    match &below[..] {
+        [] => numerator,
+        [one] => format!("{numerator}/{}", grouped(one)),
+        several => {
+            let several: Vec<String> = several.iter().map(|unit| grouped(unit)).collect();
+            format!("{numerator}/({})", several.join("·"))
+        }
+    }
+}
+
+/// An input of a term.
+struct Part {
+    /// As `temp_c:lowpass(60)`.
+    name: String,
+    /// Of what the transform gives; empty for a plain number.
+    unit: String,
+    /// What one of the scaled input is in that unit.
+    scale: f64,
+    /// What the quantity was centred about, with its unit; none where that changes nothing.
+    centre: Option<(String, f64, &'static str)>,
+}
+
+impl Part {
+    fn of(model: &UnitModel, factor: Factor) -> Option<Self> {
+        let Channel::Input(index) = factor.channel else { return None };
+        let NamedInput { name, input } = model.inputs.get(usize::from(index))?;
+        let quantity = match input.source {
+            Source::Quantity(index) => model.quantities.get(usize::from(index)),
+            _ => None,
+        };
+        let label = quantity.map_or("", |logged| Column::named(&logged.column).unit().label());
+        // one whose name does not say its unit has one all the same
+        let own = if quantity.is_some() && label.is_empty() { "unit" } else { label };
+        let (unit, scale) = match input.transform {
+            Transform::Identity
+            | Transform::LowPass { .. }
+            | Transform::Backlash { .. }
+            | Transform::Absolute => (own.to_owned(), input.scale),
+            Transform::Rate { .. } => (format!("{own}/s"), input.scale),
+            Transform::Variance { .. } => {
+                let square = if own.contains('/') { format!("({own})²") } else { format!("{own}²") };
+                (square, input.scale * input.scale)
+            }
+            Transform::Time => ("s".to_owned(), input.scale),
+            Transform::Decay { .. } | Transform::Sine { .. } | Transform::Cosine { .. } => {
+                (String::new(), 1.0)
+            }
+        };
+        let name = match factor.lag {
+            0 => name.clone(),
+            lag => format!("{name} {lag} samples before"),
+        };
+        // the others are differences, or about zero
+        let is_level = matches!(input.transform, Transform::Identity | Transform::LowPass { .. });
+        let centre = quantity.filter(|_| is_level).map(|logged| (logged.column.clone(), input.centre, label));
+        Some(Self { name, unit, scale, centre })
+    }
+
+    fn about(&self) -> Option<String> {
+        let (column, centre, label) = self.centre.as_ref()?;
+        Some(format!("{column} = {} {label}", number(*centre)).trim_end().to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_core::{FittedOn, InnovationStatistics, Input, Quantity, Range, u};
+    use fos_fit::model::LoggedQuantity;
+
+    /// Of one axis with the scale 0.002; inputs with the scales 2.5 and 0.05 about 25 and 3.3.
+    fn model(column: &str, logged: [&str; 2], transform: Transform<f64>) -> UnitModel {
+        let range = Range::new(-3.0, 3.0);
+        let input = |index: u8, transform, (centre, scale)| NamedInput {
+            name: if index == 0 { "first".to_owned() } else { "second".to_owned() },
+            input: Input {
+                source: Source::Quantity(index),
+                transform,
+                centre,
+                scale,
+                source_range: range,
+                range,
+            },
+        };
+        let innovation = InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 };
+        let parameters = fos_core::AxisParameters {
+            axis: Column::named(column).axis(),
+            reference: 0.0,
+            offset: 0.0,
+            scale: 0.002,
+            constant: 0.0,
+            range,
+            full_scale: 0.0,
+            stuck_after_repeats: 20,
+            gap_limit_samples: 10,
+            coast_limit_s: 1.0,
+            innovation,
+        };
+        let term = |factors: &[Factor]| FittedTerm {
+            coefficient: -0.5,
+            standard_error: Some(0.25),
+            factors: factors.to_vec(),
+        };
+        UnitModel {
+            period_s: 0.01,
+            fitted_on: FittedOn::Raw,
+            stillness: None,
+            quantities: logged
+                .map(|name| LoggedQuantity { column: name.to_owned(), quantity: Quantity::Other })
+                .to_vec(),
+            inputs: vec![input(0, transform, (25.0, 2.5)), input(1, Transform::Identity, (3.3, 0.05))],
+            axes: vec![FittedAxis {
+                column: column.to_owned(),
+                parameters,
+                physical: vec![term(&[u(0, 0)]), term(&[u(0, 0), u(1, 0)])],
+                stochastic: vec![],
+                plain: None,
+            }],
+        }
+    }
+
+    fn lines(column: &str, logged: [&str; 2], transform: Transform<f64>) -> Vec<String> {
+        let model = model(column, logged, transform);
+        physical_terms(&model, &model.axes[0])
+    }
+
+    #[test]
+    fn units_are_those_of_the_log() {
+        let of = |column, logged: [&str; 2], transform| lines(column, logged, transform)[0].clone();
+        let tau_s = 10.0;
+        for (column, logged, transform, says) in [
+            (
+                "gx_rads",
+                "temp_c",
+                Transform::Identity,
+                "-4.000e-4 ± 2.000e-4 (rad/s)/°C of first (-0.02292 dps/°C)",
+            ),
+            (
+                "ax_mps2",
+                "supply_v",
+                Transform::Identity,
+                "-4.000e-4 ± 2.000e-4 (m/s²)/V of first (-0.04079 mg/V)",
+            ),
+            (
+                "gx_rads",
+                "ax_mps2",
+                Transform::LowPass { tau_s },
+                "(rad/s)/(m/s²) of first (-0.02292 dps/(m/s²))",
+            ),
+            ("gx_rads", "temp_c", Transform::Rate { tau_s }, "(rad/s)/(°C/s) of first"),
+            // the scale of the input squared
+            (
+                "gx_rads",
+                "ax_mps2",
+                Transform::Variance { tau_s },
+                "-1.600e-4 ± 8.000e-5 (rad/s)/(m/s²)² of first",
+            ),
+            ("gx_rads", "charge_a", Transform::Identity, "(rad/s)/unit of first"),
+            // a plain number, whatever the input's scale
+            (
+                "gx_rads",
+                "temp_c",
+                Transform::Decay { tau_s },
+                "-0.001000 ± 5.000e-4 rad/s of first (-0.05730 dps)",
+            ),
+            ("gx_rads", "temp_c", Transform::Time, "(rad/s)/s of first"),
+            ("wind", "temp_c", Transform::Identity, "-4.000e-4 ± 2.000e-4 /°C of first"),
+        ] {
+            let said = of(column, [logged, "supply_v"], transform);
+            assert!(said.contains(says), "{said}\n{says}");
+        }
+    }
+
+    #[test]
+    fn a_product_is_told_per_both_of_its_units_and_about_what() {
+        let said = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
+        let says = "-0.008000 ± 0.004000 (rad/s)/(°C·V) of first · second";
+        assert!(said.starts_with(says), "{said}");
+        assert!(said.ends_with(", about temp_c = 25.00 °C, supply_v = 3.300 V"), "{said}");
+    }
+}
