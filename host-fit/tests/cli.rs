@@ -15,6 +15,16 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     let compared = done(folder, &["compare", "unit.json", "--figures", "figures"]);
     assert!(compared.contains("noise floor") && compared.contains("where it fails worst"), "{compared}");
     assert!(compared.contains("best lag") && compared.contains("by time and frequency"), "{compared}");
+    // a line for each axis before the details
+    let details = compared.find("\ngx_rads: ").expect("the details");
+    let (glance, _) = compared.split_at(details);
+    for axis in ["gx_rads", "gz_rads"] {
+        let line = glance.lines().find(|line| line.trim_start().starts_with(axis)).expect("a line");
+        assert!(line.contains("rad/s") && line.contains(" %") && line.contains("depends on"), "{line}");
+    }
+    let one = done(folder, &["fit", "log.csv.gz", "--axis", "gx", "-o", "one.json"]);
+    assert!(!one.contains("physical part"), "{one}");
+    assert!(!done(folder, &["compare", "one.json"]).contains("error left"));
     for figure in ["1_over_time", "2_residual", "3_autocorrelation", "4_spectrum", "5_allan", "6_dependence"]
     {
         for format in ["svg", "png"] {

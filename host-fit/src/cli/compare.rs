@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, describe};
+use super::comparison_summary::{LEGEND, summary};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
 use fos_diagnose::compare::{AxisComparison, Comparison, compare};
@@ -109,6 +110,9 @@ impl Compare {
 pub(super) fn print_comparison(comparison: &Comparison) {
     let (begin, end) = comparison.judged_s;
     print_line!("judged from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
+    if comparison.axes.len() > 1 {
+        print_line!("\n{}\n{LEGEND}", summary(comparison));
+    }
     for axis in &comparison.axes {
         print_axis(axis);
     }
