@@ -7,7 +7,7 @@ use core::convert::Infallible;
 use embedded_hal::{delay::DelayNs, spi::SpiDevice};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::{Hub, HubError, Output};
-use fos_embedded::sample_source::{Bmi323, Imu, SampleSource};
+use fos_embedded::sample_source::{Bmi323, Counts, Imu, SampleSource, SourceError};
 
 /// What it needs of the board.
 struct Board<S, D> {
@@ -19,11 +19,13 @@ struct Board<S, D> {
     sleep_ms: fn(u32),
 }
 
-/// `image` is the stored model; `use_output` gets every sample, 200 a second.
+/// `image` is the stored model; `use_output` gets every sample, 200 a second; `tell` gets every error of the bus or the
+/// part, and how many there have been.
 fn run<S: SpiDevice, D: DelayNs>(
     board: Board<S, D>,
     image: &[u8],
     mut use_output: impl FnMut(&Output),
+    mut tell: impl FnMut(SourceError<S::Error>, Counts),
 ) -> Result<Infallible, HubError> {
     // room for 16 inputs, 128 terms, 256 values of history
     let mut hub: Hub<16, 128, 256> = Hub::new(Bmi323::<Blocking<S>, Blocking<D>>::scales());
@@ -31,14 +33,19 @@ fn run<S: SpiDevice, D: DelayNs>(
     let mut source = SampleSource::new(Bmi323::new(Blocking(board.spi), Blocking(board.delay)));
     loop {
         let now_us = (board.now_us)();
-        // an error of the bus or of the part may pass, and is counted: go on polling
-        if let Some(Ok(samples)) = poll_once(source.poll(now_us)) {
-            for raw in samples {
-                use_output(hub.update(raw));
+        match poll_once(source.poll(now_us)) {
+            Some(Ok(samples)) => {
+                for raw in samples {
+                    use_output(hub.update(raw));
+                }
+                if !samples.is_empty() && !source.has_more() {
+                    hub.clock(now_us); // by which the sensor's true sample rate is found
+                }
             }
-            if !samples.is_empty() && !source.has_more() {
-                hub.clock(now_us); // by which the sensor's true sample rate is found
-            }
+            // every one may pass: go on polling
+            Some(Err(error)) => tell(error, source.counts()),
+            // not done yet, which over `Blocking` does not happen
+            None => {}
         }
         if !source.has_more() {
             (board.sleep_ms)(50);
@@ -65,6 +72,7 @@ impl DelayNs for NoBus {
 
 fn main() {
     let board = Board { spi: NoBus, delay: NoBus, now_us: || 0, sleep_ms: |_| {} };
-    let Err(refused) = run(board, b"not a model", |output| println!("{:?}", output.gyro()));
+    let tell = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
+    let Err(refused) = run(board, b"not a model", |output| println!("{:?}", output.gyro()), tell);
     println!("on a host there is neither a sensor nor an image: {refused}");
 }

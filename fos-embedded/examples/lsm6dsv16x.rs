@@ -7,15 +7,17 @@ use core::convert::Infallible;
 use embedded_hal_async::{delay::DelayNs, i2c::I2c};
 use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, HubError, Output};
-use fos_embedded::sample_source::{Address, Imu, Lsm6dsv16x, SampleSource};
+use fos_embedded::sample_source::{Address, Counts, Imu, Lsm6dsv16x, SampleSource, SourceError};
 
-/// `now_us` is a clock that only goes forward, `image` the stored model; `use_output` gets every sample, 200 a second.
+/// `now_us` is a clock that only goes forward, `image` the stored model; `use_output` gets every sample, 200 a second;
+/// `tell` gets every error of the bus or the part, and how many there have been.
 async fn run<B: I2c, D: DelayNs + Clone>(
     bus: B,
     mut delay: D,
     now_us: fn() -> u64,
     image: &[u8],
     mut use_output: impl FnMut(&Output),
+    mut tell: impl FnMut(SourceError<B::Error>, Counts),
 ) -> Result<Infallible, HubError> {
     // room for 16 inputs, 128 terms, 256 values of history
     let mut hub: Hub<16, 128, 256> = Hub::new(Lsm6dsv16x::<B, D>::scales());
@@ -23,14 +25,17 @@ async fn run<B: I2c, D: DelayNs + Clone>(
     let mut source = SampleSource::new(Lsm6dsv16x::new(bus, Address::Low, delay.clone()));
     loop {
         let now_us = now_us();
-        // an error of the bus or of the part may pass, and is counted: go on polling
-        if let Ok(samples) = source.poll(now_us).await {
-            for raw in samples {
-                use_output(hub.update(raw));
+        match source.poll(now_us).await {
+            Ok(samples) => {
+                for raw in samples {
+                    use_output(hub.update(raw));
+                }
+                if !samples.is_empty() && !source.has_more() {
+                    hub.clock(now_us); // by which the sensor's true sample rate is found
+                }
             }
-            if !samples.is_empty() && !source.has_more() {
-                hub.clock(now_us); // by which the sensor's true sample rate is found
-            }
+            // every one may pass: go on polling
+            Err(error) => tell(error, source.counts()),
         }
         if !source.has_more() {
             delay.delay_ms(50).await;
@@ -61,7 +66,8 @@ impl DelayNs for NoBus {
 }
 
 fn main() {
-    let task = run(NoBus, NoBus, || 0, b"not a model", |output| println!("{:?}", output.gyro()));
+    let tell = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
+    let task = run(NoBus, NoBus, || 0, b"not a model", |output| println!("{:?}", output.gyro()), tell);
     // an executor's turn
     let Some(Err(refused)) = poll_once(task) else { unreachable!("it ends before it waits for anything") };
     println!("on a host there is neither a sensor nor an image: {refused}");

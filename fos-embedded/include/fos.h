@@ -3,11 +3,15 @@
  *
  *     static uint64_t memory[FOS_HUB_BYTES / 8];
  *     fos_hub *hub;
- *     fos_hub_init(memory, sizeof memory, &scales, &hub);
- *     fos_hub_load(hub, image, image_length);
+ *     fos_status status = fos_hub_init(memory, sizeof memory, &scales, &hub);
+ *     if (status == FOS_STATUS_OK)
+ *         status = fos_hub_load(hub, image, image_length);
+ *     if (status != FOS_STATUS_OK)
+ *         return report(status); // or go on: with a model refused the hub corrects nothing, and every output says so
  *     for (;;) {
  *         read_sensor(&raw);
- *         fos_hub_update(hub, &raw, &output);
+ *         (void)fos_hub_update(hub, &raw, &output); // refuses NULL and misaligned pointers only
+ *         use(&output); // what speaks against it: output.validity, output.faults
  *     }
  *
  * What holds for every function:
