@@ -92,7 +92,7 @@ impl<'a> Playback<'a> {
                 let before = match segment.boundary {
                     Boundary::Start => return None,
                     Boundary::Recording => Break::Recording,
-                    Boundary::Gap => missing(segment.missing_before),
+                    Boundary::Gap | Boundary::Pause => missing(segment.missing_before),
                     Boundary::SegmentColumn | Boundary::ClockBack => {
                         missing(segment.missing_before.max(UNKNOWN_TICKS))
                     }

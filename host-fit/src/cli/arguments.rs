@@ -131,7 +131,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 /// What was read, in a few lines.
 pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
     let rate = &recording.rate;
-    let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
+    let missing = recording.samples_missing();
     format!(
         "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
         recording.paths(),

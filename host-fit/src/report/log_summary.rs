@@ -72,7 +72,7 @@ impl LogSummary {
             to_s,
             rate_hz: log.rate.true_hz,
             segments: log.segments.len(),
-            missing: log.segments.iter().map(|segment| segment.missing_before).sum(),
+            missing: log.samples_missing(),
             still_share: still as f64 / log.n_rows().max(1) as f64,
             still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),

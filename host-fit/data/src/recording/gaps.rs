@@ -170,7 +170,9 @@ impl<'a> Search<'a> {
     /// Rise at a row of which rows before are not settled yet.
     fn rise_ahead(&self, row: usize) -> f64 {
         let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
-        let before = self.level(row.saturating_sub(self.window_at(row))..row, late);
+        // what lies before a pause that is not settled yet is earlier by all of it
+        let begin = row.saturating_sub(self.window_at(row)).max(self.last_pause(row).unwrap_or(0));
+        let before = self.level(begin..row, late);
         let after = self.level(row..self.end_of_window(row), late);
         (after - before) / self.period_s
     }
@@ -198,12 +200,23 @@ impl<'a> Search<'a> {
         self.marks.get(next).map_or(self.time_s.len(), |mark| mark.row)
     }
 
+    /// First row after the last pause before `row`.
+    fn last_pause(&self, row: usize) -> Option<usize> {
+        let before = &self.marks[..self.marks.partition_point(|mark| mark.row < row)];
+        before.iter().rfind(|mark| mark.boundary == Boundary::Pause).map(|mark| mark.row)
+    }
+
     /// Rise at `row` from which samples are missing, periods.
     fn needed_rise(&self, row: usize) -> f64 {
         let rows_after = self.end_of_window(row) - row;
         if self.bursts {
-            let ends = row + rows_after == self.time_s.len();
-            let at_end = ends && (rows_after as f64) < ENVELOPE_SHARE * self.window_at(row) as f64;
+            let end = row + rows_after;
+            let is_pause = |mark: &Mark| mark.row == end && mark.boundary == Boundary::Pause;
+            let next = self.marks.partition_point(|mark| mark.row <= row);
+            let ends = end == self.time_s.len() || self.marks.get(next).is_some_and(is_pause);
+            let few = |rows: usize| (rows as f64) < ENVELOPE_SHARE * self.window_at(row) as f64;
+            let at_end =
+                ends && few(rows_after) || self.last_pause(row).is_some_and(|begin| few(row - begin));
             let end_effect = if at_end { BURSTS_AT_END * self.burst_rows } else { 0.0 };
             return RISE_BURSTS.max(RISE_SIGMAS * self.rise_scatter).max(end_effect);
         }
@@ -280,7 +293,11 @@ impl<'a> Search<'a> {
         let rise = self.rise(mark.row);
         let back = self.steps_back(mark.row) && rise < -RISE_JITTERED;
         self.grid.clock_back += u64::from(back);
-        self.accept(mark.row, mark.boundary, mark.missing.max(self.count(mark.row, rise)));
+        let missing = match mark.boundary {
+            Boundary::Pause => rise.round().clamp(1.0, MOST_MISSING) as u64,
+            _ => self.count(mark.row, rise),
+        };
+        self.accept(mark.row, mark.boundary, mark.missing.max(missing));
     }
 
     fn accept(&mut self, row: usize, boundary: Boundary, missing_before: u64) {

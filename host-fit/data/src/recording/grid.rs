@@ -28,6 +28,9 @@ pub(super) const EXACT_MISSING: u64 = 5_000;
 /// A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
 /// longest wait between the last row that is too early to come after the gap and the first that is not late.
 ///
+/// A gap of ten seconds is a pause, and so is every long wait of a duty-cycled log (bursts of samples that last, and
+/// waits of a second and more between them that are most of its time): the log is a whole one of many segments.
+///
 /// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
 /// it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
 /// Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
@@ -51,6 +54,9 @@ pub enum Boundary {
     Start,
     /// Samples are missing.
     Gap,
+    /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds and more. No sample was
+    /// lost; `missing_before` is how many would have been taken.
+    Pause,
     /// The `segment` column changes.
     SegmentColumn,
     /// Time goes back; it is not known how many samples are missing (`missing_before` is 0).
@@ -58,6 +64,9 @@ pub enum Boundary {
     /// Another recording starts.
     Recording,
 }
+
+/// A gap this long is a pause, s: what loses samples, a bus or a radio link, is back within seconds.
+const PAUSE_S: f64 = 10.0;
 
 /// A boundary known without looking at stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +86,16 @@ pub(super) struct Grid {
 }
 
 impl Grid {
+    /// The same with long gaps called what they are.
+    pub(super) fn with_pauses(mut self, period_s: f64) -> Self {
+        for segment in &mut self.segments {
+            if segment.boundary == Boundary::Gap && segment.missing_before as f64 * period_s >= PAUSE_S {
+                segment.boundary = Boundary::Pause;
+            }
+        }
+        self
+    }
+
     /// Grid index of every row.
     pub(super) fn ticks(&self) -> Vec<u64> {
         self.segments.iter().flat_map(|s| (0..s.rows.len() as u64).map(move |i| s.tick + i)).collect()

@@ -88,6 +88,8 @@ impl Quality {
         self.clock_back += other.clock_back;
         self.gaps += other.gaps;
         self.samples_missing += other.samples_missing;
+        self.pauses += other.pauses;
+        self.paused_s += other.paused_s;
         self.missing_cells.extend(other.missing_cells);
         self.text_columns.extend(other.text_columns);
         self.first_text = self.first_text.take().or(other.first_text);

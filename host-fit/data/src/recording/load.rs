@@ -37,8 +37,9 @@ const MAX_COPIES: f64 = 0.1;
 const FEW_BACKS: u64 = 3;
 const MOST_BACKS: f64 = 0.02;
 
-/// A true rate further from the stated one than this, relative, is another one: cheap clocks are off by percents.
-const SAME_RATE: f64 = 0.2;
+/// A true rate further from the stated one than this, relative, is another one: the oscillators of parts are off by up
+/// to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
+const SAME_RATE: f64 = 0.07;
 
 /// Bytes read at once.
 const READ_BUFFER: usize = 1 << 18;
@@ -256,8 +257,12 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     };
     quality.stamps_repeated = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
     quality.clock_back = grid.clock_back;
-    quality.gaps = grid.segments.iter().filter(|segment| segment.missing_before > 0).count() as u64;
-    quality.samples_missing = grid.segments.iter().map(|segment| segment.missing_before).sum();
+    let (pauses, others): (Vec<&Segment>, Vec<&Segment>) =
+        grid.segments.iter().partition(|segment| segment.boundary == Boundary::Pause);
+    quality.gaps = others.iter().filter(|segment| segment.missing_before > 0).count() as u64;
+    quality.samples_missing = others.iter().map(|segment| segment.missing_before).sum();
+    quality.pauses = pauses.len() as u64;
+    quality.paused_s = pauses.iter().map(|segment| segment.missing_before as f64 * rate.period_s).sum();
     Ok(Recording {
         sources: vec![source],
         time_s,
@@ -401,15 +406,32 @@ fn find_marks(labels: &[f64], skipped: &[Skipped]) -> Vec<Mark> {
 /// the period: it is done twice.
 fn measure(time_s: &[f64], nominal_hz: Option<f64>, marks: &[Mark]) -> Option<(Grid, Rate)> {
     let mut look = rate::first_look(time_s, nominal_hz)?;
-    let mut grid = gaps::find(time_s, &look, marks);
+    let marks = with_pauses(marks, &look.after_pauses);
+    let mut grid = gaps::find(time_s, &look, &marks);
     if let Some(period_s) = rate::slope(time_s, &grid) {
         look.period_s = period_s;
-        grid = gaps::find(time_s, &look, marks);
+        grid = gaps::find(time_s, &look, &marks);
     }
     let period_s = rate::slope(time_s, &grid).unwrap_or(look.period_s);
     let jitter_s = rate::jitter(time_s, &grid, period_s);
     let stamps = rate::name_stamps(look.stamps, jitter_s, period_s);
-    Some((grid, Rate { nominal_hz, true_hz: 1.0 / period_s, period_s, jitter_s, stamps }))
+    Some((
+        grid.with_pauses(period_s),
+        Rate { nominal_hz, true_hz: 1.0 / period_s, period_s, jitter_s, stamps },
+    ))
+}
+
+/// Boundaries that are known, and pauses: a row that could not be used beside one changes nothing about it.
+fn with_pauses(marks: &[Mark], after_pauses: &[usize]) -> Vec<Mark> {
+    let mut all = marks.to_vec();
+    for row in after_pauses {
+        match all.binary_search_by_key(row, |mark| mark.row) {
+            Ok(at) if all[at].boundary == Boundary::Gap => all[at].boundary = Boundary::Pause,
+            Ok(_) => {}
+            Err(at) => all.insert(at, Mark { row: *row, boundary: Boundary::Pause, missing: 0 }),
+        }
+    }
+    all
 }
 
 /// Time, rate and segments of a log without stamps: row over rate, and boundaries where they are known.

@@ -7,6 +7,8 @@
 //! | in the log | what happens |
 //! |---|---|
 //! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
+//! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
+//! | a stated rate that is 7 % off what the stamps show | refused, with both |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
 //! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
 //! | a stamp repeats, the sample differs | kept and counted |
@@ -53,6 +55,8 @@ mod gap_tests;
 mod generated_log_tests;
 #[cfg(test)]
 mod load_tests;
+#[cfg(test)]
+mod pause_tests;
 #[cfg(test)]
 mod real_log_tests;
 
@@ -185,6 +189,12 @@ impl Recording {
     pub fn duration_s(&self) -> f64 {
         let last = self.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
         last.saturating_sub(1) as f64 * self.rate.period_s
+    }
+
+    /// Samples that were lost: none in a pause.
+    pub fn samples_missing(&self) -> u64 {
+        let lossy = self.segments.iter().filter(|segment| segment.boundary != Boundary::Pause);
+        lossy.map(|segment| segment.missing_before).sum()
     }
 
     /// The same with times that go on where a segment is stamped as if it began before the end of the one before it.

@@ -31,6 +31,10 @@ pub struct Quality {
     pub gaps: u64,
     /// Samples missing in them, counted on the regular sample grid.
     pub samples_missing: u64,
+    /// Times that nothing was recorded for a while, which is no loss.
+    pub pauses: u64,
+    /// How long in all, s.
+    pub paused_s: f64,
     /// Columns that hold text and were left out.
     pub text_columns: Vec<String>,
     /// The first text that was seen in one of them, in a file with lines.
@@ -154,6 +158,12 @@ impl fmt::Display for Quality {
         lines.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
         if self.gaps > 0 {
             lines.push(format!("{} gaps: {} samples are missing", self.gaps, self.samples_missing));
+        }
+        if self.pauses > 0 {
+            lines.push(format!(
+                "{} pauses, {:.1} s in all, in which nothing was recorded",
+                self.pauses, self.paused_s
+            ));
         }
         for cells in &self.missing_cells {
             let MissingCells { column, empty, not_finite } = cells;

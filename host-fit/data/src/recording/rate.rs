@@ -1,10 +1,10 @@
-//! The true sample rate, from time stamps that jitter, arrive in bursts and miss samples.
+//! The true sample rate, from time stamps that jitter, arrive in bursts, pause and miss samples.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use serde::Serialize;
 
-use super::grid::Grid;
+use super::grid::{Boundary, Grid};
 pub(super) use crate::statistics::median;
 
 /// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
@@ -23,6 +23,21 @@ const SCATTER_BLOCK: usize = 64;
 /// Longest reach in rows of the first estimate of the period.
 const FIRST_REACH: usize = 4096;
 
+/// A wait from which on the log may have paused: longer than a host lets a sensor's buffer fill, s, and so many usual
+/// waits.
+const PAUSE_S: f64 = 1.0;
+const PAUSE_WAITS: f64 = 10.0;
+
+/// Between two pauses rows are stamped over at least this time, s. What a host reads out of a full buffer at once comes
+/// faster: 128 samples over a bus of 400 kHz take 50 ms.
+const BETWEEN_PAUSES_S: f64 = 0.2;
+
+/// Pauses that do not make the mean period longer than that between them by this factor change nothing.
+const PAUSED: f64 = 1.5;
+
+/// Slopes within a burst that are this far off the median, relative, are of stamps that are wrong.
+const USUAL_SLOPE: f64 = 0.1;
+
 /// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
 pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
@@ -34,7 +49,8 @@ pub struct Rate {
     /// As measured: one over `period_s`, Hz.
     pub true_hz: f64,
     /// Slope of time stamp against sample count, missing samples counted: median over pairs of rows half the
-    /// longest unbroken stretch apart (after Theil 1950, Sen 1968), s.
+    /// longest unbroken stretch apart (after Theil 1950, Sen 1968), s. Of a duty-cycled log the mean of those that are
+    /// within a tenth of it.
     pub period_s: f64,
     /// Scatter of the stamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64
     /// rows, s.
@@ -58,7 +74,7 @@ pub enum Stamps {
 }
 
 /// A first look at stamps, enough to look for gaps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct FirstLook {
     /// Sample period, s.
     pub(super) period_s: f64,
@@ -68,17 +84,82 @@ pub(super) struct FirstLook {
     pub(super) scatter: f64,
     /// Mean number of rows from one long wait to the next.
     pub(super) burst_rows: f64,
+    /// First rows after the pauses of a duty-cycled log.
+    pub(super) after_pauses: Vec<usize>,
 }
 
 /// Estimates the period before the gaps are known; `None` if time does not run forward.
+///
+/// Long waits in between short ones are a host's that polls, or pauses of a duty-cycled log (5 s of every 300 s): the
+/// rate is the mean of all rows, or that between the pauses. What lies between two pauses lasts some time; what a host
+/// reads out at once does not. A stated rate that is the mean says that it polls.
 pub(super) fn first_look(time_s: &[f64], nominal_hz: Option<f64>) -> Option<FirstLook> {
-    let n = time_s.len();
-    let waits: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let whole = look_over(time_s, std::slice::from_ref(&(0..time_s.len())), nominal_hz)?;
+    if whole.stamps != Stamps::Bursts || is_nominal(whole.period_s, nominal_hz) {
+        return Some(whole);
+    }
+    let after_pauses = after_pauses(time_s);
+    let between = stretches(time_s.len(), &after_pauses);
+    let lasts = |rows: &&Range<usize>| time_s[rows.end - 1] - time_s[rows.start] >= BETWEEN_PAUSES_S;
+    let lasting: usize = between.iter().filter(lasts).map(|rows| rows.len()).sum();
+    let paused = match 2 * lasting > time_s.len() {
+        true => look_over(time_s, &between, nominal_hz),
+        false => None,
+    };
+    match paused.filter(|look| whole.period_s > PAUSED * look.period_s) {
+        Some(look) => Some(FirstLook { after_pauses, ..look }),
+        None => Some(whole),
+    }
+}
+
+/// Rows before which the log may have paused.
+fn after_pauses(time_s: &[f64]) -> Vec<usize> {
+    let wait = |row: usize| time_s[row] - time_s[row - 1];
+    let usual = median(&mut (1..time_s.len()).map(wait).collect::<Vec<_>>());
+    let least = PAUSE_S.max(PAUSE_WAITS * usual);
+    (1..time_s.len()).filter(|row| wait(*row) >= least).collect()
+}
+
+/// `n` rows cut before each of these.
+fn stretches(n: usize, cuts: &[usize]) -> Vec<Range<usize>> {
+    let begins = std::iter::once(0).chain(cuts.iter().copied());
+    let ends = cuts.iter().copied().chain([n]);
+    begins.zip(ends).map(|(begin, end)| begin..end).collect()
+}
+
+/// The length of a stretch such that half of all rows lie in shorter ones.
+fn usual_length(stretches: &[Range<usize>]) -> usize {
+    let mut lengths: Vec<usize> = stretches.iter().map(|rows| rows.len()).collect();
+    lengths.sort_unstable();
+    let half = lengths.iter().sum::<usize>() / 2;
+    let mut shorter = 0;
+    let reaches_half = |length: &&usize| {
+        shorter += **length;
+        shorter >= half
+    };
+    lengths.iter().find(reaches_half).copied().unwrap_or(0)
+}
+
+fn is_nominal(period_s: f64, nominal_hz: Option<f64>) -> bool {
+    nominal_hz.is_some_and(|hz| (period_s * hz - 1.0).abs() < 0.2)
+}
+
+/// The first look at rows in stretches, none of them held against one of another stretch.
+fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>) -> Option<FirstLook> {
+    let rows = usual_length(stretches);
+    let waits: Vec<f64> = stretches
+        .iter()
+        .flat_map(|rows| time_s[rows.clone()].windows(2).map(|pair| pair[1] - pair[0]))
+        .collect();
     let typical_wait = median(&mut waits.clone());
 
     // over many rows bursts and coarse stamps average out; missing samples lengthen it
-    let reach = (n / 4).clamp(1, FIRST_REACH);
-    let mut slopes: Vec<f64> = (reach..n).map(|i| (time_s[i] - time_s[i - reach]) / reach as f64).collect();
+    let reach = (rows / 4).clamp(1, FIRST_REACH);
+    let mut slopes: Vec<f64> = stretches
+        .iter()
+        .flat_map(|rows| rows.start + reach..rows.end)
+        .map(|i| (time_s[i] - time_s[i - reach]) / reach as f64)
+        .collect();
     let far = median(&mut slopes);
     if !(far > 0.0 && far.is_finite()) {
         return None;
@@ -95,17 +176,19 @@ pub(super) fn first_look(time_s: &[f64], nominal_hz: Option<f64>) -> Option<Firs
     let near = usual.iter().sum::<f64>() / usual.len().max(1) as f64;
     let near = if near.is_finite() { near } else { 0.0 };
 
+    let after_pauses = Vec::new();
     // waits of one and two ticks in turn may be loss or a coarse clock: only the stated rate can tell
-    let nominal_is = |period: f64| nominal_hz.is_some_and(|hz| (period * hz - 1.0).abs() < 0.2);
-    if early > EARLY_SHARE || near <= 0.0 || (nominal_is(far) && !nominal_is(near)) {
+    let coarse = is_nominal(far, nominal_hz) && !is_nominal(near, nominal_hz);
+    if early > EARLY_SHARE || near <= 0.0 || coarse {
         let long = share(waits.iter().filter(|&&wait| wait > 1.5 * far).count());
         let burst_rows = 1.0 / long.max(1e-9);
-        return Some(FirstLook { period_s: far, stamps: Stamps::Bursts, scatter: 0.0, burst_rows });
+        let stamps = Stamps::Bursts;
+        return Some(FirstLook { period_s: far, stamps, scatter: 0.0, burst_rows, after_pauses });
     }
     let mut deviations: Vec<f64> = waits.iter().map(|wait| (wait - typical_wait).abs()).collect();
     // the wait between two stamps scatters by √2 as much as a stamp
     let scatter = MAD_TO_SD * median(&mut deviations) / near / std::f64::consts::SQRT_2;
-    Some(FirstLook { period_s: near, stamps: Stamps::Jittered, scatter, burst_rows: 1.0 })
+    Some(FirstLook { period_s: near, stamps: Stamps::Jittered, scatter, burst_rows: 1.0, after_pauses })
 }
 
 /// Slope of time against ticks of the grid; `None` if no two rows can be compared.
@@ -122,7 +205,13 @@ pub(super) fn slope(time_s: &[f64], grid: &Grid) -> Option<f64> {
     if slopes.is_empty() {
         return None;
     }
-    Some(median(&mut slopes)).filter(|slope| *slope > 0.0 && slope.is_finite())
+    let mut slope = median(&mut slopes);
+    if grid.segments.iter().any(|segment| segment.boundary == Boundary::Pause) {
+        // over a burst stamps in ticks or from polls make a few slopes only: not the one that is usual, but their mean
+        slopes.retain(|other| (other / slope - 1.0).abs() < USUAL_SLOPE);
+        slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
+    }
+    Some(slope).filter(|slope| *slope > 0.0 && slope.is_finite())
 }
 
 /// Scatter of the stamps about the grid, s.

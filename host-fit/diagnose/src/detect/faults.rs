@@ -69,7 +69,7 @@ pub(super) fn find(
     let own_step = step(&own);
     faults.extend(clipped(&own, converter, own_step));
     let missing = |recording: &Recording| {
-        let missing: u64 = recording.segments.iter().map(|segment| segment.missing_before).sum();
+        let missing = recording.samples_missing();
         missing as f64 / (recording.n_rows() as f64 + missing as f64)
     };
     let share = missing(field);

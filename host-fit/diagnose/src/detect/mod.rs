@@ -25,6 +25,8 @@ mod slow;
 mod testable;
 
 #[cfg(test)]
+mod bursts_tests;
+#[cfg(test)]
 mod faults_tests;
 
 pub use answer::{

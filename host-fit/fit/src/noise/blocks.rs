@@ -13,10 +13,18 @@ const SHORTEST_S: f64 = 0.5;
 /// A block of which less than this share of the samples is known is left out.
 const KNOWN_SHARE: f64 = 0.25;
 
+/// A log of which less than this share of the time was recorded is one of bursts: blocks lie within them.
+const RECORDED_SHARE: f64 = 0.5;
+
+/// Most blocks of a log of bursts that are one a burst, for those wanted.
+const MOST: f64 = 2.0;
+
 /// Least noise of a block over the mean of all.
 const LEAST_NOISE: f64 = 1e-3;
 
 /// The blocks of a recording in which enough is known. Blocks lie on the grid of ticks, so that gaps keep their length.
+/// Of a log of bursts (5 s of every 300 s) they are bursts, or equal parts of them, as far from each other as the ticks
+/// say; where there are too many of those, several bursts are one.
 #[derive(Debug, Clone)]
 pub struct Blocks {
     /// Length of a block, s.
@@ -47,8 +55,43 @@ pub struct Block {
 
 /// Block length that suits a recording, s: about 600 blocks.
 pub fn length_for(recording: &Recording) -> f64 {
-    let ticks = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
-    (ticks as f64 * recording.rate.period_s / WANTED).max(SHORTEST_S)
+    let (ticks, period_s) = (ticks(recording), recording.rate.period_s);
+    let Some(burst) = burst_rows(recording) else {
+        return (ticks as f64 * period_s / WANTED).max(SHORTEST_S);
+    };
+    let length_s = (recording.n_rows() as f64 * period_s / WANTED).max(SHORTEST_S);
+    let burst_s = burst as f64 * period_s;
+    match length_s < MOST * burst_s {
+        true => burst_s / (burst_s / length_s).round().max(1.0),
+        false => (ticks as f64 * period_s / WANTED).max(SHORTEST_S),
+    }
+}
+
+/// Samples from the first to the last on the grid.
+fn ticks(recording: &Recording) -> u64 {
+    recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64)
+}
+
+/// The rows of a usual burst, if the recording is one of bursts: half of all rows lie in shorter ones.
+fn burst_rows(recording: &Recording) -> Option<usize> {
+    if recording.n_rows() as f64 >= RECORDED_SHARE * ticks(recording) as f64 {
+        return None;
+    }
+    // what is lost within a burst, less than a segment, does not end it
+    let longest_loss = (recording.n_rows() / recording.segments.len().max(1)) as u64;
+    let mut bursts: Vec<usize> = Vec::new();
+    for segment in &recording.segments {
+        match bursts.last_mut() {
+            Some(burst) if segment.missing_before < longest_loss => *burst += segment.rows.len(),
+            _ => bursts.push(segment.rows.len()),
+        }
+    }
+    bursts.sort_unstable();
+    let mut shorter = 0;
+    bursts.into_iter().find(|rows| {
+        shorter += rows;
+        2 * shorter >= recording.n_rows()
+    })
 }
 
 /// The power of three below a third of a block, at least 1.
@@ -61,10 +104,23 @@ impl Blocks {
     pub fn new(recording: &Recording, length_s: f64, known: Vec<bool>) -> Self {
         let period_s = recording.rate.period_s;
         let ticks = (length_s / period_s).round().max(1.0) as u64;
+        let burst = burst_rows(recording);
+        let within_bursts = burst.is_some_and(|rows| ticks as f64 <= MOST * rows as f64);
+        let full = match burst {
+            Some(rows) if within_bursts => rows.min(ticks as usize) as f64,
+            Some(_) => ticks as f64 * recording.n_rows() as f64 / self::ticks(recording) as f64,
+            None => ticks as f64,
+        };
         let mut blocks: Vec<Block> = Vec::new();
+        // the tick that blocks are counted from, and the first of them
+        let (mut origin, mut first) = (0, 0);
         for segment in &recording.segments {
+            if within_bursts && segment.missing_before >= ticks {
+                let next = blocks.last().map_or(0, |last| last.index + 1);
+                (origin, first) = (segment.tick, next.max(segment.tick / ticks));
+            }
             for row in segment.rows.clone() {
-                let index = (segment.tick + (row - segment.rows.start) as u64) / ticks;
+                let index = first + (segment.tick - origin + (row - segment.rows.start) as u64) / ticks;
                 let counts = usize::from(known[row]);
                 match blocks.last_mut() {
                     Some(last) if last.index == index => {
@@ -75,7 +131,7 @@ impl Blocks {
                 }
             }
         }
-        blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * ticks as f64);
+        blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * full);
         let length_s = ticks as f64 * period_s;
         Self { length_s, period_s, flicker_from_s: flicker_from_s(length_s), blocks, known }
     }

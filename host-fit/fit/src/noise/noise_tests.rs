@@ -5,8 +5,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, length_for};
 use super::gls::dot;
+use super::levels::LevelPrior;
 use super::model::{GaussMarkov, NoiseLevels};
 use crate::signal::allan::allan_deviation;
 use fos_data::recording::{LoadOptions, Recording, Source};
@@ -109,6 +110,53 @@ fn difference(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> f64 {
 
 /// Rounding: some hundred operations on covariances whose condition is below 1e5.
 const EXACT: f64 = 1e-9;
+
+/// A log of bursts of `rows` rows at 10 Hz, one every 100 s.
+fn bursts(count: usize, rows: usize) -> Recording {
+    let time: Vec<f64> =
+        (0..count * rows).map(|row| (row / rows) as f64 * 100.0 + (row % rows) as f64 * 0.1).collect();
+    let columns = vec![("gx_rads".to_owned(), vec![0.0; time.len()]), ("t_s".to_owned(), time)];
+    Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a recording")
+}
+
+/// They were a twentieth of a block of the whole time, and left out as hardly known.
+#[test]
+fn the_blocks_of_bursts_are_equal_parts_of_them_as_far_apart_as_they_are() {
+    // bursts, blocks of each, fewest rows of a block
+    for (count, parts, rows) in [(150, 4, 11), (300, 2, 25), (600, 1, 50), (1100, 1, 50)] {
+        let log = bursts(count, 50);
+        let length_s = length_for(&log);
+        assert!((length_s * 10.0 - 50.0 / parts as f64).abs() < 1e-9, "{length_s}");
+        let blocks = Blocks::new(&log, length_s, vec![true; log.n_rows()]);
+        let whole = blocks.blocks.iter().filter(|block| block.count >= rows).count();
+        assert!(whole == count * parts && blocks.len() == whole, "{whole} of {}", blocks.len());
+        for (at, block) in blocks.blocks.iter().enumerate() {
+            let begins_s = (at / parts) as f64 * 100.0 + (at % parts) as f64 * blocks.length_s;
+            let apart = (block.index - blocks.blocks[0].index) as f64 * blocks.length_s;
+            assert!((apart - begins_s).abs() < 1.1 * blocks.length_s, "{at}: {apart} for {begins_s}");
+        }
+    }
+    // of more bursts than are wanted several are one block
+    let many = bursts(6000, 50);
+    let blocks = Blocks::new(&many, length_for(&many), vec![true; many.n_rows()]);
+    assert!((590..=601).contains(&blocks.len()), "{}", blocks.len());
+    // the last block may hold too few
+    assert!(blocks.samples() + 150 > many.n_rows(), "{}", blocks.samples());
+}
+
+/// The bursts of a noisy log are further apart than any two of its blocks: what is slow between them is no white noise.
+#[test]
+fn white_noise_is_guessed_from_bursts_that_are_one_block_each() {
+    let log = bursts(600, 50);
+    let blocks = Blocks::new(&log, length_for(&log), vec![true; log.n_rows()]);
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    let levels = NoiseLevels { white: 2.0, flicker: 0.0, walk: 0.0, gauss_markov: None };
+    let slow = |at: usize| 5.0 * (0.02 * at as f64).sin();
+    let noise = levels.simulate(&blocks, &mut random);
+    let means: Vec<f64> = noise.iter().enumerate().map(|(at, value)| value + slow(at)).collect();
+    let white = NoiseLevels::from_logs(&LevelPrior::of_log(&blocks, &means).mean).white;
+    assert!((white / 2.0 - 1.0).abs() < 0.15, "{white}");
+}
 
 #[test]
 fn whitening_is_that_of_the_dense_covariance() {

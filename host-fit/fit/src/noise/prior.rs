@@ -3,7 +3,7 @@
 use fos_data::case::DataSheet;
 use fos_data::statistics::median_of;
 
-use super::blocks::Blocks;
+use super::blocks::{Block, Blocks};
 use super::levels::{LevelPrior, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 
@@ -37,13 +37,25 @@ impl LevelPrior {
     /// From the scatter of neighbouring blocks of a log, wide.
     pub fn of_log(blocks: &Blocks, y: &[f64]) -> Self {
         let pairs = blocks.blocks.windows(2).zip(y.windows(2));
-        let squares: Vec<f64> = pairs
+        let seconds = |block: &Block| block.count as f64 * blocks.period_s;
+        let mut squares: Vec<f64> = pairs
             .filter(|(pair, _)| pair[1].index == pair[0].index + 1)
             .map(|(pair, values)| {
-                let seconds = 0.5 * (pair[0].count + pair[1].count) as f64 * blocks.period_s;
+                let seconds = 0.5 * (seconds(&pair[0]) + seconds(&pair[1]));
                 (values[1] - values[0]).powi(2) * seconds / 2.0
             })
             .collect();
+        if squares.is_empty() {
+            // bursts far apart: off the line between the ones before and after, for what is slow changes in between
+            let threes = blocks.blocks.windows(3).zip(y.windows(3));
+            squares.extend(threes.map(|(three, values)| {
+                let share =
+                    (three[1].index - three[0].index) as f64 / (three[2].index - three[0].index) as f64;
+                let weights = [share - 1.0, 1.0, -share];
+                let off: f64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
+                off * off / weights.iter().zip(three).map(|(w, block)| w * w / seconds(block)).sum::<f64>()
+            }));
+        }
         // the median of a square of a normal variable is 0.4549 of its mean; unlike the mean it forgives steps
         let white = (median_of(squares).unwrap_or(1.0) / 0.4549).sqrt().max(f64::MIN_POSITIVE);
         let flicker = FLICKER_PER_WHITE * white;
