@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
-use super::Recording;
+use super::{FailedReads, Recording};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
 use crate::stuck::stuck;
@@ -57,6 +57,15 @@ pub enum Oddity {
         /// All together, s.
         seconds: f64,
     },
+    /// Readings of a thermometer that failed.
+    FailedReads(FailedReads),
+    /// A thermometer of coarse steps.
+    CoarseSteps {
+        /// As in the log format, as `temp_c`.
+        column: String,
+        /// The step, K.
+        step: f64,
+    },
     /// Two axes hold the same values.
     Same {
         /// The columns.
@@ -101,6 +110,19 @@ impl fmt::Display for Oddity {
             Self::Held { column, times, seconds } => write!(
                 f,
                 "{column}: stuck {times} times, for {seconds:.1} s together; fits and diagnoses leave that out"
+            ),
+            Self::FailedReads(FailedReads { column, rows, share, said }) => {
+                let said: Vec<String> = said.iter().map(f64::to_string).collect();
+                write!(
+                    f,
+                    "{column}: {rows} readings, {:.2} %, are exactly {} °C and no temperature: the thermometer was not read; they are taken for empty cells",
+                    100.0 * share,
+                    said.join(" or ")
+                )
+            }
+            Self::CoarseSteps { column, step } => write!(
+                f,
+                "{column} moves in steps of {step} K: a diagnosis takes the temperature between two steps from a line; on the device a correction that follows it is off by up to half a step"
             ),
             Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
             Self::NotGravity { magnitude } => write!(
@@ -168,6 +190,11 @@ impl Recording {
                 found.push(Oddity::NoiseDiffers { column: (*axis).to_owned(), ratio: loudest / quietest });
             }
         }
+        found.extend(self.quality.failed_reads.iter().cloned().map(Oddity::FailedReads));
+        found.extend(self.channels().iter().filter_map(|channel| {
+            let step = self.coarse_step(channel)?;
+            Some(Oddity::CoarseSteps { column: channel.name.clone(), step })
+        }));
         found.extend(self.not_gravity(still));
         found.extend(self.rates_differ(&logs));
         found

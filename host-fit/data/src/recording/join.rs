@@ -91,6 +91,7 @@ impl Quality {
         self.pauses += other.pauses;
         self.paused_s += other.paused_s;
         self.missing_cells.extend(other.missing_cells);
+        self.failed_reads.extend(other.failed_reads);
         self.text_columns.extend(other.text_columns);
         self.first_text = self.first_text.take().or(other.first_text);
     }

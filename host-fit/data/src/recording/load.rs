@@ -20,7 +20,7 @@ use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
 use super::source::{Hashing, Source};
 use super::table::{Column, Skipped, Table, check_names};
-use super::{Recording, csv_file, gaps, other_format};
+use super::{Recording, csv_file, failed_reads, gaps, other_format};
 use crate::closest::closest;
 use crate::file::{self, FileError};
 use crate::unit::Unit;
@@ -222,6 +222,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
 
     let Table { columns, skipped, mut quality } = table;
     let mut channels = name_channels(columns, map);
+    quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
     let mut take = |name: &str| {
         let index = channels.iter().position(|channel| channel.name == name)?;
         // nobody else has it yet

@@ -13,6 +13,7 @@
 //! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
 //! | a stamp repeats, the sample differs | kept and counted |
 //! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
+//! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and said as an oddity |
 //! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
 //! | over 5 % of rows are like that, or one in strict mode | refused |
 //! | a column holds text | left out and listed (`segment`: its labels count) |
@@ -22,10 +23,12 @@
 //! | no `t_s` | row number over the stated rate, else refused |
 
 mod channel;
+mod coarse;
 mod column_map;
 mod csv_file;
 mod error;
 mod error_series;
+mod failed_reads;
 mod gaps;
 mod glance;
 mod grid;
@@ -69,6 +72,7 @@ pub use channel::Channel;
 pub use column_map::{ColumnMap, MapError};
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
+pub use failed_reads::FailedReads;
 pub use glance::Oddity;
 pub use grid::{Boundary, Segment};
 pub use held::back_filled;

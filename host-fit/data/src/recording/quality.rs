@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::failed_reads::FailedReads;
+
 /// How many rows that could not be used are kept with their place and content.
 const PLACES_KEPT: usize = 5;
 
@@ -27,6 +29,8 @@ pub struct Quality {
     pub clock_back: u64,
     /// Empty or not finite cells, by column; only columns that have any.
     pub missing_cells: Vec<MissingCells>,
+    /// Readings of thermometers that failed, by column; they read NaN.
+    pub failed_reads: Vec<FailedReads>,
     /// Stretches of missing samples.
     pub gaps: u64,
     /// Samples missing in them, counted on the regular sample grid.

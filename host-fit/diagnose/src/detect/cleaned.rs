@@ -87,7 +87,7 @@ impl<'a> Log<'a> {
             | Oddity::NoiseDiffers { column: other, .. } => other == column,
             Oddity::Same { columns } => columns.iter().any(|other| other == column),
             Oddity::NotGravity { .. } => Column::named(column).is_specific_force(),
-            Oddity::RatesDiffer { .. } => true,
+            Oddity::RatesDiffer { .. } | Oddity::FailedReads(_) | Oddity::CoarseSteps { .. } => true,
         };
         let odd = self.whole.oddities(&self.still);
         odd.iter().filter(|oddity| bears(oddity)).map(ToString::to_string).collect()

@@ -121,7 +121,15 @@ impl<'a> Inputs<'a> {
 
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
         let held = match &spec.column {
-            Some(column) => self.recording.held(self.recording.channel(column)?),
+            Some(column) => {
+                let channel = self.recording.channel(column)?;
+                let held = self.recording.held(channel);
+                // a low-pass of stairs is nearer to the temperature than they are, and no lag of the sensor
+                match self.recording.coarse_step(channel) {
+                    Some(step) => self.recording.between_steps(&held, step),
+                    None => held,
+                }
+            }
             None => vec![0.0; self.recording.n_rows()],
         };
         if held.iter().all(|value| value.is_nan()) {

@@ -1,0 +1,110 @@
+//! Thermometers of coarse steps, and where the temperature is between two of them.
+
+use super::Recording;
+use super::channel::Channel;
+use crate::unit::Unit;
+
+/// Steps of a thermometer that are coarse, K: those of 8 bits to 10 bits over its range. Finer ones drown in its noise.
+const COARSE_K: std::ops::RangeInclusive<f64> = 0.25..=2.0;
+
+/// How far a value may be from a whole number of steps, in steps.
+const ON_GRID: f64 = 0.02;
+
+impl Recording {
+    /// The step of a thermometer whose values are so far apart that they are stairs, K.
+    pub fn coarse_step(&self, channel: &Channel) -> Option<f64> {
+        if channel.unit != Unit::Celsius {
+            return None;
+        }
+        let mut levels: Vec<f64> = channel.values.iter().copied().filter(|value| value.is_finite()).collect();
+        levels.dedup();
+        levels.sort_unstable_by(f64::total_cmp);
+        levels.dedup();
+        let gaps = || levels.windows(2).map(|pair| pair[1] - pair[0]);
+        let step = gaps().fold(f64::INFINITY, f64::min);
+        let on_grid = |gap: f64| (gap / step - (gap / step).round()).abs() < ON_GRID;
+        (COARSE_K.contains(&step) && gaps().all(on_grid)).then_some(step)
+    }
+
+    /// `values` of a thermometer of such steps, one per row and none missing but at the begin, as the temperature went:
+    /// halfway between two steps where it crossed from one to the other, on a line from one crossing to the next.
+    pub fn between_steps(&self, values: &[f64], step: f64) -> Vec<f64> {
+        let ticks: Vec<f64> = self
+            .segments
+            .iter()
+            .flat_map(|segment| (0..segment.rows.len()).map(|row| (segment.tick + row as u64) as f64))
+            .collect();
+        let mut smooth = values.to_vec();
+        for rows in self.power_ons() {
+            let Some(first) = rows.clone().find(|row| !values[*row].is_nan()) else { continue };
+            let last = rows.end - 1;
+            let mut knots = vec![(ticks[first], values[first])];
+            for row in first + 1..rows.end {
+                let (before, after) = (values[row - 1], values[row]);
+                // what jumps by several steps at once was there
+                if after != before && (after - before).abs() < 1.5 * step {
+                    knots.push((0.5 * (ticks[row - 1] + ticks[row]), 0.5 * (before + after)));
+                } else if after != before {
+                    knots.extend([(ticks[row - 1], before), (ticks[row], after)]);
+                }
+            }
+            knots.push((ticks[last], values[last]));
+            let mut at = 0;
+            for row in first..rows.end {
+                while at + 2 < knots.len() && knots[at + 1].0 < ticks[row] {
+                    at += 1;
+                }
+                let ((from, low), (to, high)) = (knots[at], knots[at + 1]);
+                let share = if to > from { ((ticks[row] - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
+                smooth[row] = low + share * (high - low);
+            }
+        }
+        smooth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Oddity, Source};
+    use super::*;
+
+    fn recording(values: Vec<f64>) -> Recording {
+        let columns = vec![("temp_c".to_owned(), values)];
+        let options = LoadOptions { rate_hz: Some(10.0), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
+    }
+
+    #[test]
+    fn stairs_are_followed_to_a_fraction_of_a_step() {
+        let true_c: Vec<f64> = (0..9000).map(|row| 25.0 + 6.0 * (0.002 * f64::from(row)).sin()).collect();
+        for step in [0.5, 1.0] {
+            let log = recording(true_c.iter().map(|t| (t / step).round() * step).collect());
+            let channel = log.channel("temp_c").unwrap();
+            assert_eq!(log.coarse_step(channel), Some(step));
+            let off = |values: &[f64]| {
+                let squares = values.iter().zip(&true_c).map(|(v, t)| (v - t).powi(2)).sum::<f64>();
+                (squares / 9000.0).sqrt() / step
+            };
+            let (stairs, smooth) = (off(&channel.values), off(&log.between_steps(&channel.values, step)));
+            assert!(stairs > 0.27 && smooth < 0.17, "{stairs} {smooth}");
+            let odd = log.oddities(&[true; 9000]);
+            assert!(
+                matches!(&odd[..], [Oddity::CoarseSteps { step: found, .. }] if *found == step),
+                "{odd:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn fine_steps_jumps_and_other_quantities_are_no_stairs() {
+        let fine = (0..900).map(|row| 25.0 + f64::from(row / 9) / 16.0).collect();
+        let off_grid = (0..900).map(|row| 25.0 + 0.31 * f64::from(row / 90).powf(1.5)).collect();
+        let jump = (0..900).map(|row| if row < 300 { 20.0 } else { 30.0 }).collect();
+        for values in [fine, off_grid, jump, vec![25.0; 900]] {
+            let log = recording(values);
+            assert_eq!(log.coarse_step(log.channel("temp_c").unwrap()), None);
+        }
+        let stairs: Vec<f64> = [3.0, 5.0, 6.0, 6.0, 7.0].into();
+        assert_eq!(recording(stairs.clone()).between_steps(&stairs, 1.0)[..2], [3.0, 5.0]);
+    }
+}

@@ -1,0 +1,133 @@
+//! Readings of a thermometer that failed: what a driver writes down in their place.
+
+use serde::Serialize;
+
+use super::channel::Channel;
+use crate::unit::Unit;
+
+/// What is logged where a read failed, °C: a register of zeros, the power-on value of a DS18B20, what libraries for it
+/// return when it does not answer, absolute zero as converted or rounded.
+const SAID: [f64; 5] = [0.0, 85.0, -127.0, -273.0, -273.15];
+
+/// How near a number must be to one of them, °C: a conversion from kelvin or °F rounds.
+const EXACTLY: f64 = 1e-9;
+
+/// A thermometer that is read more than once a second does not move by so much from one reading to the next and back,
+/// K.
+const JUMP_K: f64 = 5.0;
+
+/// Readings of a thermometer that failed, taken for empty cells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FailedReads {
+    /// As in the log format, as `temp_c`.
+    pub column: String,
+    /// Rows with one.
+    pub rows: u64,
+    /// Share of the rows that had a value.
+    pub share: f64,
+    /// What stood there, °C, in order.
+    pub said: Vec<f64>,
+}
+
+/// Empties the cells of a thermometer that hold one of the values a failed read leaves, where the readings before and
+/// after are far from it, on the same side: a log that passes through 0 °C, or lives there, keeps it.
+pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
+    if channel.unit != Unit::Celsius {
+        return None;
+    }
+    let values = &channel.values;
+    let said_at = |row: usize| SAID.into_iter().find(|said| (values[row] - said).abs() < EXACTLY);
+    let known: Vec<usize> = (0..values.len()).filter(|row| !values[*row].is_nan()).collect();
+    let mut failed: Vec<usize> = Vec::new();
+    let mut said = Vec::new();
+    let mut last_good = None;
+    let mut at = 0;
+    while at < known.len() {
+        let Some(value) = said_at(known[at]) else {
+            last_good = Some(values[known[at]]);
+            at += 1;
+            continue;
+        };
+        let run = known[at..].iter().take_while(|row| said_at(**row).is_some()).count();
+        let next_good = known.get(at + run).map(|row| values[*row]);
+        let runs = known[at..at + run].iter().map(|row| values[*row]);
+        let is_failed = match (last_good, next_good) {
+            (None, None) => false,
+            (Some(beside), None) | (None, Some(beside)) => runs.clone().all(|v| (beside - v).abs() > JUMP_K),
+            (Some(before), Some(after)) => runs.clone().all(|v| {
+                let (before, after) = (before - v, after - v);
+                before * after > 0.0 && before.abs().min(after.abs()) > JUMP_K
+            }),
+        };
+        if is_failed {
+            failed.extend(&known[at..at + run]);
+            said.extend(runs);
+        } else {
+            last_good = Some(value);
+        }
+        at += run;
+    }
+    if failed.is_empty() || 2 * failed.len() > known.len() {
+        return None;
+    }
+    let mut emptied = values.to_vec();
+    failed.iter().for_each(|row| emptied[*row] = f64::NAN);
+    channel.values = emptied.into();
+    said.sort_unstable_by(f64::total_cmp);
+    said.dedup();
+    let (rows, share) = (failed.len() as u64, failed.len() as f64 / known.len() as f64);
+    Some(FailedReads { column: channel.name.clone(), rows, share, said })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Oddity, Recording, Source};
+
+    fn recording(column: &str, values: Vec<f64>) -> Recording {
+        let columns = vec![(column.to_owned(), values)];
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
+    }
+
+    /// A degree a second, from `from` °C on.
+    fn warming(from: f64) -> Vec<f64> {
+        (0..2000).map(|row| from + 0.01 * f64::from(row)).collect()
+    }
+
+    #[test]
+    fn what_a_failed_read_leaves_is_an_empty_cell_and_said_once() {
+        let mut values = warming(20.0);
+        values[0] = 85.0;
+        values[700] = 0.0;
+        values[900..950].fill(-273.15);
+        values[950] = 0.0;
+        values[1999] = -127.0;
+        let log = recording("temp_c", values);
+        let channel = log.channel("temp_c").unwrap();
+        assert_eq!(channel.n_missing(), 54);
+        assert!([0, 700, 920, 950, 1999].iter().all(|row| channel.values[*row].is_nan()));
+        let held = log.held_from_first(channel);
+        assert!(held.iter().enumerate().all(|(row, t)| (t - 20.0 - 0.01 * row as f64).abs() < 0.6));
+        let oddities = log.oddities(&[true; 2000]);
+        let [Oddity::FailedReads(failed)] = &oddities[..] else { panic!("{oddities:?}") };
+        assert_eq!((failed.rows, &failed.said[..]), (54, &[-273.15, -127.0, 0.0, 85.0][..]));
+        let text = oddities[0].to_string();
+        assert!(text.contains("temp_c") && text.contains("54") && text.contains("-273.15"), "{text}");
+    }
+
+    #[test]
+    fn a_log_that_lives_there_keeps_its_values() {
+        // through zero, at zero, through 85 °C, coarse about zero, and a step to 85 °C that stays
+        let coarse = (0..2000).map(|row| (3.0 * (0.01 * f64::from(row)).sin()).round()).collect();
+        let step = (0..2000).map(|row| if row < 500 { 25.0 } else { 85.0 }).collect();
+        for values in [warming(-10.0), vec![0.0; 2000], warming(75.0), coarse, step] {
+            let log = recording("temp_c", values.clone());
+            assert_eq!(log.channel("temp_c").unwrap().values[..], values[..]);
+            assert!(log.quality.failed_reads.is_empty());
+        }
+        // not a thermometer
+        let mut volts = vec![12.0; 2000];
+        volts[700] = 0.0;
+        assert_eq!(recording("supply_v", volts.clone()).channel("supply_v").unwrap().values[..], volts[..]);
+    }
+}
