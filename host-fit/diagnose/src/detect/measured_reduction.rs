@@ -4,7 +4,7 @@ use super::answer::{Diagnosis, Finding};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{sentence, verdict};
-use super::open::Lead;
+use super::open::{Lead, LeadKind};
 use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
 use fos_data::disturbance;
@@ -59,6 +59,7 @@ pub fn with_measured_reduction(
         finding.measured_reduction = Some(fall);
         if finding.band == Band::Slow && fall < 0.0 && finding.predicted_reduction_interval[0] > 0.0 {
             diagnosis.leads.push(Lead {
+                kind: LeadKind::Refuted,
                 follows: format!(
                     "{} in this log, but with it the error on the judged log rises by {:.0} %",
                     finding.name,

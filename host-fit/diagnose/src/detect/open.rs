@@ -28,10 +28,31 @@ const NOTICED: f64 = 0.01;
 /// Leads whose noise levels are fitted.
 const FITTED: usize = 2;
 
+/// What kind of remainder a lead is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum LeadKind {
+    /// It follows what is logged, or a course of its own.
+    #[default]
+    Course,
+    /// Block means too far out now and then; they say nothing against what follows something that is logged.
+    Jumps,
+    /// A noise level that changes.
+    Level,
+    /// A line that comes and goes.
+    Intermittent,
+    /// An effect that the log to be judged refutes.
+    Refuted,
+}
+
 /// Something that what is left follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Lead {
+    /// What kind of remainder it is.
+    #[serde(default)]
+    pub kind: LeadKind,
     /// What it follows, in words.
     pub follows: String,
     /// By how much −2 ln L falls with it.
@@ -121,6 +142,7 @@ impl Left<'_> {
                 let share = self.share(&fitted.gls, &regressors);
                 let follows = curve.follows.clone();
                 Lead {
+                    kind: LeadKind::Course,
                     follows,
                     gain,
                     score: gain - price(k),
@@ -228,6 +250,9 @@ impl Left<'_> {
                 let mean = fos_fit::signal::mean(&[&means]);
                 let means = centred(means);
                 let deviation = (dot(&means, &means) / means.len() as f64).sqrt();
+                if channel.column().place().is_some() && is_of_few(&means, deviation) {
+                    return None;
+                }
                 let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
                 (deviation > 1e-9 * size).then(|| Quantity {
                     name: channel.name.clone(),
@@ -239,6 +264,15 @@ impl Left<'_> {
             })
             .collect()
     }
+}
+
+/// Fourth moment of a channel that lies at one of two values for a twentieth of the time.
+const FEW: f64 = 19.0;
+
+/// Whether a few of the values are all that it changes by: a unit that was moved now and then shows it in every inertial
+/// channel, and none of them is what another follows.
+fn is_of_few(means: &[f64], deviation: f64) -> bool {
+    means.iter().map(|mean| (mean / deviation).powi(4)).sum::<f64>() > FEW * means.len() as f64
 }
 
 fn sorted(values: &[f64]) -> Vec<f64> {

@@ -1,11 +1,11 @@
 //! Findings and leads put together to an answer.
 
 use super::assembly::Assembly;
-use super::doubt::doubt;
+use super::doubt::{beyond_typical, doubt};
 use super::verdict::{sentence, verdict};
 use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Rejected};
 use crate::detect::lines;
-use crate::detect::open::Lead;
+use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
 use crate::detect::shape::Misshape;
 use crate::detect::slow::{Found, MAX_FOUND};
@@ -52,7 +52,15 @@ impl Assembly<'_> {
         if steps > MOST_STEPS {
             let gain = findings.iter().filter(|finding| is_step(finding)).map(|finding| finding.gain).sum();
             let follows = format!("{steps} jumps of the bias");
-            leads.push(Lead { follows, gain, score: gain, share: 0.0, band: Band::Slow, decides: true });
+            leads.push(Lead {
+                kind: LeadKind::Course,
+                follows,
+                gain,
+                score: gain,
+                share: 0.0,
+                band: Band::Slow,
+                decides: true,
+            });
             findings.retain(|finding| !is_step(finding));
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
@@ -66,18 +74,26 @@ impl Assembly<'_> {
             );
             let score = line.score;
             let decides = line.duty >= LEAST_DUTY;
-            leads.push(Lead { follows, gain: score, score, share: 0.0, band: Band::Wide, decides });
+            leads.push(Lead {
+                kind: LeadKind::Intermittent,
+                follows,
+                gain: score,
+                score,
+                share: 0.0,
+                band: Band::Wide,
+                decides,
+            });
         }
-        doubt(&mut findings, self.question.library, self.column);
+        doubt(&mut findings, self.question.library);
         let claimed: Vec<String> = findings.iter().map(|finding| finding.name.clone()).collect();
         let named: Vec<String> = findings.iter().map(|finding| finding.effect.clone()).collect();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = verdict(&mut findings, &leads);
         let rejected = self.rejected(&findings, &named, &claimed, &leads);
-        let mut cautions = Vec::new();
+        let mut cautions = beyond_typical(&findings, self.question.library, self.column);
         if self.question.quiet.is_none() {
             cautions
-                .push("no quiet log: slow wander of the sensor itself may be taken for an effect".to_owned());
+                .push("no quiet log: what is the noise of the unit is guessed from this log, slow wander of the sensor itself may be taken for an effect, and a line of the sensor for interference; ten quiet minutes of the same unit, given as `quiet`, tell".to_owned());
         }
         Ok(Diagnosis {
             target: self.column.to_owned(),
@@ -147,6 +163,7 @@ impl Assembly<'_> {
 fn lead_of(misshape: &Misshape) -> Lead {
     match misshape {
         Misshape::Jumps { kurtosis, gain } => Lead {
+            kind: LeadKind::Jumps,
             follows: format!("jumps at moments of their own (excess kurtosis {kurtosis:.1} of what is left)"),
             gain: *gain,
             score: *kurtosis,
@@ -155,6 +172,7 @@ fn lead_of(misshape: &Misshape) -> Lead {
             decides: true,
         },
         Misshape::Level { follows, spread, score } => Lead {
+            kind: LeadKind::Level,
             follows: match follows {
                 Some(column) => {
                     format!("a noise level that changes by {:.0} % with {column}", 100.0 * spread)

@@ -9,12 +9,11 @@ const AT_LIMIT: f64 = 1.02;
 /// An interval of a parameter that reaches so many times beyond what is searched has no end.
 const NO_END: f64 = 3.0;
 
-/// An effect so many times as large as the largest that is typical is another effect.
+/// An effect so many times as large as the largest that is typical may be another.
 const FAR_BEYOND: f64 = 20.0;
 
-/// Says of those of the slow findings that are no claim why, and puts them behind the others. `target` is the column that
-/// was explained.
-pub(super) fn doubt(findings: &mut Vec<Finding>, library: &Library, target: &str) {
+/// Says of those of the slow findings that are no claim why, and puts them behind the others.
+pub(super) fn doubt(findings: &mut [Finding], library: &Library) {
     let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
     for place in 0..findings.len() {
         // what comes after it is still missing in its prediction
@@ -22,9 +21,7 @@ pub(super) fn doubt(findings: &mut Vec<Finding>, library: &Library, target: &str
         let finding = &mut findings[place];
         let Ok(effect) = library.get(&finding.effect) else { continue };
         if effect.band == Band::Slow && effect.search == Detector::Terms {
-            finding.doubt = parameter(finding, effect)
-                .or_else(|| size(finding, effect, target))
-                .or_else(|| helps_nothing(finding).filter(|_| is_last));
+            finding.doubt = parameter(finding, effect).or_else(|| helps_nothing(finding).filter(|_| is_last));
         }
     }
     findings.sort_by_key(|finding| finding.doubt.is_some());
@@ -43,24 +40,26 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
         .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
 }
 
-/// A size that no data sheet knows, even at the near end of its interval.
-fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
-    let typical = |term: usize| effect.typical(term, target);
-    let terms = (0..effect.terms.len())
-        .filter_map(|term| Some((effect.unit(term, target)?.to_string(), typical(term)?)));
-    let largest: Vec<(String, f64)> = terms.collect();
-    finding.sizes.iter().find_map(|size| {
-        let (unit, typical) = largest.iter().find(|(unit, _)| *unit == size.unit)?;
-        let [low, high] = size.interval;
-        let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
-        (least > FAR_BEYOND * typical).then(|| {
-            format!(
-                "its {:.3} {unit} are {:.0} times what is typical at most",
-                size.value,
-                size.value.abs() / typical
-            )
+/// Sizes that no data sheet knows, even at the near ends of their intervals, in words.
+pub(super) fn beyond_typical(findings: &[Finding], library: &Library, target: &str) -> Vec<String> {
+    let of = |finding: &Finding| {
+        let effect = library.get(&finding.effect).ok()?;
+        let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
+        let typical: Vec<(String, f64)> = (0..effect.terms.len()).filter_map(known).collect();
+        finding.sizes.iter().find_map(|size| {
+            let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
+            let [low, high] = size.interval;
+            let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
+            let times = size.value.abs() / typical;
+            (least > FAR_BEYOND * typical).then(|| {
+                format!(
+                    "{} of {:.4} {unit} is {times:.0} times the largest that is typical: another effect may stand behind it, or a column in another unit",
+                    finding.name, size.value
+                )
+            })
         })
-    })
+    };
+    findings.iter().filter_map(of).collect()
 }
 
 /// A fall of the error that may as well be none.

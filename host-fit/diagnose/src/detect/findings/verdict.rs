@@ -1,7 +1,7 @@
 //! What an unexplained rest leaves of the findings, and the outcome in a sentence.
 
 use crate::detect::answer::{Finding, Verdict};
-use crate::detect::open::Lead;
+use crate::detect::open::{Lead, LeadKind};
 use crate::effects::Band;
 
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
@@ -10,20 +10,21 @@ const OUTWEIGHS: f64 = 5.0;
 /// The outcome. Of the findings those are left that explain far more than anything of their band that follows no effect:
 /// what stands by itself is not withheld because something else is there too, which is described beside it.
 pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead]) -> Verdict {
-    let most = |is_wide: bool| {
-        let of_band = leads.iter().filter(|lead| lead.decides && (lead.band == Band::Wide) == is_wide);
-        of_band.map(|lead| lead.gain).fold(0.0, f64::max)
+    let is_wide = |band: Band| band == Band::Wide;
+    let most = |finding: &Finding| {
+        let against = leads.iter().filter(|lead| lead.decides && is_wide(lead.band) == is_wide(finding.band));
+        let weight = |lead: &Lead| match lead.kind {
+            LeadKind::Jumps if finding.shows_against.is_some() => lead.gain,
+            _ => OUTWEIGHS * lead.gain,
+        };
+        against.map(weight).fold(0.0, f64::max)
     };
-    let (slow, wide) = (most(false), most(true));
     let withheld = findings.len();
-    findings.retain(|finding| match finding.band {
-        Band::Data => true,
-        Band::Wide => finding.gain > OUTWEIGHS * wide,
-        Band::Slow | Band::Stochastic => finding.gain > OUTWEIGHS * slow,
-    });
+    findings.retain(|finding| finding.band == Band::Data || finding.gain > most(finding));
+    let has_slow_lead = leads.iter().any(|lead| lead.decides && !is_wide(lead.band));
     let claims = || findings.iter().filter(|finding| finding.doubt.is_none());
     let is_slow = |finding: &Finding| matches!(finding.band, Band::Slow | Band::Stochastic);
-    let slow_is_explained = slow == 0.0 || findings.len() == withheld && claims().any(is_slow);
+    let slow_is_explained = !has_slow_lead || findings.len() == withheld && claims().any(is_slow);
     match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
         (true, true) => Verdict::NothingMissing,
         (false, _) if slow_is_explained && claims().next().is_some() => Verdict::Missing,
