@@ -1,4 +1,5 @@
-//! Duty-cycled logs: what is missing in them is found from the means of their bursts.
+//! Logs of few seconds, at once or in bursts: what is missing in a duty-cycled one is found from the means of its
+//! bursts; a short one is asked for what it can tell.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_simulate::{Simulation, simulate};
@@ -49,6 +50,28 @@ fn a_drift_with_temperature_is_named_from_bursts_with_its_size() {
         let [low, high] = answer.findings[0].sizes[0].interval;
         assert!(low < 0.0202 && high > 0.0198 && high - low < 0.002, "{low} … {high}");
     }
+}
+
+/// 28 s were refused, though faults and lines show in them.
+#[test]
+fn a_short_log_says_what_it_cannot_tell_and_is_asked_for_the_rest() {
+    let simulation =
+        Simulation { duration_s: 28.0, rate_hz: 800.0, seed: 4, temperature: 0.0, motion: false };
+    let mut columns = simulate(&simulation).columns;
+    columns.retain(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_str()));
+    let recording = |columns: Vec<(String, Vec<f64>)>| {
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default())
+            .expect("a recording")
+    };
+    let quiet = answer(&recording(columns.clone()));
+    assert_eq!((quiet.verdict, quiet.findings.len()), (Verdict::NothingMissing, 0));
+    let untested = quiet.untested.iter().find(|untested| untested.effect == "temp_linear").expect("said");
+    assert_eq!(untested.needs, ["a log of 30 s and more at rest"]);
+    // samples that were lost
+    for (_, values) in &mut columns {
+        values.drain(9000..9100);
+    }
+    assert_eq!(answer(&recording(columns)).findings[0].effect, "dropped_samples");
 }
 
 #[test]

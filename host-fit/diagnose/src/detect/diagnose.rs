@@ -14,7 +14,7 @@ use super::hypothesis::Hypotheses;
 use super::left_over::{LeftOver, left_over};
 use super::lines::{self, Line};
 use super::prepared::Prepared;
-use super::question::{DiagnoseError, Question};
+use super::question::{DiagnoseError, MIN_BLOCKS, Question};
 use super::slow::SlowResult;
 use super::testable::{Testable, lacking};
 use crate::effects::{Band, Detector, Inputs};
@@ -38,20 +38,27 @@ fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError>
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let stairs = prepared.in_stairs();
-    let effects = if stairs { &[][..] } else { &prepared.testable.effects };
+    let hidden = stairs || prepared.is_short();
+    let effects = if hidden { &[][..] } else { &prepared.testable.effects };
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let slow = prepared.search(&hypotheses, effects).run()?;
-    let left = match stairs {
+    let left = match hidden {
         true => LeftOver::default(),
         false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
     };
     let mut untested = prepared.testable.untested.clone();
     let silent = slow.silent.iter().map(|effect| Testable::adds_nothing(effect, &inputs, column));
     untested.extend(silent);
-    if stairs {
-        let needs = vec!["samples that are neither clipped nor in coarse steps".to_owned()];
-        let hidden = prepared.testable.effects.iter();
-        untested.extend(hidden.map(|effect| Untested { effect: effect.id.clone(), needs: needs.clone() }));
+    if hidden {
+        let needs = match stairs {
+            true => "samples that are neither clipped nor in coarse steps".to_owned(),
+            false => {
+                format!("a log of {:.0} s and more at rest", MIN_BLOCKS as f64 * reduced.blocks.length_s)
+            }
+        };
+        let needs = vec![needs];
+        let effects = prepared.testable.effects.iter();
+        untested.extend(effects.map(|effect| Untested { effect: effect.id.clone(), needs: needs.clone() }));
     }
     assembly(&prepared, question, &lines, &slow, left, untested).diagnosis()
 }
@@ -66,6 +73,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let logs = Cleaned::of(question)?;
     let question = &logs.question(question);
     let prepared = Prepared::new(question)?;
+    prepared.long_enough()?;
     let Prepared { column, reduced, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);

@@ -28,6 +28,8 @@ mod testable;
 mod bursts_tests;
 #[cfg(test)]
 mod faults_tests;
+#[cfg(test)]
+mod thermometer_tests;
 
 pub use answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,

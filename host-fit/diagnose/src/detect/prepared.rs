@@ -24,6 +24,9 @@ const SHAKEN: f64 = 1.5;
 /// much.
 const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
 
+/// Fewer blocks tell neither the noise nor a line; of fewer than [`MIN_BLOCKS`] no slow effect.
+const FEWEST_BLOCKS: usize = 10;
+
 /// Standard deviation of the logarithm of a random walk that nothing is known of.
 const FREE_WALK: f64 = 3.0;
 
@@ -55,9 +58,8 @@ impl Prepared {
         let inputs = Inputs::new(field);
         let testable = Testable::of(question, &inputs, &column)?;
         let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
-        if reduced.blocks.len() < MIN_BLOCKS {
-            let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
-            return Err(DiagnoseError::TooShort { column, blocks, length_s });
+        if reduced.blocks.len() < FEWEST_BLOCKS {
+            return Err(too_short(&column, &reduced));
         }
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
@@ -110,6 +112,16 @@ impl Prepared {
         }
     }
 
+    /// Whether there are too few blocks for slow effects.
+    pub(super) fn is_short(&self) -> bool {
+        self.reduced.blocks.len() < MIN_BLOCKS
+    }
+
+    /// Refuses a log that is too short for slow effects.
+    pub(super) fn long_enough(&self) -> Result<(), DiagnoseError> {
+        if self.is_short() { Err(too_short(&self.column, &self.reduced)) } else { Ok(()) }
+    }
+
     /// Whether slow effects drown in the stairs that a converter makes.
     pub(super) fn in_stairs(&self) -> bool {
         self.reduced.clipped_through
@@ -120,6 +132,11 @@ impl Prepared {
                 Fault::Dropped { .. } => false,
             })
     }
+}
+
+fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
+    let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
+    DiagnoseError::TooShort { column: column.to_owned(), blocks, length_s }
 }
 
 /// What is known of the noise before the field log is looked at.

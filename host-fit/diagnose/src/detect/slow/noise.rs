@@ -2,6 +2,7 @@
 
 use super::model::{ACCEPT, SlowSearch, State};
 use super::result::ExtraNoise;
+use crate::detect::MIN_BLOCKS;
 use crate::detect::hypothesis::Hypothesis;
 use fos_fit::noise::{Fitted, GaussMarkov, NoiseLevels};
 
@@ -11,7 +12,7 @@ const GAUSS_MARKOV_STARTS_S: [f64; 4] = [5.0, 20.0, 80.0, 250.0];
 impl SlowSearch<'_> {
     /// The better of the two kinds of further noise on top of `state`, with its score.
     pub(super) fn best_noise(&self, state: &State) -> Option<(ExtraNoise, Fitted, f64)> {
-        if state.noise != ExtraNoise::None {
+        if state.noise != ExtraNoise::None || self.blocks.len() < MIN_BLOCKS {
             return None;
         }
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
