@@ -43,8 +43,12 @@ const KNOCK_S: f64 = 2.0;
 /// Shaking by steps or a motor lasts no longer, s.
 const SHAKING_S: f64 = 25.0;
 
-/// Whoever handles a unit turns it by more than this, rad: 2°.
-const TURNED_RAD: f64 = 0.035;
+/// Whoever takes a unit into the hand turns it by more than this, rad: 10°. Blows that a gyro cannot follow seem to turn
+/// it by some degrees.
+const TURNED_RAD: f64 = 0.17;
+
+/// If it lies in another pose afterwards it was turned by more than this: 2°.
+const TILTED_RAD: f64 = 0.035;
 
 /// Levels before and after are taken over so long, s.
 const LEVEL_S: f64 = 5.0;
@@ -55,7 +59,8 @@ pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]
     let seconds = rows.len() as f64 * period_s;
     let turned_rad = turned(recording, &rows, rest);
     let is_tilted = is_tilted(recording, &rows, rest);
-    let kind = if turned_rad.is_some_and(|angle| angle > TURNED_RAD) || is_tilted && seconds > KNOCK_S {
+    let by_more = |limit: f64| turned_rad.is_some_and(|angle| angle > limit);
+    let kind = if by_more(TURNED_RAD) || is_tilted && (seconds > KNOCK_S || by_more(TILTED_RAD)) {
         Kind::Handling
     } else if seconds <= KNOCK_S {
         Kind::Knock
