@@ -13,6 +13,7 @@ mod faults;
 mod findings;
 mod hypothesis;
 mod left_over;
+mod leverage;
 mod limits;
 mod lines;
 mod measured_reduction;

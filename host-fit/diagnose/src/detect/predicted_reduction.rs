@@ -21,6 +21,8 @@ const SEED: u64 = 0x0f05;
 pub(super) struct PredictedReduction {
     pub(super) median: f64,
     pub(super) interval: [f64; 2],
+    /// How many times further than where its coefficients were learnt the log goes in some combination of its inputs.
+    pub(super) beyond: Option<f64>,
 }
 
 /// The coefficients of an effect, one per regressor; those that could not be estimated are 0.
@@ -138,7 +140,7 @@ impl PredictedReductions<'_> {
             .collect();
         falls.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
-        Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)] })
+        Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)], beyond: None })
     }
 }
 

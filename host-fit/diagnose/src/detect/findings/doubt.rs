@@ -12,6 +12,9 @@ const NO_END: f64 = 3.0;
 /// An effect so many times as large as the largest that is typical may be another.
 const FAR_BEYOND: f64 = 20.0;
 
+/// Leverage over the largest that was learnt from: six times as far.
+const FAR_OUT: f64 = 36.0;
+
 /// Says of those of the slow findings that are no claim why, and puts them behind the others.
 pub(super) fn doubt(findings: &mut [Finding], library: &Library) {
     let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
@@ -21,10 +24,22 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library) {
         let finding = &mut findings[place];
         let Ok(effect) = library.get(&finding.effect) else { continue };
         if effect.band == Band::Slow && effect.search == Detector::Terms {
-            finding.doubt = parameter(finding, effect).or_else(|| helps_nothing(finding).filter(|_| is_last));
+            let far = finding.doubt.take();
+            finding.doubt =
+                parameter(finding, effect).or_else(|| helps_nothing(finding).filter(|_| is_last)).or(far);
         }
     }
     findings.sort_by_key(|finding| finding.doubt.is_some());
+}
+
+/// The log to be judged goes where the coefficients say nothing.
+pub(super) fn far(beyond: f64) -> Option<String> {
+    (beyond > FAR_OUT).then(|| {
+        format!(
+            "the log to be judged goes {:.0} times further than this one in a combination of its inputs, of which nothing is known",
+            beyond.sqrt()
+        )
+    })
 }
 
 /// A parameter at its limit, or of which the log does not say how large it may be.

@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
+use super::doubt::far;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::step_share;
 use crate::detect::error_in_blocks::ErrorInBlocks;
+use crate::detect::leverage;
 use crate::detect::limits;
 use crate::detect::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
 use crate::detect::question::{DiagnoseError, is_bias_known};
@@ -71,6 +73,7 @@ impl Assembly<'_> {
                 params,
                 sizes,
                 gain: found.gain,
+                doubt: fall.beyond.and_then(far),
                 predicted_reduction: fall.median,
                 predicted_reduction_interval: fall.interval,
                 separate: self.separations(&effect.id, &confounded_with),
@@ -170,6 +173,11 @@ impl Assembly<'_> {
         };
         let falls =
             PredictedReductions { log: &in_blocks, regression: &regression, fitted: &self.slow.fitted };
-        (0..effects.len()).map(|at| Ok(falls.of(&effects[at], &effects[at + 1..])?)).collect()
+        let fall = |at: usize| {
+            let learnt = order[at].hypothesis.columns();
+            let beyond = leverage::beyond(&learnt, &effects[at].corrected).filter(|_| judged.is_some());
+            Ok(PredictedReduction { beyond, ..falls.of(&effects[at], &effects[at + 1..])? })
+        };
+        (0..effects.len()).map(fall).collect()
     }
 }

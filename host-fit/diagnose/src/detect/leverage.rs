@@ -1,0 +1,49 @@
+//! How far a log goes in a combination of inputs that another has hardly excited: each input alone may stay where it was
+//! seen, and yet nothing is known of what they do together.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Share of the blocks that may go further.
+const TAIL: f64 = 0.05;
+
+/// The largest leverage xᵀ C⁻¹ x of the blocks of a log over the largest of those that the coefficients were learnt from,
+/// C their covariance; but for a twentieth of the blocks. One column alone is held by its limits.
+pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
+    let (k, n) = (learnt.len(), learnt.first()?.len());
+    if k < 2 || judged.len() != k {
+        return None;
+    }
+    let means: Vec<f64> = learnt.iter().map(|column| column.iter().sum::<f64>() / n as f64).collect();
+    let at = |columns: &dyn Fn(usize) -> f64| DVector::from_fn(k, |i, _| columns(i) - means[i]);
+    let of_learnt: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
+    let of_judged: Vec<DVector<f64>> = (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
+    let covariance = of_learnt.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
+    let cholesky = covariance.cholesky()?;
+    let leverage = |x: &DVector<f64>| x.dot(&cholesky.solve(x));
+    let most = of_learnt.iter().map(leverage).fold(0.0, f64::max);
+    let mut judged: Vec<f64> = of_judged.iter().map(leverage).collect();
+    judged.sort_unstable_by(f64::total_cmp);
+    let last = judged.len().checked_sub(1)?;
+    Some(judged[((1.0 - TAIL) * last as f64) as usize] / most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_never_excited_together_is_far_although_each_alone_is_near() {
+        let along = |a: f64, b: f64| -> [Vec<f64>; 2] {
+            let wave = |row: usize| (0.1 * row as f64).sin();
+            let other = |row: usize| 0.01 * (1.7 * row as f64).cos();
+            let column =
+                |gain: f64| (0..600).map(|row| gain * wave(row) + other(row * gain as usize)).collect();
+            [column(a), column(b)]
+        };
+        let learnt = along(1.0, 2.0);
+        let learnt: Vec<&[f64]> = learnt.iter().map(Vec::as_slice).collect();
+        assert!(beyond(&learnt, &along(1.0, 2.0)).unwrap() < 1.0);
+        assert!(beyond(&learnt, &along(1.0, -2.0)).unwrap() > 100.0);
+        assert_eq!(beyond(&learnt[..1], &along(1.0, 2.0)[..1]), None);
+    }
+}
