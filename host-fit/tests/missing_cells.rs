@@ -95,8 +95,8 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
             assert!(alike(&cut, &whole), "{lead}: {} for {}", cut.sentence, whole.sentence);
             same += 1;
         }
-        // what an empty cell was taken for
-        let zero = diagnosed(case, changed(case, |row, value| if row == 0 { 0.0 } else { value }));
+        // about what an empty cell was taken for: 0 °C itself, alone, is known for a read that failed
+        let zero = diagnosed(case, changed(case, |row, value| if row == 0 { 0.1 } else { value }));
         control += usize::from(!alike(&zero, &whole));
 
         // once a second, not from the begin on; a field that turns with the unit is not to be held for a second
@@ -112,11 +112,11 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
         );
         same += 1;
     }
-    assert!(control > 0, "zeros in the first cells are seen");
+    assert!(control > 0, "numbers near zero in the first cells are seen");
     println!(
         "attack: missing cells, diagnosis | {same} logs of {} cases with first and last cells of every slow channel empty, or all \
          but one a second: the effects named are those of the whole log; every slow effect of the library is found, rejected with \
-         its score or listed as not tested | negative control: 0 in the first cells, as the empty ones were taken, is seen in \
+         its score or listed as not tested | negative control: 0.1 in the first cells, about what the empty ones were taken for, is seen in \
          {control} of {} cases",
         cases.len(),
         cases.len()
