@@ -467,6 +467,8 @@ p: number, };
 
 /** Something that what is left follows. */
 export type Lead = {
+/** What kind of remainder it is. */
+kind: LeadKind,
 /** What it follows, in words. */
 follows: string,
 /** By how much −2 ln L falls with it. */
@@ -479,6 +481,9 @@ share: number,
 band: Band,
 /** Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice. */
 decides: boolean, };
+
+/** What kind of remainder a lead is. */
+export type LeadKind = "course" | "jumps" | "level" | "intermittent" | "refuted";
 
 /** What the physical part leaves of the error, in the square of the axis' unit. */
 export type Left = {
