@@ -159,7 +159,20 @@ const SMALL: f32 = 2.0;
 /// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
 const LONG: usize = 3600;
 
-pub(crate) const FAULTS: [Fault; 29] = [
+/// Turns the unit about x by so many rad, as a function of the ticks since it began, and its gyro shows it.
+fn turned(ticks: &mut [Tick], range: Range<usize>, angle: impl Fn(usize) -> f32) {
+    for (since, tick) in ticks[range].iter_mut().enumerate() {
+        let (sine, cosine) = angle(since).sin_cos();
+        let [_, y, z, ..] = tick.axes;
+        (tick.axes[1], tick.axes[2]) = (cosine * y - sine * z, sine * y + cosine * z);
+        tick.axes[3] += (angle(since + 1) - angle(since)) / SCALES.period_s as f32;
+    }
+}
+
+/// Ticks that a hand takes to turn a unit.
+const HAND: usize = 200;
+
+pub(crate) const FAULTS: [Fault; 33] = [
     Fault { name: "NaN", lasts: 30, on: On::NotInCodes, happens: |ticks, range| all(ticks, range, f32::NAN) },
     Fault {
         name: "+inf",
@@ -261,6 +274,45 @@ pub(crate) const FAULTS: [Fault; 29] = [
             for tick in &mut ticks[range] {
                 tick.axes[3..].iter_mut().for_each(|value| *value = -*value);
             }
+        },
+    },
+    Fault {
+        name: "knocks",
+        // four blows in three seconds; each rings at a fifth of the rate
+        lasts: 600,
+        on: On::Axes,
+        happens: |ticks, range| {
+            off(ticks, range, |since| {
+                let after = (since % 150) as f32;
+                (500.0 * (-after / 10.0).exp() * (after * 1.26).sin(), 0.0)
+            });
+        },
+    },
+    Fault {
+        name: "a motor, folded to a tenth of the rate",
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| off(ticks, range, |since| (30.0 * (since as f32 * 0.63).sin(), 0.0)),
+    },
+    Fault {
+        name: "handled and put back",
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| {
+            let back = range.len() - HAND;
+            turned(ticks, range, |since| {
+                let out = since.min(back + HAND - since.min(back + HAND)).min(HAND) as f32 / HAND as f32;
+                1.2 * out * out * (3.0 - 2.0 * out)
+            });
+        },
+    },
+    Fault {
+        name: "turned about x, and at rest",
+        // long enough to be still again, in another pose that x does not feel
+        lasts: LONG,
+        on: On::Axes,
+        happens: |ticks, range| {
+            turned(ticks, range, |since| 0.5 * (since.min(HAND) as f32 / HAND as f32));
         },
     },
     Fault {

@@ -128,7 +128,14 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         stretches.iter().map(|rows| rows.len()).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
     let left_out = if share(&found.moved) > MOST { &[][..] } else { &found.moved[..] };
-    let moved = left_out.iter().map(|rows| kind::described(recording, rows.clone(), rest));
+    // what was not looked at is not judged
+    let first = rest.iter().position(|rest| *rest).unwrap_or(0);
+    let end = rest.iter().rposition(|rest| *rest).map_or(0, |last| last + 1);
+    let within = |one: Disturbance| Disturbance {
+        rows: one.rows.start.clamp(first, end)..one.rows.end.clamp(first, end),
+        ..one
+    };
+    let moved = left_out.iter().map(|rows| within(kind::described(recording, rows.clone(), rest)));
     let vibration = found.shaken.iter().map(|rows| Disturbance {
         rows: rows.clone(),
         kind: Kind::Vibration,

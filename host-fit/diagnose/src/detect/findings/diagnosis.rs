@@ -84,7 +84,7 @@ impl Assembly<'_> {
                 decides,
             });
         }
-        doubt(&mut findings, self.question.library);
+        doubt(&mut findings, self.question.library, self.column);
         let claimed: Vec<String> = findings.iter().map(|finding| finding.name.clone()).collect();
         let named: Vec<String> = findings.iter().map(|finding| finding.effect.clone()).collect();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));

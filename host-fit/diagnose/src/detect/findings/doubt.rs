@@ -15,8 +15,9 @@ const FAR_BEYOND: f64 = 20.0;
 /// Leverage over the largest that was learnt from: six times as far.
 const FAR_OUT: f64 = 36.0;
 
-/// Says of those of the slow findings that are no claim why, and puts them behind the others.
-pub(super) fn doubt(findings: &mut [Finding], library: &Library) {
+/// Says of those of the slow findings that are no claim why, and puts them behind the others. `target` is the column that
+/// was explained.
+pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str) {
     let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
     for place in 0..findings.len() {
         // what comes after it is still missing in its prediction
@@ -25,8 +26,11 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library) {
         let Ok(effect) = library.get(&finding.effect) else { continue };
         if effect.band == Band::Slow && effect.search == Detector::Terms {
             let far = finding.doubt.take();
-            finding.doubt =
-                parameter(finding, effect).or_else(|| helps_nothing(finding).filter(|_| is_last)).or(far);
+            let explains_little = finding.predicted_reduction < MOST;
+            finding.doubt = parameter(finding, effect)
+                .or_else(|| helps_nothing(finding).filter(|_| is_last))
+                .or_else(|| size(finding, effect, target).filter(|_| explains_little))
+                .or(far);
         }
     }
     findings.sort_by_key(|finding| finding.doubt.is_some());
@@ -55,26 +59,29 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
         .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
 }
 
+/// An effect of a size that nobody knows is believed if it explains most of the error.
+const MOST: f64 = 0.5;
+
 /// Sizes that no data sheet knows, even at the near ends of their intervals, in words.
 pub(super) fn beyond_typical(findings: &[Finding], library: &Library, target: &str) -> Vec<String> {
-    let of = |finding: &Finding| {
-        let effect = library.get(&finding.effect).ok()?;
-        let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
-        let typical: Vec<(String, f64)> = (0..effect.terms.len()).filter_map(known).collect();
-        finding.sizes.iter().find_map(|size| {
-            let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
-            let [low, high] = size.interval;
-            let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
-            let times = size.value.abs() / typical;
-            (least > FAR_BEYOND * typical).then(|| {
-                format!(
-                    "{} of {:.4} {unit} is {times:.0} times the largest that is typical: another effect may stand behind it, or a column in another unit",
-                    finding.name, size.value
-                )
-            })
+    findings.iter().filter_map(|finding| size(finding, library.get(&finding.effect).ok()?, target)).collect()
+}
+
+fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
+    let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
+    let typical: Vec<(String, f64)> = (0..effect.terms.len()).filter_map(known).collect();
+    finding.sizes.iter().find_map(|size| {
+        let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
+        let [low, high] = size.interval;
+        let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
+        let times = size.value.abs() / typical;
+        (least > FAR_BEYOND * typical).then(|| {
+            format!(
+                "{} of {:.4} {unit} is {times:.0} times the largest that is typical: another effect may stand behind it, or a column in another unit",
+                finding.name, size.value
+            )
         })
-    };
-    findings.iter().filter_map(of).collect()
+    })
 }
 
 /// A fall of the error that may as well be none.
