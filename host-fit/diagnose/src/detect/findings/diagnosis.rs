@@ -12,7 +12,7 @@ use crate::detect::slow::{Found, MAX_FOUND};
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
-/// More steps than this are jumps to and fro and no longer a shock.
+/// More steps than this, those that the model has already among them, are jumps to and fro and no longer a shock.
 const MOST_STEPS: usize = 2;
 
 /// What is there for a smaller share of the time says nothing about the rest.
@@ -49,7 +49,12 @@ impl Assembly<'_> {
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
         let steps = findings.iter().filter(|finding| is_step(finding)).count();
-        if steps > MOST_STEPS {
+        let library = self.question.library;
+        let given =
+            self.question.given.iter().filter(|given| {
+                library.get(&given.effect).is_ok_and(|effect| effect.search == Detector::Step)
+            });
+        if steps > 0 && steps + given.count() > MOST_STEPS {
             let gain = findings.iter().filter(|finding| is_step(finding)).map(|finding| finding.gain).sum();
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead {
