@@ -312,6 +312,10 @@ swapped axes, accelerometers: coast
 swapped axes, gyros at rest: track, coast, inputs over the remainder
 sign flip, accelerometers: coast
 sign flip, gyros at rest: track, coast
+knocks: coast
+a motor, folded to a tenth of the rate: coast
+handled and put back: coast
+turned about x, and at rest: coast
 wrong units: g, °/s, K (axes): coast
 NOWHERE duplicated samples (axes): track, coast, inputs over the remainder, monitor, hub and C interface
 NOWHERE duplicated samples (temperature, supply): track, coast, inputs over a quantity, monitor, hub and C interface
