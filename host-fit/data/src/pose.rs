@@ -8,7 +8,6 @@ use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
-use crate::disturbance::Disturbance;
 use crate::recording::Recording;
 use crate::statistics::{mean, median, median_of};
 
@@ -90,8 +89,8 @@ const MOVED: f64 = 8.0;
 const LEAST_TILT_MPS2: f64 = 0.01;
 
 /// The rows at rest from which on gravity may have another direction than before: after a motion that tilted the unit,
-/// or where a new log begins in another pose.
-pub fn turns(recording: &Recording, still: &[bool], disturbances: &[Disturbance]) -> Vec<usize> {
+/// or where a new log begins in another pose. `tilted` are rows of motions that are known to have tilted it.
+pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> Vec<usize> {
     let length = (LEVEL_S / recording.rate.period_s) as usize;
     let mut turns = Vec::new();
     let mut before: Option<Range<usize>> = None;
@@ -104,10 +103,7 @@ pub fn turns(recording: &Recording, still: &[bool], disturbances: &[Disturbance]
             before.replace(rest.start.max(rest.end.saturating_sub(length.max(FEWEST_ROWS)))..rest.end)
         {
             let gap = tail.end..head.start;
-            let is_told = || {
-                let tilts = disturbances.iter().filter(|one| one.is_tilted);
-                tilts.into_iter().any(|one| one.rows.start < gap.end && gap.start < one.rows.end)
-            };
+            let is_told = || tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
             let has_turned = match gap.is_empty() {
                 // nobody moved it: a bias may have drifted
                 true => is_far(recording, &tail, &head),

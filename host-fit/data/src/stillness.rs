@@ -84,7 +84,7 @@ pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
         disturbances.extend(disturbance::find(recording, &rest));
     }
     disturbance::leave_out(&mut still, &disturbances);
-    let turns = pose::turns(recording, &still, &disturbances);
+    let turns = pose::turns(recording, &still, &disturbance::tilted(&disturbances));
     Stillness {
         still,
         known_by,

@@ -2,11 +2,31 @@
 
 use std::ops::Range;
 
-use super::Disturbance;
 use crate::column::GYROS;
 use crate::pose;
 use crate::recording::Recording;
 use crate::statistics::median;
+
+/// A stretch of a log in which the unit was moved.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Disturbance {
+    /// Its rows, the margins of the sensor's ring-down included.
+    pub rows: Range<usize>,
+    /// What it looks like.
+    pub kind: Kind,
+    /// Turned by so much, rad, by its gyros; `None` without all three.
+    pub turned_rad: Option<f64>,
+    /// Gravity may have another direction after it than before: each rest has a level of its own.
+    pub is_tilted: bool,
+}
+
+impl Disturbance {
+    /// Whether its rows are left out: all but lasting vibration, which is a state of the unit's surroundings and may be
+    /// what an effect follows.
+    pub fn is_left_out(&self) -> bool {
+        self.kind != Kind::Vibration
+    }
+}
 
 /// What a motion looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

@@ -24,28 +24,7 @@ use crate::column::{AXES, Column};
 use crate::pose;
 use crate::recording::{Recording, Reference};
 
-pub use kind::Kind;
-
-/// A stretch of a log in which the unit was moved.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Disturbance {
-    /// Its rows, the margins of the sensor's ring-down included.
-    pub rows: Range<usize>,
-    /// What it looks like.
-    pub kind: Kind,
-    /// Turned by so much, rad, by its gyros; `None` without all three.
-    pub turned_rad: Option<f64>,
-    /// Gravity may have another direction after it than before: each rest has a level of its own.
-    pub is_tilted: bool,
-}
-
-impl Disturbance {
-    /// Whether its rows are left out: all but lasting vibration, which is a state of the unit's surroundings and may be
-    /// what an effect follows.
-    pub fn is_left_out(&self) -> bool {
-        self.kind != Kind::Vibration
-    }
-}
+pub use kind::{Disturbance, Kind};
 
 /// Disturbances that are told one by one; of more, the longest.
 const MOST_TOLD: usize = 12;
@@ -88,11 +67,17 @@ pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
     let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
     let found = find(recording, &rest);
     leave_out(&mut rest, &found);
-    let turns = pose::turns(recording, &rest, &found);
+    let turns = pose::turns(recording, &rest, &tilted(&found));
     if turns.is_empty() && !found.iter().any(Disturbance::is_left_out) {
         return (Cow::Borrowed(recording), found);
     }
     (Cow::Owned(recording.with_rests(rest, turns)), found)
+}
+
+/// Rows of the motions that tilted the unit.
+pub(crate) fn tilted(disturbances: &[Disturbance]) -> Vec<Range<usize>> {
+    let tilts = disturbances.iter().filter(|disturbance| disturbance.is_tilted);
+    tilts.map(|disturbance| disturbance.rows.clone()).collect()
 }
 
 /// Takes the rows in which the unit was moved off those at rest.

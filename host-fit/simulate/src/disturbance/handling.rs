@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Motion;
+use super::motion::Motion;
 use crate::random::{Random, between, chance, direction, log_between, normal};
 use crate::world::World;
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Motion;
+use super::motion::Motion;
 use crate::random::{Random, between, chance, direction, log_between, sign};
 use crate::world::World;
 

@@ -9,6 +9,7 @@
 mod filter;
 mod handling;
 mod impulses;
+mod motion;
 mod vibration;
 mod wild;
 
@@ -19,6 +20,8 @@ use super::setup::Setup;
 use super::world::World;
 
 pub(super) use filter::Filter;
+pub use motion::Disturbed;
+pub(super) use motion::Motion;
 pub(super) use wild::spoil;
 
 /// What disturbs a log.
@@ -103,39 +106,6 @@ impl Disturbance {
             Self::Stuck => "stuck for 0.1 to 2 s",
             Self::Filter => "noise through the part's digital filter",
         }
-    }
-}
-
-/// A stretch of a log that is disturbed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Disturbed {
-    /// From here, s after the first sample.
-    pub from_s: f64,
-    /// To here.
-    pub to_s: f64,
-}
-
-/// What is added to the six axes of a log, in their units, and when.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Motion {
-    /// One series for each axis; empty if nothing moves.
-    pub(super) axes: [Vec<f64>; 6],
-    /// When, in order.
-    pub(super) when: Vec<Disturbed>,
-}
-
-impl Motion {
-    fn none(n: usize) -> Self {
-        Self { axes: std::array::from_fn(|_| vec![0.0; n]), when: Vec::new() }
-    }
-
-    fn is_over(&mut self, from_s: f64, to_s: f64) {
-        self.when.push(Disturbed { from_s, to_s });
-    }
-
-    /// At a row, m/s² or rad/s.
-    pub(super) fn at(&self, axis: usize, row: usize) -> f64 {
-        self.axes[axis].get(row).copied().unwrap_or(0.0)
     }
 }
 

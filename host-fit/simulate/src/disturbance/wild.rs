@@ -1,6 +1,7 @@
 //! Samples that are no measurements: bits that flipped on the bus, a register that was not renewed.
 
-use super::{Disturbance, Disturbed};
+use super::Disturbance;
+use super::motion::Disturbed;
 use crate::random::{Random, Stream, between, log_between, random, sign};
 
 /// Spoils the target's samples, of this noise from one sample to the next; says when.

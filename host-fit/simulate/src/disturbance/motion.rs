@@ -1,0 +1,36 @@
+//! What is added to a log, and when.
+
+use serde::Serialize;
+
+/// A stretch of a log that is disturbed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Disturbed {
+    /// From here, s after the first sample.
+    pub from_s: f64,
+    /// To here.
+    pub to_s: f64,
+}
+
+/// What is added to the six axes of a log, in their units, and when.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Motion {
+    /// One series for each axis; empty if nothing moves.
+    pub(crate) axes: [Vec<f64>; 6],
+    /// When, in order.
+    pub(crate) when: Vec<Disturbed>,
+}
+
+impl Motion {
+    pub(super) fn none(n: usize) -> Self {
+        Self { axes: std::array::from_fn(|_| vec![0.0; n]), when: Vec::new() }
+    }
+
+    pub(super) fn is_over(&mut self, from_s: f64, to_s: f64) {
+        self.when.push(Disturbed { from_s, to_s });
+    }
+
+    /// At a row, m/s² or rad/s.
+    pub(crate) fn at(&self, axis: usize, row: usize) -> f64 {
+        self.axes[axis].get(row).copied().unwrap_or(0.0)
+    }
+}
