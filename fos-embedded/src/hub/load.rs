@@ -68,8 +68,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.detector = None;
         self.watch.clear();
         self.gravity = None;
-        (self.model_rate_hz, self.rate_off) = (0.0, false);
-        (self.in_pose, self.posed) = (0, 0);
+        (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
         self.output = Output::NONE;
     }
 
@@ -117,17 +116,13 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             }
             self.in_order &= usize::from(channel) == index;
             let gate = PoseGate::new(&parameters);
-            let bit = 1_u32.checked_shl(index as u32).unwrap_or(0);
-            if gate.is_open_at_first() {
-                self.in_pose |= bit;
-            } else {
-                self.posed |= bit;
-            }
+            self.in_pose |= u32::from(gate.is_open_at_first()).checked_shl(index as u32).unwrap_or(0);
             self.axes.push(Modelled { channel, gate }).map_err(|_| HubError::Axis(index))?;
             self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
             self.watch.add(&parameters, model);
         }
         let accelerometers = self.axes.iter().filter(|axis| axis.channel < 3).count();
+        self.without_gate = self.in_pose;
         self.gravity = (accelerometers == 3).then_some(Gravity::NEW);
         for (index, quantity) in quantities.enumerate() {
             let source = match quantity {

@@ -96,8 +96,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     rate_off: bool,
     /// Bit i: the gate of the model's axis i is open, so that it may be tracked.
     in_pose: u32,
-    /// Bit i: the model's axis i has a gate.
-    posed: u32,
+    /// Bit i: the model's axis i has no gate that shuts.
+    without_gate: u32,
     ticks: u32,
     output: Output,
 }
@@ -121,7 +121,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             model_rate_hz: 0.0,
             rate_off: false,
             in_pose: 0,
-            posed: 0,
+            without_gate: 0,
             ticks: 0,
             output: Output::NONE,
         }
@@ -203,7 +203,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let output = &mut self.output;
         (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, faults);
         (output.measured, output.temperature_c) = (measured, temperature_c);
-        let (mut in_pose, mut bit, mut suspect) = (0, 1, Validity::VALID);
+        let (mut in_pose, mut bit, mut suspect) = (0, 1_u32, Validity::VALID);
         for (axis, correction) in self.axes.iter().zip(corrections) {
             if axis.gate.is_open_after(correction.corrected) {
                 in_pose |= bit;
@@ -213,8 +213,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             output.set(axis.channel, correction);
         }
         // turned about one of them an accelerometer feels the same gravity: the pose is that of all
-        let is_other = in_pose & self.posed != self.posed;
-        self.in_pose = if is_other { in_pose & !self.posed } else { in_pose };
+        if in_pose != bit.wrapping_sub(1) {
+            in_pose &= self.without_gate;
+        }
+        self.in_pose = in_pose;
         if self.axes.len() < AXES {
             output.pass_others(&self.axes, self.scales.full_scale());
         }

@@ -54,7 +54,7 @@ fn noise_of_many_kinds_is_no_motion() {
                 .enumerate()
                 .for_each(|(row, value)| *value += size * (row as f64 / 30_000.0).sin());
         };
-        let kinds: [(&str, &dyn Fn(usize, &mut [f64])); 7] = [
+        let kinds: [(&str, &Shape<'_>); 7] = [
             ("plain", &|_, _| {}),
             ("heavy", &heavy),
             ("coarse", &coarse),
@@ -71,13 +71,16 @@ fn noise_of_many_kinds_is_no_motion() {
     }
 }
 
+/// What is added to the values of an axis.
+type Shape<'a> = dyn Fn(usize, &mut [f64]) + 'a;
+
 /// A damped sine on several axes.
 fn knock(size: f64, at: usize) -> impl Fn(usize, &mut [f64]) {
     move |axis, values| {
         let share = [1.0, 0.6, -0.4, 0.3, 0.2, -0.5][axis];
-        for row in at..at + 60 {
-            let t = (row - at) as f64 / RATE_HZ;
-            values[row] += size * share * (-t / 0.08).exp() * (std::f64::consts::TAU * 23.0 * t).cos();
+        for (since, value) in values[at..at + 60].iter_mut().enumerate() {
+            let t = since as f64 / RATE_HZ;
+            *value += size * share * (-t / 0.08).exp() * (std::f64::consts::TAU * 23.0 * t).cos();
         }
     }
 }
@@ -97,16 +100,15 @@ fn a_knock_is_found_where_it_is_and_how_large_it_is_does_not_matter() {
 fn a_hand_turns_the_unit_and_leaves_it_tilted() {
     let (from, to) = (30_000, 31_200);
     let shape = |axis: usize, values: &mut [f64]| {
-        for row in from..values.len() {
-            let x = ((row - from) as f64 / (to - from) as f64).min(1.0);
+        for (since, value) in values[from..].iter_mut().enumerate() {
+            let x = (since as f64 / (to - from) as f64).min(1.0);
             let tilt = 0.5 - 0.5 * (std::f64::consts::PI * x).cos();
             // in units of the noise: 1 m/s² along two axes; 0.5 rad about one
             match axis {
-                0 => values[row] += 100.0 * tilt,
-                2 => values[row] -= 60.0 * tilt,
-                4 if row < to => {
-                    values[row] +=
-                        500.0 * 0.5 * std::f64::consts::PI * (std::f64::consts::PI * x).sin() / 6.0;
+                0 => *value += 100.0 * tilt,
+                2 => *value -= 60.0 * tilt,
+                4 if since < to - from => {
+                    *value += 500.0 * 0.5 * std::f64::consts::PI * (std::f64::consts::PI * x).sin() / 6.0;
                 }
                 _ => {}
             }

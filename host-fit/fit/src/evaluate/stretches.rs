@@ -109,7 +109,7 @@ fn different(ranked: &[(f64, usize)], places: &[Range<usize>]) -> Vec<Group> {
                 // the one between two joins them
                 let other = beside.pop().filter(|other| *other != into).map(|other| groups.remove(other));
                 let joined = &mut groups[into].places;
-                for part in [index..index + 1].into_iter().chain(other.map(|other| other.places)) {
+                for part in std::iter::once(index..index + 1).chain(other.map(|other| other.places)) {
                     *joined = joined.start.min(part.start)..joined.end.max(part.end);
                 }
             }

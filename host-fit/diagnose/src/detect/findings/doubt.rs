@@ -55,7 +55,7 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
         return Some(format!("its {name} of {value:.4} {unit} is the limit of what is looked for"));
     }
     let [_, high] = finding.params_interval.get(name)?;
-    (!(*high <= NO_END * parameter.high))
+    (high.is_nan() || *high > NO_END * parameter.high)
         .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
 }
 
