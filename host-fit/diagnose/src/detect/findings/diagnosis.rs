@@ -15,6 +15,9 @@ use fos_data::column::Column;
 /// More steps than this, those that the model has already among them, are jumps to and fro and no longer a shock.
 const MOST_STEPS: usize = 2;
 
+/// A noise level that follows nothing that is logged and changes by a smaller share of it is noticed by nobody.
+const NOTICED_LEVEL: f64 = 0.05;
+
 /// What is there for a smaller share of the time says nothing about the rest.
 const LEAST_DUTY: f64 = 0.01;
 
@@ -188,7 +191,7 @@ fn lead_of(misshape: &Misshape) -> Lead {
             score: *score,
             share: *spread,
             band: Band::Wide,
-            decides: true,
+            decides: follows.is_some() || *spread >= NOTICED_LEVEL,
         },
     }
 }
