@@ -264,6 +264,11 @@ impl Expected {
                 index >= 3 || (correction.corrected - axis.parameters.reference).abs() <= limit
             })
             .collect();
+        // one that is out of it takes the other accelerometers along
+        let accelerometers = self.in_pose.len().min(3);
+        if self.in_pose[..accelerometers].contains(&false) {
+            self.in_pose[..accelerometers].fill(false);
+        }
         (still, corrections)
     }
 
