@@ -81,7 +81,7 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
 }
 
 /// Levels on either side of a motion are taken over so long, s.
-const LEVEL_S: f64 = 5.0;
+pub(crate) const LEVEL_S: f64 = 5.0;
 
 /// Who moves a unit does not put it down exactly as it lay: a level has moved if by so many standard errors, and by more
 /// than this, m/s²: 1 mg. One accelerometer alone may be a step of its bias.
@@ -91,17 +91,15 @@ const LEAST_TILT_MPS2: f64 = 0.01;
 /// The rows at rest from which on gravity may have another direction than before: after a motion that tilted the unit,
 /// or where a new log begins in another pose. `tilted` are rows of motions that are known to have tilted it.
 pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> Vec<usize> {
-    let length = (LEVEL_S / recording.rate.period_s) as usize;
+    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(FEWEST_ROWS);
     let mut turns = Vec::new();
     let mut before: Option<Range<usize>> = None;
     for rest in recording.stretches_where(|row| still[row]) {
         if rest.len() < FEWEST_ROWS {
             continue;
         }
-        let head = rest.start..rest.end.min(rest.start + length.max(FEWEST_ROWS));
-        if let Some(tail) =
-            before.replace(rest.start.max(rest.end.saturating_sub(length.max(FEWEST_ROWS)))..rest.end)
-        {
+        let head = rest.start..rest.end.min(rest.start + length);
+        if let Some(tail) = before.replace(rest.start.max(rest.end.saturating_sub(length))..rest.end) {
             let gap = tail.end..head.start;
             let is_told = || tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
             let has_turned = match gap.is_empty() {
@@ -117,10 +115,11 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
     turns
 }
 
-/// The rows of each level: from the begin to the first turn, from that to the next, ….
-pub fn levels_between(turns: &[usize], n_rows: usize) -> Vec<Range<usize>> {
-    let turns = || turns.iter().copied().filter(|turn| (1..n_rows).contains(turn));
-    std::iter::once(0).chain(turns()).zip(turns().chain([n_rows])).map(|(start, end)| start..end).collect()
+/// The places `within` a range of each level: from the begin to the first turn, from that to the next, ….
+pub fn levels_between(turns: &[usize], within: Range<usize>) -> Vec<Range<usize>> {
+    let turns = || turns.iter().copied().filter(|turn| *turn > within.start && *turn < within.end);
+    let starts = std::iter::once(within.start).chain(turns());
+    starts.zip(turns().chain([within.end])).map(|(start, end)| start..end).collect()
 }
 
 /// `values` of an accelerometer with the level of each pose moved: the mean of what is left of it at rest without
@@ -133,7 +132,7 @@ pub fn with_levels(
     mut wanted: impl FnMut(f64) -> f64,
 ) -> Vec<f64> {
     let mut moved = values.to_vec();
-    for rows in levels_between(turns, values.len()) {
+    for rows in levels_between(turns, 0..values.len()) {
         let left = rows.clone().filter(|row| still[*row]).map(|row| values[row] - explained[row]);
         let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
         if left.is_empty() {

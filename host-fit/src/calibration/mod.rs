@@ -31,9 +31,9 @@ pub struct Calibration {
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates `count` cases from `seed`, or those of them that suit `world`, their logs disturbed as there, and counts how often the diagnosis is right
-/// with the effects of `library`. What is `kept` already is not computed again, and what comes out is kept. `progress`
-/// is told the cases done.
+/// Simulates `count` cases from `seed`, or those of them that suit `world`, their logs disturbed as there, and counts how
+/// often the diagnosis is right with the effects of `library`. What is `kept` already is not computed again, and what
+/// comes out is kept. `progress` is told the cases done.
 ///
 /// # Errors
 ///

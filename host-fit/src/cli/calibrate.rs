@@ -1,7 +1,7 @@
 //! `calibrate`: how often the diagnosis is right, on simulated cases.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -27,8 +27,8 @@ pub(super) struct Calibrate {
     /// What disturbs the logs beside the effect; "all" for a table of all of them
     #[arg(long, value_enum, default_value = "clean")]
     world: Worlds,
-    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial: a
-    /// calibration that was broken off goes on where it was
+    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial (of
+    /// all worlds in FILE.WORLD.partial each): a calibration that was broken off goes on where it was
     #[arg(long, value_name = "FILE")]
     outcomes: Option<OutputFile>,
     /// Effects of your own, one TOML file each. May be repeated
@@ -49,9 +49,11 @@ impl Calibrate {
             Some(world) => vec![world],
             None => Disturbance::ALL.to_vec(),
         };
-        let mut calibrations = Vec::new();
+        let (mut calibrations, mut all_kept) = (Vec::new(), Vec::new());
         for world in worlds {
-            calibrations.push(self.calibrated(world, &library)?);
+            let kept = self.outcomes.as_ref().map(|path| self.kept(path, world, &library)).transpose()?;
+            calibrations.push(self.calibrated(world, &library, kept.as_ref())?);
+            all_kept.extend(kept);
         }
         let is_one = self.world.0.is_some();
         if let Some(path) = &self.outcomes {
@@ -63,6 +65,7 @@ impl Calibrate {
             };
             write_atomically(path, &text)?;
         }
+        all_kept.into_iter().for_each(KeptOutcomes::remove);
         let judged: Vec<(Disturbance, Vec<Statistic>)> = calibrations
             .iter()
             .map(|one| match is_one && one.world == Disturbance::Clean {
@@ -99,14 +102,30 @@ impl Calibrate {
         Ok(())
     }
 
-    fn calibrated(&self, world: Disturbance, library: &Library) -> Result<Calibration, Failure> {
+    /// What is kept of a world until the outcomes of all are written.
+    fn kept(
+        &self,
+        path: &OutputFile,
+        world: Disturbance,
+        library: &Library,
+    ) -> Result<KeptOutcomes, Failure> {
+        let mut of_world = path.as_os_str().to_owned();
+        if self.world.0.is_none() {
+            of_world.push(format!(".{}", world.name()));
+        }
+        Ok(KeptOutcomes::beside(Path::new(&of_world), (self.seed, world), self.cases, library)?)
+    }
+
+    fn calibrated(
+        &self,
+        world: Disturbance,
+        library: &Library,
+        kept: Option<&KeptOutcomes>,
+    ) -> Result<Calibration, Failure> {
         let bar = progress(self.cases as u64, world.name());
-        let keep = |path: &OutputFile| KeptOutcomes::beside(path, (self.seed, world), self.cases, library);
-        let kept = self.outcomes.as_ref().map(keep).transpose()?;
         let advance = |done| bar.set_position(done as u64);
-        let calibration = calibrate((self.seed, world), self.cases, library, kept.as_ref(), advance)?;
+        let calibration = calibrate((self.seed, world), self.cases, library, kept, advance)?;
         bar.finish_and_clear();
-        kept.into_iter().for_each(KeptOutcomes::remove);
         Ok(calibration)
     }
 }

@@ -70,15 +70,13 @@ const TURNED_RAD: f64 = 0.17;
 /// If it lies in another pose afterwards it was turned by more than this: 2°.
 const TILTED_RAD: f64 = 0.035;
 
-/// Levels before and after are taken over so long, s.
-const LEVEL_S: f64 = 5.0;
-
 /// What the motion in these rows looks like.
 pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
     let period_s = recording.rate.period_s;
     let seconds = rows.len() as f64 * period_s;
-    let turned_rad = turned(recording, &rows, rest);
-    let is_tilted = is_tilted(recording, &rows, rest);
+    let beside = beside(recording, &rows, rest);
+    let turned_rad = beside.as_ref().and_then(|[before, _]| turned(recording, &rows, before));
+    let is_tilted = beside.is_some_and(|[before, after]| pose::is_tilted(recording, &before, &after));
     let by_more = |limit: f64| turned_rad.is_some_and(|angle| angle > limit);
     let kind = if by_more(TURNED_RAD) || is_tilted && (seconds > KNOCK_S || by_more(TILTED_RAD)) {
         Kind::Handling
@@ -102,9 +100,9 @@ fn with_margin(recording: &Recording, rows: Range<usize>) -> Range<usize> {
     rows.start.saturating_sub(margin)..(rows.end + margin).min(recording.n_rows())
 }
 
-/// The rows at rest before and after, of [`LEVEL_S`] each, within the segment.
+/// The rows at rest before and after, of [`pose::LEVEL_S`] each, within the segment.
 fn beside(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<[Range<usize>; 2]> {
-    let length = (LEVEL_S / recording.rate.period_s) as usize;
+    let length = (pose::LEVEL_S / recording.rate.period_s) as usize;
     let segment = recording.segments.iter().find(|segment| segment.rows.contains(&rows.start))?;
     let before = rows.start.saturating_sub(length).max(segment.rows.start)..rows.start;
     let after = rows.end..(rows.end + length).min(segment.rows.end);
@@ -113,8 +111,7 @@ fn beside(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<[
 }
 
 /// The largest angle away from the begin, by the gyros without their level before; rad.
-fn turned(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<f64> {
-    let [before, _] = beside(recording, rows, rest)?;
+fn turned(recording: &Recording, rows: &Range<usize>, before: &Range<usize>) -> Option<f64> {
     let mut angle = vec![[0.0_f64; 3]; rows.len()];
     for (axis, name) in GYROS.into_iter().enumerate() {
         let values = &recording.channel(name).ok()?.values;
@@ -128,9 +125,4 @@ fn turned(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<f
     }
     let size = |angle: &[f64; 3]| angle.iter().map(|part| part * part).sum::<f64>().sqrt();
     Some(angle.iter().map(size).fold(0.0, f64::max))
-}
-
-/// Whether the accelerometers show another level than before.
-fn is_tilted(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> bool {
-    beside(recording, rows, rest).is_some_and(|[before, after]| pose::is_tilted(recording, &before, &after))
 }

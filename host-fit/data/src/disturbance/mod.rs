@@ -20,7 +20,7 @@ mod tests;
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::column::{AXES, Column};
+use crate::column::AXES;
 use crate::pose;
 use crate::recording::{Recording, Reference};
 
@@ -90,8 +90,12 @@ pub fn leave_out(rest: &mut [bool], disturbances: &[Disturbance]) {
 const MOST: f64 = 0.5;
 
 /// Where the unit was moved, in order, among the rows that `rest` marks; none in a log with fewer than two inertial
-/// columns, or that is to be taken as it is. An axis with a reference is judged by its error: known motion is no disturbance.
+/// columns, or that is to be taken as it is. An axis with a reference is judged by its error: known motion is no
+/// disturbance.
 pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
+    if recording.keeps_moved || recording.rate.period_s > shared::LONGEST_PERIOD_S {
+        return Vec::new();
+    }
     let mut axes = Vec::new();
     let mut is_vouched = false;
     for name in AXES {
@@ -99,12 +103,12 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         is_vouched |= matches!(series.reference, Reference::Channel(_));
         let mut values = series.values;
         values.iter_mut().zip(rest).filter(|(_, rest)| !**rest).for_each(|(value, _)| *value = f64::NAN);
-        axes.push((Column::named(name), values));
+        axes.push(values);
     }
-    if recording.keeps_moved || axes.len() < 2 || recording.rate.period_s > shared::LONGEST_PERIOD_S {
+    if axes.len() < 2 {
         return Vec::new();
     }
-    let series: Vec<&[f64]> = axes.iter().map(|(_, values)| &values[..]).collect();
+    let series: Vec<&[f64]> = axes.iter().map(Vec::as_slice).collect();
     let rows_at_rest = rest.iter().filter(|rest| **rest).count() as f64;
     // at rest a reference is the pose, and what moves there it does not know
     let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);

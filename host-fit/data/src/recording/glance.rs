@@ -122,7 +122,7 @@ impl fmt::Display for Oddity {
             }
             Self::CoarseSteps { column, step } => write!(
                 f,
-                "{column} moves in steps of {step} K: a diagnosis takes the temperature between two steps from a line; on the device a correction that follows it is off by up to half a step"
+                "{column} moves in steps of {step} K: a diagnosis takes the temperature between two steps from a smooth curve; on the device a correction that follows it is off by up to half a step"
             ),
             Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
             Self::NotGravity { magnitude } => write!(

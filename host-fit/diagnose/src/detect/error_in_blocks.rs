@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use super::faults::Fault;
 use super::question::is_bias_known;
+use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError, Reference};
 use fos_data::statistics::median;
 use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Blocks, length_for};
-use fos_fit::signal;
+use fos_fit::signal::{self, centred};
 
 /// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
 /// another mean.
@@ -148,18 +149,12 @@ impl ErrorInBlocks {
 
     /// Variance of values, one per block, each about the mean of its level; of those in `blocks`.
     pub(super) fn variance_in(&self, values: &[f64], blocks: Range<usize>) -> f64 {
-        let cuts = self.level_starts.iter().copied().filter(|cut| *cut > blocks.start && *cut < blocks.end);
-        let cuts: Vec<usize> = cuts.collect();
-        if cuts.is_empty() {
-            return signal::variance(&[&values[blocks]]);
+        let levels = pose::levels_between(&self.level_starts, blocks);
+        if let [all] = &levels[..] {
+            return signal::variance(&[&values[all.clone()]]);
         }
-        let starts = std::iter::once(blocks.start).chain(cuts.iter().copied());
-        let levels = starts.zip(cuts.iter().copied().chain([blocks.end]));
-        let about_own_mean = |(start, end): (usize, usize)| {
-            let mean = signal::mean(&[&values[start..end]]);
-            values[start..end].iter().map(move |value| value - mean)
-        };
-        signal::variance(&[&levels.flat_map(about_own_mean).collect::<Vec<f64>>()])
+        let about_own_mean = |level: Range<usize>| centred(values[level].to_vec());
+        signal::variance(&[&levels.into_iter().flat_map(about_own_mean).collect::<Vec<f64>>()])
     }
 
     /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`; about a mean for

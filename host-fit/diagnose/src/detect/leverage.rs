@@ -1,6 +1,7 @@
 //! How far a log goes in a combination of inputs that another has hardly excited: each input alone may stay where it was
 //! seen, and yet nothing is known of what they do together.
 
+use fos_fit::signal;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the blocks that may go further.
@@ -13,7 +14,7 @@ pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
     if k < 2 || judged.len() != k {
         return None;
     }
-    let means: Vec<f64> = learnt.iter().map(|column| column.iter().sum::<f64>() / n as f64).collect();
+    let means: Vec<f64> = learnt.iter().map(|column| signal::mean(&[column])).collect();
     let at = |columns: &dyn Fn(usize) -> f64| DVector::from_fn(k, |i, _| columns(i) - means[i]);
     let of_learnt: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
     let of_judged: Vec<DVector<f64>> = (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();

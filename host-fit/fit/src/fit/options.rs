@@ -155,7 +155,7 @@ impl FromStr for Stop {
 pub enum Train {
     /// This share of the rows.
     Share(f64),
-    /// This long a time at rest, s.
+    /// The rows of so long a time, at rest or not, s.
     Seconds(f64),
 }
 

@@ -37,8 +37,9 @@ pub struct UnknownTerm {
     pub standard_error: f64,
 }
 
-/// The physical part over `inputs`, beside `levels`: columns of constants that hold for part of the rows. A term whose coefficient noise alone would have given is left out, the least sure
-/// first, and the others are estimated anew: it would be followed where the input goes, and do nothing but harm.
+/// The physical part over `inputs`, beside `levels`: columns of constants that hold for part of the rows. A term whose
+/// coefficient noise alone would have given is left out, the least sure first, and the others are estimated anew: it
+/// would be followed where the input goes, and do nothing but harm.
 ///
 /// # Errors
 ///

@@ -49,7 +49,7 @@ impl<'a> Poses<'a> {
         }
         poses.turns = stillness.turns.iter().copied().filter(|turn| training.contains(turn)).collect();
         let columns = pose::columns_of(recording, column);
-        for rows in pose::levels_between(&poses.turns, training.end) {
+        for rows in pose::levels_between(&poses.turns, 0..training.end) {
             let mut in_level = vec![false; recording.n_rows()];
             in_level[rows.clone()].copy_from_slice(&poses.used[rows]);
             match &pose::first_two(recording, &columns, &in_level)[..] {
@@ -92,7 +92,7 @@ impl<'a> Poses<'a> {
 
     /// A column for each pose but the first, 1 in its rows.
     pub(super) fn columns(&self) -> Vec<Vec<f64>> {
-        let levels = pose::levels_between(&self.turns, self.used.len());
+        let levels = pose::levels_between(&self.turns, 0..self.used.len());
         let column = |rows: &Range<usize>| {
             let mut column = vec![0.0; self.used.len()];
             column[rows.clone()].fill(1.0);

@@ -3,12 +3,12 @@
 use super::assembly::Assembly;
 use super::doubt::{beyond_typical, doubt};
 use super::verdict::{sentence, verdict};
-use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Rejected};
+use crate::detect::answer::{Diagnosis, NoiseReport};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
 use crate::detect::shape::Misshape;
-use crate::detect::slow::{Found, MAX_FOUND};
+use crate::detect::slow::Found;
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
@@ -20,9 +20,6 @@ const NOTICED_LEVEL: f64 = 0.05;
 
 /// What is there for a smaller share of the time says nothing about the rest.
 const LEAST_DUTY: f64 = 0.01;
-
-/// Effects whose score alone is at least this are worth a word on why they were not chosen.
-const WORTH_A_WORD: f64 = 9.0;
 
 impl Assembly<'_> {
     /// The answer.
@@ -47,18 +44,16 @@ impl Assembly<'_> {
                         || effect.is_ok_and(|effect| !effect.follows_clock_alone()))
             });
         }
-        let is_step = |finding: &Finding| {
-            let effect = self.question.library.get(&finding.effect);
+        let is_step = |id: &str| {
+            let effect = self.question.library.get(id);
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
-        let steps = findings.iter().filter(|finding| is_step(finding)).count();
-        let library = self.question.library;
-        let given =
-            self.question.given.iter().filter(|given| {
-                library.get(&given.effect).is_ok_and(|effect| effect.search == Detector::Step)
-            });
-        if steps > 0 && steps + given.count() > MOST_STEPS {
-            let gain = findings.iter().filter(|finding| is_step(finding)).map(|finding| finding.gain).sum();
+        let gains: Vec<f64> =
+            findings.iter().filter(|finding| is_step(&finding.effect)).map(|finding| finding.gain).collect();
+        let steps = gains.len();
+        let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
+        if steps > 0 && steps + given > MOST_STEPS {
+            let gain = gains.iter().sum();
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead {
                 kind: LeadKind::Course,
@@ -69,7 +64,7 @@ impl Assembly<'_> {
                 band: Band::Slow,
                 decides: true,
             });
-            findings.retain(|finding| !is_step(finding));
+            findings.retain(|finding| !is_step(&finding.effect));
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
             let share = match line.duty {
@@ -121,50 +116,6 @@ impl Assembly<'_> {
             cautions,
             moved: Vec::new(),
         })
-    }
-}
-
-impl Assembly<'_> {
-    /// Effects that were tried and are no findings, and why: `named` and `claimed` are identifiers and names of all that
-    /// stood before a remainder was held against them.
-    fn rejected(
-        &self,
-        findings: &[Finding],
-        named: &[String],
-        claimed: &[String],
-        leads: &[Lead],
-    ) -> Vec<Rejected> {
-        let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
-        let beside = match claimed {
-            [] => "the further noise that was found".to_owned(),
-            _ => claimed.join(" and "),
-        };
-        let why = |id: &str, score: f64, left: Option<f64>| -> Option<String> {
-            let rival_of =
-                findings.iter().find(|finding| finding.confounded_with.iter().any(|rival| rival == id));
-            let lead = leads.first().map(|lead| lead.follows.as_str());
-            match (rival_of, left) {
-                _ if score < WORTH_A_WORD => None,
-                _ if named.iter().any(|found| found == id) => {
-                    lead.map(|lead| format!("it stands, but more is unexplained: what follows {lead}"))
-                }
-                (Some(finding), _) => Some(format!("this log cannot tell it from {}", finding.name)),
-                (None, Some(left)) if left < WORTH_A_WORD => {
-                    Some(format!("with {beside} taken off its score is {left:.0}"))
-                }
-                (None, Some(left)) => Some(format!(
-                    "no more than {MAX_FOUND} are looked for at once; with {beside} taken off its score is {left:.0}"
-                )),
-                (None, None) => Some(format!("with {beside} taken off nothing of it is left")),
-            }
-        };
-        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));
-        tried
-            .map(|(id, score)| {
-                let left = self.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);
-                Rejected { effect: id.clone(), score: *score, why: why(id, *score, left) }
-            })
-            .collect()
     }
 }
 

@@ -12,6 +12,7 @@ mod assembly;
 mod diagnosis;
 mod doubt;
 mod lines;
+mod rejected;
 mod slow;
 mod verdict;
 

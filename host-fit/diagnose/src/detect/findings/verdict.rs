@@ -19,12 +19,12 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead]) -> Verdict {
         };
         against.map(weight).fold(0.0, f64::max)
     };
-    let withheld = findings.len();
+    let before = findings.len();
     findings.retain(|finding| finding.band == Band::Data || finding.gain > most(finding));
     let has_slow_lead = leads.iter().any(|lead| lead.decides && !is_wide(lead.band));
     let claims = || findings.iter().filter(|finding| finding.doubt.is_none());
     let is_slow = |finding: &Finding| matches!(finding.band, Band::Slow | Band::Stochastic);
-    let slow_is_explained = !has_slow_lead || findings.len() == withheld && claims().any(is_slow);
+    let slow_is_explained = !has_slow_lead || findings.len() == before && claims().any(is_slow);
     match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
         (true, true) => Verdict::NothingMissing,
         (false, _) if slow_is_explained && claims().next().is_some() => Verdict::Missing,

@@ -146,9 +146,7 @@ impl Periodogram {
             duty: 1.0,
         }
     }
-}
 
-impl Periodogram {
     /// Whether a band that was named before has more power than noise has once in a thousand times.
     pub(super) fn stands_out(&self, band: &Range<usize>) -> bool {
         let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();

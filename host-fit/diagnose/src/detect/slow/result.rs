@@ -54,7 +54,7 @@ pub(crate) struct SlowResult {
     pub(crate) prior: LevelPrior,
     /// Every effect that was tried alone: its best score; first those that explain most.
     pub(crate) tried: Vec<(String, f64)>,
-    /// The same beside all but the last that was found.
+    /// The same beside what had been found before the last round of the search.
     pub(crate) beside: Vec<(String, f64)>,
     /// Effects of which no regressor adds anything to what is given.
     pub(crate) silent: Vec<Rc<Effect>>,

@@ -1,0 +1,53 @@
+//! Effects that were tried and are no findings, each with why.
+
+use super::assembly::Assembly;
+use crate::detect::answer::{Finding, Rejected};
+use crate::detect::open::Lead;
+use crate::detect::slow::MAX_FOUND;
+
+/// Effects whose score alone is at least this are worth a word on why they were not chosen.
+const WORTH_A_WORD: f64 = 9.0;
+
+impl Assembly<'_> {
+    /// Effects that were tried and are no findings, and why: `named` and `claimed` are identifiers and names of all that
+    /// stood before a remainder was held against them.
+    pub(super) fn rejected(
+        &self,
+        findings: &[Finding],
+        named: &[String],
+        claimed: &[String],
+        leads: &[Lead],
+    ) -> Vec<Rejected> {
+        let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
+        let beside = match claimed {
+            [] => "the further noise that was found".to_owned(),
+            _ => claimed.join(" and "),
+        };
+        let why = |id: &str, score: f64, left: Option<f64>| -> Option<String> {
+            let rival_of =
+                findings.iter().find(|finding| finding.confounded_with.iter().any(|rival| rival == id));
+            let lead = leads.first().map(|lead| lead.follows.as_str());
+            match (rival_of, left) {
+                _ if score < WORTH_A_WORD => None,
+                _ if named.iter().any(|found| found == id) => {
+                    lead.map(|lead| format!("it stands, but more is unexplained: what follows {lead}"))
+                }
+                (Some(finding), _) => Some(format!("this log cannot tell it from {}", finding.name)),
+                (None, Some(left)) if left < WORTH_A_WORD => {
+                    Some(format!("with {beside} taken off its score is {left:.0}"))
+                }
+                (None, Some(left)) => Some(format!(
+                    "no more than {MAX_FOUND} are looked for at once; with {beside} taken off its score is {left:.0}"
+                )),
+                (None, None) => Some(format!("with {beside} taken off nothing of it is left")),
+            }
+        };
+        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));
+        tried
+            .map(|(id, score)| {
+                let left = self.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);
+                Rejected { effect: id.clone(), score: *score, why: why(id, *score, left) }
+            })
+            .collect()
+    }
+}
