@@ -9,13 +9,14 @@ use super::doubt::far;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::step_share;
 use crate::detect::error_in_blocks::ErrorInBlocks;
+use crate::detect::hypothesis::Hypothesis;
 use crate::detect::leverage;
 use crate::detect::limits;
-use crate::detect::predicted_reduction::{Estimate, PredictedReduction, PredictedReductions, SlowEffect};
+use crate::detect::predicted_reduction::{PredictedReduction, PredictedReductions, SlowEffect, Truth};
 use crate::detect::question::{DiagnoseError, is_bias_known};
-use crate::detect::slow::Found;
-use crate::effects::{Detector, Effect, Inputs};
-use fos_data::recording::Recording;
+use crate::detect::slow::{Estimate, Found};
+use crate::effects::{Detector, Effect, Inputs, Regressor};
+use fos_data::recording::{Recording, RecordingError};
 use fos_fit::noise::Regression;
 
 impl Assembly<'_> {
@@ -29,7 +30,8 @@ impl Assembly<'_> {
         let covariance = slow.fitted.gls.covariance();
         let kept = &slow.fitted.gls.kept;
         let inputs = Inputs::new(self.question.field);
-        let estimates: Vec<Estimate> = order.iter().map(|found| Estimate::of(found, slow)).collect();
+        let estimates: Vec<Estimate> =
+            order.iter().map(|found| Estimate::of(&slow.fitted.gls, found.place.clone())).collect();
         let mut limits = Vec::new();
         for (found, own) in order.iter().zip(&estimates) {
             let regressors = &found.hypothesis.regressors;
@@ -129,8 +131,8 @@ impl Assembly<'_> {
     ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
         let judged = self.question.judged.filter(|judged| {
             let inputs = Inputs::new(judged);
-            let is_known = |regressor| inputs.logged(regressor).as_ref() == Some(regressor);
-            order.iter().all(|found| found.hypothesis.regressors.iter().all(is_known))
+            let mut regressors = order.iter().flat_map(|found| &found.hypothesis.regressors);
+            regressors.all(|regressor| is_logged(&inputs, regressor))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
         let mut in_blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?;
@@ -140,13 +142,20 @@ impl Assembly<'_> {
         let mut effects: Vec<SlowEffect> = Vec::new();
         for ((found, estimate), limits) in order.iter().zip(estimates).zip(limits) {
             let effect = &found.hypothesis.effect;
-            let factor = estimate
-                .factor()
-                .ok_or_else(|| DiagnoseError::UnknownCoefficients { effect: effect.id.clone() })?;
-            let coefficients = estimate.coefficients;
-            let (mut columns, mut corrected) = (Vec::new(), Vec::new());
+            let means = |hypothesis: &Hypothesis| -> Result<Vec<Vec<f64>>, RecordingError> {
+                let columns = hypothesis.regressors.iter();
+                columns.map(|regressor| Ok(blocks.means(&inputs.regressor(regressor)?))).collect()
+            };
+            let unknown = || DiagnoseError::UnknownCoefficients { effect: effect.id.clone() };
+            let factor = estimate.factor().ok_or_else(unknown)?;
+            let mut found_so = Truth {
+                columns: means(&found.hypothesis)?,
+                coefficients: estimate.coefficients,
+                factor,
+                odds: 1.0,
+            };
+            let mut corrected = Vec::new();
             for regressor in &found.hypothesis.regressors {
-                columns.push(blocks.means(&inputs.regressor(regressor)?));
                 corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
             }
             if effect.search == Detector::Step {
@@ -154,12 +163,25 @@ impl Assembly<'_> {
                 // a step of the past is a constant in another log, about the mean of the one it was found in
                 let share = step_share(self.question.field, time_s);
                 let after = |block: usize| judged.is_some() || blocks.middle_s(block) > time_s;
-                columns
-                    .push((0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect());
-                corrected.push(columns[0].clone());
+                let column: Vec<f64> =
+                    (0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect();
+                found_so.columns.push(column.clone());
+                corrected.push(column);
             }
             let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
-            effects.push(SlowEffect { is_step, columns, corrected, coefficients, factor });
+            let mut alternatives = Vec::new();
+            for other in &found.alternatives {
+                if !other.hypothesis.regressors.iter().all(|regressor| is_logged(&inputs, regressor)) {
+                    continue;
+                }
+                alternatives.push(Truth {
+                    columns: means(&other.hypothesis)?,
+                    coefficients: other.estimate.coefficients.clone(),
+                    factor: other.estimate.factor().ok_or_else(unknown)?,
+                    odds: other.odds,
+                });
+            }
+            effects.push(SlowEffect { is_step, found: found_so, alternatives, corrected });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {
@@ -180,4 +202,8 @@ impl Assembly<'_> {
         };
         (0..effects.len()).map(fall).collect()
     }
+}
+
+fn is_logged(inputs: &Inputs<'_>, regressor: &Regressor) -> bool {
+    inputs.logged(regressor).as_ref() == Some(regressor)
 }

@@ -47,16 +47,26 @@ impl SlowSearch<'_> {
                     rivals.push((rival, behind));
                 }
             }
+            let score = gain - self.price(k, current);
+            let scored: Vec<(&Hypothesis, f64)> = rivals
+                .iter()
+                .filter(|(rival, _)| rival.effect.search == Detector::Terms)
+                .map(|(rival, behind)| {
+                    (rival, score - (gain - behind - self.price(rival.columns.len(), rival)))
+                })
+                .collect();
+            let log_error = self.log_error(&rest, &state, current)?;
             found.push(Found {
                 hypothesis: current.clone(),
+                alternatives: self.alternatives((&rest, &state), current, log_error, &scored)?,
                 place: {
                     let before: usize = state.accepted[..place].iter().map(|h| h.columns.len()).sum();
                     let start = self.given.len() + before;
                     start..start + current.columns.len()
                 },
-                log_error: self.log_error(&rest, &state, current)?,
+                log_error,
                 gain,
-                score: gain - self.price(k, current),
+                score,
                 rivals,
             });
         }

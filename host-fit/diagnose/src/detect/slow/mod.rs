@@ -8,11 +8,15 @@
 //! | `parameter`, `terms` | an effect's parameter between the values of its grid; which of its regressors are worth their price |
 //! | `noise` | noise beyond the baseline's |
 //! | `candidates` | every effect on top of a model |
+//! | `estimate` | the coefficients of an effect, and how well they are known |
+//! | `alternatives` | what may be true instead of a finding |
 //! | `describe` | what was accepted: gains, errors of parameters, rivals |
 //! | `selection` | forward selection, and effects estimated together |
 
+mod alternatives;
 mod candidates;
 mod describe;
+mod estimate;
 mod model;
 mod noise;
 mod parameter;
@@ -20,6 +24,7 @@ mod result;
 mod selection;
 mod terms;
 
+pub(super) use estimate::Estimate;
 pub(super) use model::SlowSearch;
 pub(super) use result::{ExtraNoise, Found, SlowResult};
 pub(super) use selection::MAX_FOUND;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::rc::Rc;
 
+use super::alternatives::Alternative;
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Effect;
 use fos_fit::noise::{Fitted, GaussMarkov, LevelPrior};
@@ -22,6 +23,8 @@ pub(crate) struct Found {
     pub(crate) score: f64,
     /// Hypotheses that could stand in its place, with how much worse they are in −2 ln L.
     pub(crate) rivals: Vec<(Hypothesis, f64)>,
+    /// What may be true instead.
+    pub(crate) alternatives: Vec<Alternative>,
 }
 
 /// Noise beyond the baseline's.

@@ -1,0 +1,65 @@
+//! What may be true instead of a finding, with the odds: its effect with another value of the parameter, or a rival. The
+//! log hardly tells them apart; another log may, and a reduction that is predicted for it has to hold for all of them.
+
+use super::estimate::Estimate;
+use super::model::{SlowSearch, State};
+use crate::detect::hypothesis::Hypothesis;
+use fos_data::recording::RecordingError;
+
+/// Values of a parameter, in standard errors of its logarithm from the best.
+const AROUND: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+
+/// What may be true instead of a finding.
+#[derive(Debug, Clone)]
+pub(crate) struct Alternative {
+    pub(crate) hypothesis: Hypothesis,
+    /// Its coefficients with everything else that was found, under the same noise levels.
+    pub(crate) estimate: Estimate,
+    /// Its odds against the finding as it is.
+    pub(crate) odds: f64,
+}
+
+impl SlowSearch<'_> {
+    /// Alternatives to `current`, which is found beside `rest`, its parameter known to `log_error`; `rivals` with how far
+    /// their scores are behind.
+    pub(super) fn alternatives(
+        &self,
+        (rest, state): (&[&Hypothesis], &State),
+        current: &Hypothesis,
+        log_error: Option<f64>,
+        rivals: &[(&Hypothesis, f64)],
+    ) -> Result<Vec<Alternative>, RecordingError> {
+        let mut alternatives = Vec::new();
+        if let (Some(error), Some(value), Some(parameter)) =
+            (log_error, current.value, &current.effect.parameter)
+        {
+            for deviation in AROUND {
+                let other = (value * (deviation * error).exp()).clamp(parameter.low, parameter.high);
+                let all = self.hypotheses.make(&current.effect, Some(other))?;
+                let places: Vec<usize> =
+                    (0..all.terms.len()).filter(|place| current.terms.contains(&all.terms[*place])).collect();
+                let odds = (-0.5 * deviation * deviation).exp();
+                alternatives.push(self.alternative((rest, state), all.of_terms(&places), odds));
+            }
+        }
+        let of_finding = 1.0 + alternatives.iter().map(|alternative| alternative.odds).sum::<f64>();
+        for (rival, behind) in rivals {
+            let odds = of_finding * (-0.5 * behind.max(0.0)).exp();
+            alternatives.push(self.alternative((rest, state), (*rival).clone(), odds));
+        }
+        Ok(alternatives)
+    }
+
+    fn alternative(
+        &self,
+        (rest, state): (&[&Hypothesis], &State),
+        hypothesis: Hypothesis,
+        odds: f64,
+    ) -> Alternative {
+        let before = self.given.len() + rest.iter().map(|other| other.columns.len()).sum::<usize>();
+        let all: Vec<&Hypothesis> = rest.iter().copied().chain([&hypothesis]).collect();
+        let fitted = self.at(&all, state.noise, state.fitted.levels);
+        let estimate = Estimate::of(&fitted.gls, before..before + hypothesis.columns.len());
+        Alternative { hypothesis, estimate, odds }
+    }
+}
