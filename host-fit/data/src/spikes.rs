@@ -44,12 +44,11 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut is_inside: Vec<bool> = Vec::new();
     for stretch in stretches {
         let known: Vec<usize> = stretch.clone().filter(|row| values[*row].is_finite()).collect();
-        for at in 0..known.len() {
-            let around = &known[at.saturating_sub(REACH)..(at + REACH + 1).min(known.len())];
-            if around.len() > REACH {
-                let mut window: Vec<f64> = around.iter().map(|row| values[*row]).collect();
-                off.push((known[at], (values[known[at]] - median(&mut window)).abs()));
-                is_inside.push((REACH..known.len() - REACH.min(known.len())).contains(&at));
+        let inside = REACH..known.len() - REACH.min(known.len());
+        for (at, middle) in medians_around(&known, values).enumerate() {
+            if let Some(middle) = middle {
+                off.push((known[at], (values[known[at]] - middle).abs()));
+                is_inside.push(inside.contains(&at));
             }
         }
     }
@@ -86,6 +85,27 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     })
 }
 
+/// The median of the values of each row and of up to [`REACH`] on either side; none of too few. The window stays sorted
+/// while it moves.
+fn medians_around<'a>(known: &'a [usize], values: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
+    let mut window: Vec<f64> = Vec::with_capacity(2 * REACH + 2);
+    let place = |window: &[f64], value: f64| window.partition_point(|other| other.total_cmp(&value).is_lt());
+    let add = move |window: &mut Vec<f64>, row: usize| {
+        let at = place(window, values[row]);
+        window.insert(at, values[row]);
+    };
+    known.iter().take(REACH).for_each(|row| add(&mut window, *row));
+    (0..known.len()).map(move |at| {
+        if let Some(row) = known.get(at + REACH) {
+            add(&mut window, *row);
+        }
+        if let Some(gone) = at.checked_sub(REACH + 1) {
+            window.remove(place(&window, values[known[gone]]));
+        }
+        (window.len() > REACH).then(|| window[window.len() / 2])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,6 +121,21 @@ mod tests {
             let mut values = white_noise(3, 1000);
             values[row] = -32_768.0;
             assert_eq!(found(&values), [row]);
+        }
+    }
+
+    #[test]
+    fn the_moving_median_is_that_of_each_window() {
+        for length in [0, 1, 5, 6, 7, 11, 12, 200] {
+            let values: Vec<f64> = white_noise(9, length).iter().map(|x| (4.0 * x).round()).collect();
+            let known: Vec<usize> = (0..length).filter(|row| row % 7 != 3).collect();
+            let found: Vec<Option<f64>> = medians_around(&known, &values).collect();
+            let expected = (0..known.len()).map(|at| {
+                let around = &known[at.saturating_sub(REACH)..(at + REACH + 1).min(known.len())];
+                let mut window: Vec<f64> = around.iter().map(|row| values[*row]).collect();
+                (window.len() > REACH).then(|| median(&mut window))
+            });
+            assert_eq!(found, expected.collect::<Vec<_>>(), "{length}");
         }
     }
 

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
-use super::outcome::{FoundIn, Outcome};
+use super::outcome::{Alarm, FoundIn, Outcome};
+use fos_data::column::AXES;
 use fos_diagnose::detect::Verdict;
 use fos_simulate::{Effect, Kind, Level};
 
@@ -139,7 +140,8 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         .filter_map(shares)
         .collect();
     let seconds = outcomes.iter().map(|o| o.seconds);
-    vec![
+    let asked: Vec<&Vec<Alarm>> = outcomes.iter().filter_map(|o| o.alarms.as_ref()).collect();
+    let mut figures = vec![
         rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(o))),
         rate("  weak (10–16)", Goal::AtLeast(0.80, 0.90), at_level(Level::Weak)),
         rate("  medium (22–45)", Goal::AtLeast(0.90, 0.96), at_level(Level::Medium)),
@@ -203,7 +205,21 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         ),
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),
         quantile("  longest", Goal::Seconds(5.0, 1.0), 1.0, seconds),
-    ]
+    ];
+    if !asked.is_empty() {
+        let is_named = |alarm: &Alarm| alarm.verdict == Verdict::Missing;
+        let named = |alarms: &Vec<Alarm>| alarms.iter().filter(|alarm| is_named(alarm)).count();
+        let of_axes = asked.iter().flat_map(|alarms| (0..AXES.len()).map(|axis| axis < named(alarms)));
+        figures.extend([
+            rate(
+                "nothing missing in any axis: an alarm",
+                Goal::AtMost(0.02, 0.01),
+                asked.iter().map(|alarms| !alarms.is_empty()),
+            ),
+            rate("  axes in which an effect is named", Goal::AtMost(0.002, 0.001), of_axes),
+        ]);
+    }
+    figures
 }
 
 /// What is held against one another between worlds: the same cases, their logs disturbed.

@@ -9,11 +9,11 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::Cases;
 use super::outcome::Outcome;
 use crate::program::this_build;
 use fos_data::file::{FileError, write_atomically};
 use fos_diagnose::effects::Library;
-use fos_simulate::Disturbance;
 
 /// Behind the name of the file with the outcomes stands this.
 const ENDING: &str = ".partial";
@@ -33,9 +33,10 @@ struct Heading {
 }
 
 impl Heading {
-    fn of((seed, world): (u64, Disturbance), count: usize, library: &Library) -> Self {
+    fn of(cases: &Cases, library: &Library) -> Self {
         let mut digest = Sha256::new();
-        digest.update(format!("{} {seed} {count} {} ", this_build(), world.name()));
+        digest.update(this_build());
+        digest.update(serde_json::to_vec(cases).unwrap_or_default());
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
         Self { cases: digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect() }
     }
@@ -48,16 +49,11 @@ impl KeptOutcomes {
     /// # Errors
     ///
     /// What the system refuses.
-    pub fn beside(
-        outcomes: &Path,
-        suite: (u64, Disturbance),
-        count: usize,
-        library: &Library,
-    ) -> Result<Self, FileError> {
+    pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, FileError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);
         let path = PathBuf::from(path);
-        let heading = Heading::of(suite, count, library);
+        let heading = Heading::of(cases, library);
         let left = match fs::read_to_string(&path) {
             Ok(left) => left,
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
@@ -113,13 +109,15 @@ fn line(value: &impl Serialize) -> Vec<u8> {
 mod tests {
     use super::*;
     use crate::calibration::calibrate;
+    use fos_simulate::Disturbance;
 
     #[test]
     fn a_calibration_goes_on_where_it_was_broken_off() {
         let folder = tempfile::tempdir().unwrap();
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
-        let kept = |seed| KeptOutcomes::beside(&outcomes, (seed, Disturbance::Clean), 3, &library).unwrap();
-        let whole = calibrate((1, Disturbance::Clean), 3, &library, Some(&kept(1)), |_| {}).unwrap();
+        let cases = |seed| Cases { seed, count: 3, world: Disturbance::Clean, every_axis: false };
+        let kept = |seed| KeptOutcomes::beside(&outcomes, &cases(seed), &library).unwrap();
+        let whole = calibrate(cases(1), &library, Some(&kept(1)), |_| {}).unwrap();
         let path = folder.path().join("outcomes.json.partial");
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().count(), 4);
@@ -128,9 +126,7 @@ mod tests {
         let left = kept(1);
         assert_eq!(left.len(), 2);
         let computed = Mutex::new(0);
-        let again =
-            calibrate((1, Disturbance::Clean), 3, &library, Some(&left), |_| *computed.lock().unwrap() += 1)
-                .unwrap();
+        let again = calibrate(cases(1), &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
         assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
         // times apart, which differ, it comes to the same
         let but_times = |calibration: &crate::calibration::Calibration| {

@@ -18,6 +18,19 @@ pub use outcome::{Outcome, examine};
 use fos_diagnose::effects::Library;
 use fos_simulate::{Disturbance, suite_in};
 
+/// The cases to simulate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cases {
+    /// Seed of all of them.
+    pub seed: u64,
+    /// How many, or of how many those that suit the world.
+    pub count: usize,
+    /// What disturbs their logs.
+    pub world: Disturbance,
+    /// Whether the axes in which nothing was hidden are asked too, of logs in which nothing is missing.
+    pub every_axis: bool,
+}
+
 /// A calibration: what came out of every case, and the figures.
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibration {
@@ -31,20 +44,19 @@ pub struct Calibration {
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates `count` cases from `seed`, or those of them that suit `world`, their logs disturbed as there, and counts how
-/// often the diagnosis is right with the effects of `library`. What is `kept` already is not computed again, and what
-/// comes out is kept. `progress` is told the cases done.
+/// Simulates the cases, and counts how often the diagnosis is right with the effects of `library`. What is `kept` already
+/// is not computed again, and what comes out is kept. `progress` is told the cases done.
 ///
 /// # Errors
 ///
 /// A case cannot be simulated or diagnosed, or its outcome cannot be kept.
 pub fn calibrate(
-    (seed, world): (u64, Disturbance),
-    count: usize,
+    cases: Cases,
     library: &Library,
     kept: Option<&KeptOutcomes>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
+    let Cases { seed, count, world, every_axis } = cases;
     let plans = suite_in(seed, count, world);
     let done = AtomicUsize::new(0);
     let outcomes: Vec<Outcome> = plans
@@ -54,7 +66,7 @@ pub fn calibrate(
             let outcome = match kept.and_then(|kept| kept.of(case)) {
                 Some(known) => known,
                 None => {
-                    let outcome = examine(case, plan, library)?;
+                    let outcome = examine(case, plan, every_axis, library)?;
                     kept.map(|kept| kept.add(&outcome)).transpose()?;
                     outcome
                 }

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::CalibrationError;
+use fos_data::case::CaseMeta;
+use fos_data::column::AXES;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
 use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Verdict, correction, diagnose};
@@ -39,6 +41,9 @@ pub struct Outcome {
     /// The fall that the diagnosis' correction reached there.
     #[serde(rename = "realised_fall")]
     pub measured_reduction: Option<f64>,
+    /// Of a log in which nothing is missing, where every axis was asked: what was said of those that were not silent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alarms: Option<Vec<Alarm>>,
     /// Time for the diagnosis, without simulating or reading, s.
     pub seconds: f64,
 }
@@ -75,12 +80,28 @@ pub struct FoundIn {
     pub separated: bool,
 }
 
-/// Simulates and diagnoses one case.
+/// What was said of an axis in which nothing is missing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alarm {
+    /// The axis, as `gx_rads`.
+    pub target: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Identifiers of what was named, or what the error was said to follow.
+    pub named: Vec<String>,
+}
+
+/// Simulates and diagnoses one case; with `every_axis` all axes of a log in which nothing is missing.
 ///
 /// # Errors
 ///
 /// It cannot be simulated or diagnosed.
-pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcome, CalibrationError> {
+pub fn examine(
+    case: usize,
+    plan: &CasePlan,
+    every_axis: bool,
+    library: &Library,
+) -> Result<Outcome, CalibrationError> {
     let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
     let SimulatedCase { meta, baseline, field, eval, truth } = simulated;
     let failed = |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
@@ -95,6 +116,11 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
     let answer =
         diagnose(&question_of_logs(&meta, &field, Some(&baseline), Some(&eval), library)).map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
+    let logs = [&field, &baseline, &eval];
+    let alarms = match every_axis && plan.kind == Kind::Nothing {
+        true => Some(alarms(&meta, logs, library).map_err(failed)?),
+        false => None,
+    };
     let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
     let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
@@ -135,8 +161,28 @@ pub fn examine(case: usize, plan: &CasePlan, library: &Library) -> Result<Outcom
             .collect(),
         achievable_reduction: falls.0,
         measured_reduction: falls.1,
+        alarms,
         seconds,
     })
+}
+
+/// What is said of each axis of a log in which nothing is missing, where it is not silent.
+fn alarms(
+    meta: &CaseMeta,
+    [field, baseline, eval]: [&Recording; 3],
+    library: &Library,
+) -> Result<Vec<Alarm>, DiagnoseError> {
+    let mut alarms = Vec::new();
+    for target in AXES {
+        let meta = CaseMeta { target: target.to_owned(), ..meta.clone() };
+        let answer = diagnose(&question_of_logs(&meta, field, Some(baseline), Some(eval), library))?;
+        if answer.verdict != Verdict::NothingMissing {
+            let found = answer.findings.iter().map(|finding| finding.effect.clone());
+            let named = found.chain(answer.leads.iter().take(1).map(|lead| lead.follows.clone()));
+            alarms.push(Alarm { target: target.to_owned(), verdict: answer.verdict, named: named.collect() });
+        }
+    }
+    Ok(alarms)
 }
 
 /// The logs on which a correction is judged.

@@ -9,7 +9,7 @@ use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use super::world::Worlds;
-use crate::calibration::{Calibration, Goal, KeptOutcomes, Statistic, calibrate, in_world};
+use crate::calibration::{Calibration, Cases, Goal, KeptOutcomes, Statistic, calibrate, in_world};
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
 use fos_simulate::Disturbance;
@@ -27,6 +27,9 @@ pub(super) struct Calibrate {
     /// What disturbs the logs beside the effect; "all" for a table of all of them
     #[arg(long, value_enum, default_value = "clean")]
     world: Worlds,
+    /// Ask every axis of the logs in which nothing is missing, not only one
+    #[arg(long)]
+    every_axis: bool,
     /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial (of
     /// all worlds in FILE.WORLD.partial each): a calibration that was broken off goes on where it was
     #[arg(long, value_name = "FILE")]
@@ -102,6 +105,10 @@ impl Calibrate {
         Ok(())
     }
 
+    fn cases_in(&self, world: Disturbance) -> Cases {
+        Cases { seed: self.seed, count: self.cases, world, every_axis: self.every_axis }
+    }
+
     /// What is kept of a world until the outcomes of all are written.
     fn kept(
         &self,
@@ -113,7 +120,7 @@ impl Calibrate {
         if self.world.0.is_none() {
             of_world.push(format!(".{}", world.name()));
         }
-        Ok(KeptOutcomes::beside(Path::new(&of_world), (self.seed, world), self.cases, library)?)
+        Ok(KeptOutcomes::beside(Path::new(&of_world), &self.cases_in(world), library)?)
     }
 
     fn calibrated(
@@ -124,7 +131,7 @@ impl Calibrate {
     ) -> Result<Calibration, Failure> {
         let bar = progress(self.cases as u64, world.name());
         let advance = |done| bar.set_position(done as u64);
-        let calibration = calibrate((self.seed, world), self.cases, library, kept, advance)?;
+        let calibration = calibrate(self.cases_in(world), library, kept, advance)?;
         bar.finish_and_clear();
         Ok(calibration)
     }

@@ -148,11 +148,28 @@ impl fmt::Display for Oddity {
 impl Recording {
     /// What a person would see at a glance. `still` tells of every row whether the unit is at rest.
     pub fn oddities(&self, still: &[bool]) -> Vec<Oddity> {
+        self.oddities_about(&AXES, still)
+    }
+
+    /// The same of these axes, and of the log as a whole.
+    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
         let mut found = Vec::new();
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
         let logs: Vec<Range<usize>> = self.power_ons();
         for (place, axis) in axes.iter().enumerate() {
             let values = self.values(axis);
+            for other in &axes[place + 1..] {
+                let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+                if (wanted.contains(axis) || wanted.contains(other))
+                    && values.iter().zip(self.values(other)).all(same)
+                    && values.iter().any(|v| *v != values[0])
+                {
+                    found.push(Oddity::Same { columns: [(*axis).to_owned(), (*other).to_owned()] });
+                }
+            }
+            if !wanted.contains(axis) {
+                continue;
+            }
             found.extend(self.stuck(axis));
             if let Some(Spikes { rows, worst: (row, value, times) }) =
                 self.spikes(axis, 0..self.n_rows(), still)
@@ -164,12 +181,6 @@ impl Recording {
             if !stuck.is_empty() {
                 let seconds = stuck.iter().map(Range::len).sum::<usize>() as f64 * self.rate.period_s;
                 found.push(Oddity::Held { column: (*axis).to_owned(), times: stuck.len(), seconds });
-            }
-            for other in &axes[place + 1..] {
-                let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
-                if values.iter().zip(self.values(other)).all(same) && values.iter().any(|v| *v != values[0]) {
-                    found.push(Oddity::Same { columns: [(*axis).to_owned(), (*other).to_owned()] });
-                }
             }
             let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
             let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();

@@ -80,16 +80,10 @@ impl<'a> Log<'a> {
 
     fn cautions(&self, column: &str) -> Vec<String> {
         let bears = |oddity: &Oddity| match oddity {
-            Oddity::Stuck { column: other, .. }
-            | Oddity::Spikes { column: other, .. }
-            | Oddity::Held { column: other, .. }
-            | Oddity::TurnsAtRest { column: other, .. }
-            | Oddity::NoiseDiffers { column: other, .. } => other == column,
-            Oddity::Same { columns } => columns.iter().any(|other| other == column),
             Oddity::NotGravity { .. } => Column::named(column).is_specific_force(),
-            Oddity::RatesDiffer { .. } | Oddity::FailedReads(_) | Oddity::CoarseSteps { .. } => true,
+            _ => true,
         };
-        let odd = self.whole.oddities(&self.still);
+        let odd = self.whole.oddities_about(&[column], &self.still);
         odd.iter().filter(|oddity| bears(oddity)).map(ToString::to_string).collect()
     }
 }
