@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
-use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table};
+use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table, with_flags};
 use super::refinement::{LogArguments, column_of, read_logs};
 use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::Library;
@@ -108,7 +108,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     let is_good = diagnosis.verdict == Verdict::NothingMissing;
     print_verdict(&diagnosis.target, &diagnosis.sentence, is_good);
     for caution in &diagnosis.cautions {
-        print_line!("  caution: {caution}");
+        print_line!("  caution: {}", with_flags(caution, &super::command()));
     }
     for moved in &diagnosis.moved {
         print_line!("  moved: {moved}");

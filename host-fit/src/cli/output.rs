@@ -100,11 +100,11 @@ pub(super) fn print_error(failure: &dyn Display) {
     tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
-/// An error of the libraries, which name options as their fields are called, `` `max_lag` ``, as the user of the command
-/// line knows them: `--max-lag`. What helps one subcommand may be an option of another.
-pub(super) fn with_flags(failure: &Failure, program: &clap::Command) -> String {
+/// What the libraries say, which name options as their fields are called, `` `max_lag` ``, as the user of the command line
+/// knows them: `--max-lag`. What helps one subcommand may be an option of another.
+pub(super) fn with_flags(said: &impl ToString, program: &clap::Command) -> String {
     let arguments = program.get_subcommands().flat_map(clap::Command::get_arguments);
-    arguments.fold(failure.to_string(), |text, argument| match argument.get_long() {
+    arguments.fold(said.to_string(), |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
         None => text,
     })

@@ -1,23 +1,23 @@
-//! A new calibration, and one of a diagnosis that knows nothing.
+//! A new calibration, and one of a diagnosis that finds nothing.
 
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 
 use super::page::{CALIBRATION, CASES, README, SEEDS, section, summary, table};
 use crate::form::host_fit;
-use crate::workspace::output;
 
 /// So few show it.
 pub(crate) const CONTROL_CASES: usize = 30;
 
-/// Calibrates on every seed and writes the tables; what the check says of a diagnosis that knows no effect.
+/// Calibrates on every seed and writes the tables; what the check says of a diagnosis that finds nothing.
 pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
     let program = host_fit(root)?;
-    let missed = ignorant(&program)?;
+    let missed = blind(&program)?;
     let mut page = fs::read_to_string(CALIBRATION)?;
     for seed in SEEDS {
         let (cases, seed_text) = (CASES.to_string(), seed.to_string());
@@ -41,33 +41,45 @@ pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
     Ok(missed)
 }
 
-/// A diagnosis that looks for every effect in a column that no log has: what the check says of it.
-fn ignorant(program: &Path) -> Result<String, Box<dyn Error>> {
-    let listed: Vec<Value> =
-        serde_json::from_str(&output(Command::new(program).args(["effects", "--json"]))?)?;
+/// A diagnosis that finds nothing: what the check says of it. A calibration that was broken off goes on from the outcomes
+/// that it kept; these are of cases that were diagnosed, with what was found taken away.
+fn blind(program: &Path) -> Result<String, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
-    let mut command = Command::new(program);
-    command.args([
-        "calibrate",
-        "--check",
-        "--cases",
-        &CONTROL_CASES.to_string(),
-        "--seed",
-        &SEEDS[0].to_string(),
-    ]);
-    for effect in listed.iter().filter(|effect| effect["band"] == "slow") {
-        let id = effect["id"].as_str().ok_or("an effect has no name")?;
-        let path = folder.path().join(format!("{id}.toml"));
-        let said = format!(
-            r#"id = "{id}", name = "{id}", band = "slow", mechanism = "none", equation = "none", experiment = "none""#
+    let (outcomes, kept) = (folder.path().join("outcomes.json"), folder.path().join("outcomes.json.partial"));
+    let calibrate = || {
+        let mut command = Command::new(program);
+        let (cases, seed) = (CONTROL_CASES.to_string(), SEEDS[0].to_string());
+        command.args(["calibrate", "--check", "--cases", &cases, "--seed", &seed, "--outcomes"]);
+        command.arg(&outcomes).stdout(Stdio::null());
+        command
+    };
+    let mut running = calibrate().spawn()?;
+    let mut heading = None;
+    let done = loop {
+        let text = fs::read_to_string(&kept).unwrap_or_default();
+        heading = heading.or_else(|| text.split_once('\n').map(|(first, _)| first.to_owned()));
+        if let Some(done) = running.try_wait()? {
+            break done;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    if !done.success() {
+        return Err(
+            format!("seed {}: a figure of {CONTROL_CASES} cases is not as it must be", SEEDS[0]).into()
         );
-        fs::write(&path, said.replace(", ", "\n") + "\n[[terms]]\nregressor = \"nowhere\"\n")?;
-        command.arg("--effect").arg(path);
     }
-    let done = command.stdout(Stdio::null()).output()?;
+    let mut lines = heading.ok_or("nothing was kept of a calibration while it ran")? + "\n";
+    let mut diagnosed: Vec<Value> = serde_json::from_slice(&fs::read(&outcomes)?)?;
+    for outcome in &mut diagnosed {
+        outcome["found"] = Value::Array(Vec::new());
+        outcome["verdict"] = "nothing_missing".into();
+        lines += &format!("{outcome}\n");
+    }
+    fs::write(&kept, lines)?;
+    let done = calibrate().output()?;
     let said = String::from_utf8_lossy(&done.stderr).trim().lines().last().unwrap_or("nothing").to_owned();
     match said.split_once("not as it must be: ") {
         Some((_, missed)) if done.status.code() == Some(1) => Ok(missed.to_owned()),
-        _ => Err(format!("a diagnosis that knows no effect passes: {said}").into()),
+        _ => Err(format!("a diagnosis that finds nothing passes: {said}").into()),
     }
 }

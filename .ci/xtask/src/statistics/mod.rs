@@ -2,8 +2,7 @@
 //! docs/calibration.md, and those are of one command.
 //!
 //! `short` holds README to docs/calibration.md, whose intervals fit its counts: no time at all. `full` calibrates anew
-//! and writes the tables of both: about ten minutes of two cores; a diagnosis that knows the effects by name alone must
-//! be found out. The gate itself runs a part of the calibration, on a seed of its own, and fails if a figure is
+//! and writes the tables of both: about ten minutes of two cores; a diagnosis that finds nothing must be found out. The gate itself runs a part of the calibration, on a seed of its own, and fails if a figure is
 //! certainly not as it must be.
 
 mod anew;
@@ -45,7 +44,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     );
     if let Some(missed) = missed {
         println!(
-            "\nNegative control: a diagnosis that looks for every effect in a column that no log has, over {} of the cases: \
+            "\nNegative control: {} of the cases with what was found in them taken away, as of a diagnosis that finds nothing: \
              `--check` fails ({missed}).",
             anew::CONTROL_CASES
         );
