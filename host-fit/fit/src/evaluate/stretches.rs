@@ -47,11 +47,24 @@ pub struct Stretch {
 pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
-    let mut places = pieces(&trace.stretches, length);
-    places.retain(|place| place.len() == length);
     let left = |place: &Range<usize>| {
         &trace.axes[axis].coast[place.start - trace.rows.start..place.end - trace.rows.start]
     };
+    let mut places = pieces(&trace.stretches, length);
+    places.retain(|place| place.len() == length);
+    // where the pauses are close, so long a place hardly fits between the row that a coast begins in and the next pause
+    let coasts = coasts(&trace.stretches, left);
+    let fits = |place: &&Range<usize>| {
+        let coast = coasts.get(coasts.partition_point(|coast| coast.end < place.end));
+        coast.is_some_and(|coast| coast.start <= place.start)
+    };
+    let rows_that_fit: usize = places.iter().filter(fits).map(Range::len).sum();
+    let is_in_bursts = 2 * rows_that_fit < coasts.iter().map(Range::len).sum::<usize>();
+    if is_in_bursts {
+        let length = length.min(typical(&coasts));
+        places = pieces(&coasts, length);
+        places.retain(|place| 2 * place.len() >= length);
+    }
     let rms =
         |rows: &Range<usize>| (left(rows).iter().map(|e| e * e).sum::<f64>() / rows.len() as f64).sqrt();
     let mut ranked: Vec<(f64, usize)> = places
@@ -68,18 +81,45 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         .map(|Group { places: indices, worst, .. }| {
             let rows = places[indices.start].start..places[indices.end - 1].end;
             let rms = rms(&rows);
+            let mut special = backdrop.special(worst);
+            // every burst does
+            special.extend(after_a_gap(recording, trace, &places[worst]).filter(|_| !is_in_bursts));
             Stretch {
                 begin_s: recording.time_s[rows.start],
                 end_s: recording.time_s[rows.end - 1],
                 rms,
                 mean: left(&rows).iter().sum::<f64>() / rows.len() as f64,
                 ratio: rms / median_rms,
-                special: backdrop.special(recording, trace, worst, &places[worst]),
+                special,
             }
         })
         .collect();
     named.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     named
+}
+
+/// The part of each stretch in which it is known what a coast leaves: a coast begins some seconds after a stretch does.
+fn coasts<'a>(stretches: &[Range<usize>], left: impl Fn(&Range<usize>) -> &'a [f64]) -> Vec<Range<usize>> {
+    let coast = |stretch: &Range<usize>| {
+        let left = left(stretch);
+        let first = left.iter().position(|error| error.is_finite())?;
+        let last = left.iter().rposition(|error| error.is_finite())?;
+        Some(stretch.start + first..stretch.start + last + 1)
+    };
+    stretches.iter().filter_map(coast).collect()
+}
+
+/// The length of the stretch that the middle one of all rows lies in, if they are sorted by length; 1 if there is none.
+fn typical(stretches: &[Range<usize>]) -> usize {
+    let mut lengths: Vec<usize> = stretches.iter().map(Range::len).collect();
+    lengths.sort_unstable();
+    let half = lengths.iter().sum::<usize>() / 2;
+    let mut rows = 0;
+    let middle = lengths.iter().find(|length| {
+        rows += **length;
+        rows > half
+    });
+    middle.copied().unwrap_or(1)
 }
 
 /// Places next to one another, and the worst of them.
@@ -147,13 +187,8 @@ impl Backdrop {
         Self { channels: channels.collect() }
     }
 
-    fn special(
-        &self,
-        recording: &Recording,
-        trace: &Trace,
-        index: usize,
-        place: &Range<usize>,
-    ) -> Vec<String> {
+    /// The three channels that are furthest from their usual in stretch `index`.
+    fn special(&self, index: usize) -> Vec<String> {
         let mut found: Vec<(f64, String)> = Vec::new();
         for channel in &self.channels {
             let unit = Column::named(&channel.name).unit().label();
@@ -174,17 +209,17 @@ impl Backdrop {
             }
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut special: Vec<String> = found.into_iter().take(3).map(|(_, text)| text).collect();
-        let before = trace.stretches.iter().find(|stretch| stretch.contains(&place.start));
-        if let Some(stretch) = before {
-            let since_s = (place.start - stretch.start) as f64 * trace.period_s;
-            if stretch.start > trace.rows.start && since_s < LENGTH_S {
-                let time = recording.time_s[stretch.start];
-                special.push(format!("begins {since_s:.1} s after a gap or motion that ends at {time:.1} s"));
-            }
-        }
-        special
+        found.into_iter().take(3).map(|(_, text)| text).collect()
     }
+}
+
+/// Whether it begins soon after a gap or a motion, in words.
+fn after_a_gap(recording: &Recording, trace: &Trace, place: &Range<usize>) -> Option<String> {
+    let stretch = trace.stretches.iter().find(|stretch| stretch.contains(&place.start))?;
+    let since_s = (place.start - stretch.start) as f64 * trace.period_s;
+    let time = recording.time_s[stretch.start];
+    (stretch.start > trace.rows.start && since_s < LENGTH_S)
+        .then(|| format!("begins {since_s:.1} s after a gap or motion that ends at {time:.1} s"))
 }
 
 /// How far value `index` lies from the others in robust standard deviations, and their median, if that is far.
@@ -203,7 +238,48 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::trace::AxisTrace;
     use super::*;
+    use fos_data::recording::{LoadOptions, Source};
+
+    /// Bursts of 5 s, or a row less, every 300 s at 200 Hz; of each a coast leaves `sizes`, from its second quarter on.
+    fn in_bursts(sizes: &[f64]) -> (Recording, Trace) {
+        let (mut time, mut coast, mut stretches) = (Vec::new(), Vec::new(), Vec::new());
+        for (burst, size) in sizes.iter().enumerate() {
+            let rows = 1000 - burst % 2;
+            stretches.push(time.len()..time.len() + rows);
+            time.extend((0..rows).map(|row| 300.0 * burst as f64 + 0.005 * row as f64));
+            coast.extend((0..rows).map(|row| if row < rows / 4 { f64::NAN } else { *size }));
+        }
+        let values = vec![1.0; time.len()];
+        let columns = vec![("t_s".to_owned(), time), ("gx_rads".to_owned(), values)];
+        let options = LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() };
+        let recording = Recording::from_columns(Source::made_by("a test"), columns, &options).unwrap();
+        let rows = 0..coast.len();
+        let axes = vec![AxisTrace { coast, ..AxisTrace::default() }];
+        (recording, Trace { rows, period_s: 0.005, stretches, axes })
+    }
+
+    /// A stretch was 10 s, which no burst holds, and the first quarter of a burst has no coast: none was named.
+    #[test]
+    fn the_five_worst_bursts_are_named_each_alone() {
+        for bursts in [12, 15, 20, 40] {
+            // the worst follow one another, up to the third last
+            let sizes: Vec<f64> = (0..bursts).map(|burst| f64::from((burst + 2) % bursts + 1)).collect();
+            let (recording, trace) = in_bursts(&sizes);
+            let worst = worst_stretches(&trace, 0, &recording);
+            let burst = |time_s: f64| (time_s / 300.0).floor();
+            assert!(worst.iter().all(|stretch| burst(stretch.begin_s) == burst(stretch.end_s)), "{worst:?}");
+            let found: Vec<f64> = worst.iter().map(|stretch| burst(stretch.begin_s)).collect();
+            let expected: Vec<f64> = (3..8).map(|back| f64::from(bursts - back)).collect();
+            assert_eq!(found, expected, "five different ones of {bursts}, the worst first");
+            assert_eq!(worst[0].rms, f64::from(bursts));
+            assert!(
+                worst.iter().all(|stretch| stretch.special.is_empty()),
+                "what every burst has is not special"
+            );
+        }
+    }
 
     #[test]
     fn neighbours_are_one_stretch_and_five_are_named() {
