@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 use crate::curves::{AgainstChannel, AxisCurves, Deviations, MEAN_S, Spectra};
 use crate::escaping::in_file_name;
 use crate::figures::compare::{
-    Subject, Worst, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
+    SetApart, Subject, against, allan, measured_and_predicted, residual, residual_autocorrelation, spectra,
 };
 use crate::figures::dependence::dependence;
 use crate::figures::staircase::{Predicted, Tread, staircase};
-use crate::figures::{Figure, FigureError, write_png, write_svg};
+use crate::figures::{Figure, FigureError, Shading, write_png, write_svg};
 use fos_data::column::Column;
 use fos_data::file::{FileError, check_output, make_folder};
 use fos_diagnose::compare::{AxisComparison, Comparison};
@@ -34,14 +34,20 @@ pub enum PlotError {
     Figure(#[from] FigureError),
 }
 
-/// Writes the six figures of every axis into `folder`, each as SVG and as PNG; `curves` has an entry for every axis.
+/// Writes the six figures of every axis into `folder`, each as SVG and as PNG; `curves` has an entry for every axis,
+/// `moved` is where the unit was moved.
 ///
 /// # Errors
 ///
 /// The folder cannot be made, or a file in it cannot be written.
-pub fn write_all(folder: &Path, comparison: &Comparison, curves: &[AxisCurves]) -> Result<(), PlotError> {
+pub fn write_all(
+    folder: &Path,
+    comparison: &Comparison,
+    curves: &[AxisCurves],
+    moved: &Shading,
+) -> Result<(), PlotError> {
     for (axis, curves) in comparison.axes.iter().zip(curves) {
-        write(folder, &axis.column, &figures(axis, curves))?;
+        write(folder, &axis.column, &figures(View { axis, curves, moved }))?;
     }
     Ok(())
 }
@@ -133,8 +139,7 @@ pub fn check_staircase(folder: &Path, column: &str) -> Result<(), PlotError> {
 }
 
 /// The figures of one axis, with their names; one that the data are too short for is left out.
-pub fn figures(axis: &AxisComparison, curves: &AxisCurves) -> Vec<(&'static str, Figure)> {
-    let view = View { axis, curves };
+pub fn figures(view: View<'_>) -> Vec<(&'static str, Figure)> {
     let mut figures = vec![("1_over_time", view.over_time()), ("2_residual", view.residual())];
     figures.extend(view.autocorrelation().map(|figure| ("3_autocorrelation", figure)));
     figures.extend(view.spectrum().map(|figure| ("4_spectrum", figure)));
@@ -150,6 +155,8 @@ pub struct View<'a> {
     pub axis: &'a AxisComparison,
     /// Over all rows that were judged, or over a part of them.
     pub curves: &'a AxisCurves,
+    /// Where the unit was moved.
+    pub moved: &'a Shading,
 }
 
 impl View<'_> {
@@ -160,6 +167,10 @@ impl View<'_> {
     /// The worst stretches, the worst first, s.
     fn worst_s(&self) -> Vec<(f64, f64)> {
         self.axis.worst.iter().map(|stretch| (stretch.begin_s, stretch.end_s)).collect()
+    }
+
+    fn apart<'s>(&'s self, worst_s: &'s [(f64, f64)]) -> SetApart<'s> {
+        SetApart { label: WORST, worst_s, moved: self.moved }
     }
 
     /// All figures in the order of thought; one that the data are too short for is left out.
@@ -176,15 +187,13 @@ impl View<'_> {
     pub fn over_time(&self) -> Figure {
         let AxisCurves { measured, predicted, .. } = self.curves;
         let worst_s = self.worst_s();
-        let worst = Worst { label: WORST, ranges_s: &worst_s };
-        measured_and_predicted(self.subject(), measured, predicted, &mean_label(), worst)
+        measured_and_predicted(self.subject(), measured, predicted, &mean_label(), self.apart(&worst_s))
     }
 
     /// What is left over time.
     pub fn residual(&self) -> Figure {
         let worst_s = self.worst_s();
-        let worst = Worst { label: WORST, ranges_s: &worst_s };
-        residual(self.subject(), &self.curves.left, &mean_label(), worst)
+        residual(self.subject(), &self.curves.left, &mean_label(), self.apart(&worst_s))
     }
 
     /// Whether the innovations remember; none where there are too few.

@@ -13,6 +13,7 @@ use fos_diagnose::dependence::{Dependence, Trained};
 use fos_fit::evaluate::ModelErrors;
 
 use crate::curves::curves;
+use crate::figures::moved;
 use crate::plots;
 use fos_data::recording::{LoadOptions, Recording, load};
 use fos_data::stillness;
@@ -86,7 +87,8 @@ impl Compare {
             compare(&study.model, &study.lag_1(), &recording, &stillness, rows, trained.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
-            plots::write_all(folder, &comparison, &curves(&comparison, &trace, &recording))?;
+            let moved = moved(&recording, &stillness.disturbances);
+            plots::write_all(folder, &comparison, &curves(&comparison, &trace, &recording), &moved)?;
         }
         if self.json {
             return print_json(&comparison);

@@ -11,6 +11,7 @@ use super::output::{Failure, number, print_json, progress, say};
 use super::refinement::print_refinement;
 use crate::curves::curves;
 use crate::export::{image, rust_source};
+use crate::figures::moved;
 use crate::plots;
 use crate::replay::replay;
 use fos_data::file::compare_and_swap::FileVersion;
@@ -84,7 +85,8 @@ impl Demo {
             Trained { recording: &quiet, stillness: &quiet_stillness, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
             compare(&alone, &[lag_1], &field, &field_stillness, 0..field.n_rows(), Some(&trained), |_| {})?;
-        plots::write_all(&path("figures"), &comparison, &curves(&comparison, &trace, &field))?;
+        let moved = moved(&field, &field_stillness.disturbances);
+        plots::write_all(&path("figures"), &comparison, &curves(&comparison, &trace, &field), &moved)?;
         let failing = &comparison.axes[0];
         let (before, quiet_error) = (failing.errors.last(), study.steps.last());
         let slow = |errors: Option<&fos_fit::evaluate::ModelErrors>| {

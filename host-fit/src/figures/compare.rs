@@ -1,6 +1,6 @@
 //! The figures of a comparison: model against measurement, from numbers computed before.
 
-use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, named_with_unit};
+use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use fos_fit::signal::allan::AllanPoint;
 use fos_fit::signal::autocorrelation::Autocorrelation;
 use fos_fit::signal::blocks::Envelope;
@@ -15,13 +15,15 @@ pub struct Subject<'a> {
     pub unit: &'a str,
 }
 
-/// Parts of a recording where the model does worst.
+/// Parts of a recording that are set apart over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Worst<'a> {
-    /// Text in the legend, as in `worst minutes`.
+pub struct SetApart<'a> {
+    /// Text in the legend for where the model does worst, as in `worst minutes`.
     pub label: &'a str,
-    /// First and last second of each, the worst first; they are numbered in this order.
-    pub ranges_s: &'a [(f64, f64)],
+    /// First and last second of each of those, the worst first; they are numbered in this order.
+    pub worst_s: &'a [(f64, f64)],
+    /// What was not judged, as the unit was moved.
+    pub moved: &'a Shading,
 }
 
 /// Measured and predicted over time: every sample within its band above, moving means alone below, because noise
@@ -33,15 +35,15 @@ pub fn measured_and_predicted(
     measured: &[Envelope],
     predicted: &[Envelope],
     mean_label: &str,
-    worst: Worst,
+    apart: SetApart,
 ) -> Figure {
     let traces = [("measured", Ink::Measured, measured), ("predicted", Ink::Predicted, predicted)];
-    over_time(subject, "measured and predicted", &traces, mean_label, worst)
+    over_time(subject, "measured and predicted", &traces, mean_label, apart)
 }
 
 /// What the model leaves over time, with the same shading.
-pub fn residual(subject: Subject, residual: &[Envelope], mean_label: &str, worst: Worst) -> Figure {
-    over_time(subject, "what the model leaves", &[("residual", Ink::Residual, residual)], mean_label, worst)
+pub fn residual(subject: Subject, residual: &[Envelope], mean_label: &str, apart: SetApart) -> Figure {
+    over_time(subject, "what the model leaves", &[("residual", Ink::Residual, residual)], mean_label, apart)
 }
 
 /// Autocorrelation of the residual at lags ≥ 1 with the bounds that hold 95 % of the values of white noise.
@@ -64,7 +66,7 @@ pub fn residual_autocorrelation(
             level("", -bound),
             Series { label: "residual".into(), ink: Ink::Residual, shape: Shape::Stems(stems) },
         ],
-        shading: Shading::default(),
+        shading: Vec::new(),
     };
     Figure { title: headline(subject, "does the residual remember?"), panels: vec![panel] }
 }
@@ -125,7 +127,7 @@ pub fn allan(
             bars("predicted", Ink::Predicted, predicted),
             bars("residual", Ink::Residual, residual),
         ],
-        shading: Shading::default(),
+        shading: Vec::new(),
     };
     Figure { title: headline(subject, "noise by averaging time"), panels: vec![panel] }
 }
@@ -158,7 +160,7 @@ fn over_time(
     what: &str,
     traces: &[(&str, Ink, &[Envelope])],
     mean_label: &str,
-    worst: Worst,
+    apart: SetApart,
 ) -> Figure {
     let bands = traces.iter().flat_map(|(name, ink, envelopes)| {
         envelopes.iter().map(move |envelope| {
@@ -180,7 +182,7 @@ fn over_time(
         x: Axis::linear("Time (s)"),
         y: Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit)),
         series,
-        shading: shading(worst),
+        shading: shading(apart),
     };
     Figure {
         title: headline(subject, what),
@@ -191,11 +193,15 @@ fn over_time(
     }
 }
 
-fn shading(worst: Worst) -> Shading {
-    let ranges = worst.ranges_s.iter().zip(1..);
-    let ranges =
-        ranges.map(|((from, to), number)| ShadedRange { from: *from, to: *to, mark: number.to_string() });
-    Shading { label: worst.label.into(), ranges: ranges.collect() }
+fn shading(apart: SetApart) -> Vec<Shading> {
+    let worst = apart.worst_s.iter().zip(1..).map(|((from, to), number)| ShadedRange {
+        from: *from,
+        to: *to,
+        mark: number.to_string(),
+        says: String::new(),
+    });
+    let worst = Shading { label: apart.label.into(), tone: Tone::Apart, ranges: worst.collect() };
+    vec![apart.moved.clone(), worst]
 }
 
 fn headline(subject: Subject, what: &str) -> String {
@@ -220,7 +226,8 @@ mod tests {
     use fos_fit::signal::blocks::envelope;
 
     const GYRO: Subject = Subject { channel: "gyro x", unit: "rad/s" };
-    const NOWHERE: Worst = Worst { label: "worst", ranges_s: &[] };
+    const NOTHING: Shading = Shading { label: String::new(), tone: Tone::LeftOut, ranges: Vec::new() };
+    const NOWHERE: SetApart = SetApart { label: "worst", worst_s: &[], moved: &NOTHING };
 
     #[test]
     fn pieces_of_a_recording_share_one_label_and_stay_apart() {
@@ -251,9 +258,9 @@ mod tests {
 
     #[test]
     fn worst_parts_are_numbered_in_the_order_given() {
-        let worst = Worst { label: "worst", ranges_s: &[(50.0, 60.0), (10.0, 20.0)] };
-        let ranges =
-            measured_and_predicted(GYRO, &[], &[], "1 s mean", worst).panels.remove(0).shading.ranges;
+        let apart = SetApart { worst_s: &[(50.0, 60.0), (10.0, 20.0)], ..NOWHERE };
+        let mut shading = measured_and_predicted(GYRO, &[], &[], "1 s mean", apart).panels.remove(0).shading;
+        let ranges = shading.remove(1).ranges;
         assert_eq!((ranges[0].from, ranges[0].mark.as_str()), (50.0, "1"));
         assert_eq!((ranges[1].from, ranges[1].mark.as_str()), (10.0, "2"));
     }

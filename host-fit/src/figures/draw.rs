@@ -4,7 +4,7 @@ use plotters::prelude::DrawingBackend;
 
 use super::canvas::{Align, Canvas, Colour, Drawn, Point};
 use super::scale::{Extent, Tick};
-use super::{Figure, Ink, Panel, Series, ShadedRange, Shape};
+use super::{Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone};
 
 /// Width of every figure, units of length.
 pub(super) const WIDTH: f64 = 1200.0;
@@ -26,8 +26,6 @@ const TEXT: Colour = Colour(0x2F_35_3C, 1.0);
 const AXIS: Colour = Colour(0x8B_93_9C, 1.0);
 const GRID: Colour = Colour(0xE3_E6_EA, 1.0);
 const SUBGRID: Colour = Colour(0xF1_F3_F5, 1.0);
-/// Okabe–Ito orange, thinned out.
-const SHADE: Colour = Colour(0xE6_9F_00, 0.20);
 const SHADE_MARK: Colour = Colour(0x8A_5F_00, 1.0);
 
 const HEADLINE_SIZE: f64 = 22.0;
@@ -61,6 +59,14 @@ fn colour(ink: Ink) -> Colour {
         },
         1.0,
     )
+}
+
+fn background(tone: Tone) -> Colour {
+    match tone {
+        // Okabe–Ito orange, thinned out
+        Tone::Apart => Colour(0xE6_9F_00, 0.20),
+        Tone::LeftOut => Colour(0x6B_72_7B, 0.30),
+    }
 }
 
 /// Height of a figure, units of length.
@@ -201,17 +207,22 @@ impl<'a> Plot<'a> {
     }
 
     /// Shaded ranges that reach into the panel.
-    fn shaded(&self) -> impl Iterator<Item = &ShadedRange> {
-        self.panel.shading.ranges.iter().filter(|range| range.to >= self.x.low && range.from <= self.x.high)
+    fn shaded<'s>(&self, shading: &'s Shading) -> impl Iterator<Item = &'s ShadedRange> {
+        let (low, high) = (self.x.low, self.x.high);
+        shading.ranges.iter().filter(move |range| range.to >= low && range.from <= high)
     }
 
     fn shading<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn<DB> {
-        for range in self.shaded() {
-            let (Some(from), Some(to)) = (self.across(range.from), self.across(range.to)) else { continue };
-            // a range too short to see is widened about its middle
-            let (middle, half) = (0.5 * (from + to), (0.5 * (to - from)).max(1.5));
-            canvas.rectangle((middle - half, self.top), (middle + half, self.bottom), SHADE)?;
-            canvas.text(&range.mark, (middle, self.top - 9.0), Align::Centre, TEXT_SIZE, SHADE_MARK)?;
+        for shading in &self.panel.shading {
+            for range in self.shaded(shading) {
+                let (from, to) = (range.from.max(self.x.low), range.to.min(self.x.high));
+                let (Some(from), Some(to)) = (self.across(from), self.across(to)) else { continue };
+                // a range too short to see is widened about its middle
+                let (middle, half) = (0.5 * (from + to), (0.5 * (to - from)).max(1.5));
+                let corners = ((middle - half, self.top), (middle + half, self.bottom));
+                canvas.rectangle(corners.0, corners.1, background(shading.tone))?;
+                canvas.text(&range.mark, (middle, self.top - 9.0), Align::Centre, TEXT_SIZE, SHADE_MARK)?;
+            }
         }
         Ok(())
     }
@@ -303,8 +314,10 @@ impl<'a> Plot<'a> {
                 entries.push((&series.label, Key::Series(series)));
             }
         }
-        if self.shaded().next().is_some() {
-            entries.push((&self.panel.shading.label, Key::Shading));
+        for shading in &self.panel.shading {
+            if self.shaded(shading).next().is_some() {
+                entries.push((&shading.label, Key::Shading(shading.tone)));
+            }
         }
         let width = |label: &str| KEY_WIDTH + canvas.text_width(label, TEXT_SIZE);
         let room = self.right - self.left - canvas.text_width(&self.panel.title, TITLE_SIZE);
@@ -333,13 +346,16 @@ impl<'a> Plot<'a> {
 /// What stands before a text in the legend.
 enum Key<'a> {
     Series(&'a Series),
-    Shading,
+    Shading(Tone),
 }
 
 impl Key<'_> {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, from: Point, to: Point) -> Drawn<DB> {
         let patch = |colour| canvas.rectangle((from.0, from.1 - 6.0), (to.0, to.1 + 6.0), colour);
-        let Key::Series(series) = self else { return patch(SHADE) };
+        let series = match self {
+            Key::Series(series) => series,
+            Key::Shading(tone) => return patch(background(*tone)),
+        };
         let ink = colour(series.ink);
         let middle = (0.5 * (from.0 + to.0), from.1);
         match &series.shape {

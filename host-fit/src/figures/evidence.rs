@@ -1,7 +1,7 @@
 //! What speaks for an effect, as a figure: over time, and against the channel it shows best against.
 
 use super::compare::{Subject, capitalised};
-use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, named_with_unit};
+use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use fos_diagnose::refine::Evidence;
 use fos_fit::signal::spectrum::Spectrum;
 
@@ -16,13 +16,17 @@ pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Opt
     };
     let explained = |shape| Series { label: effect.to_owned(), ink: Ink::Predicted, shape };
     let y = || Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit));
-    let ranges = largest_s.map(|[from, to]| ShadedRange { from, to, mark: String::new() });
+    let ranges = largest_s.map(|[from, to]| ShadedRange { from, to, ..ShadedRange::default() });
     let mut panels = vec![Panel {
         title: format!("means over {:.1} s, all else that was found taken off", found.block_s),
         x: Axis::linear("Time (s)"),
         y: y(),
         series: vec![error(&found.time_s), explained(Shape::Line(pairs(&found.time_s, &found.effect)))],
-        shading: Shading { label: "largest here".into(), ranges: ranges.into_iter().collect() },
+        shading: vec![Shading {
+            label: "largest here".into(),
+            tone: Tone::Apart,
+            ranges: ranges.into_iter().collect(),
+        }],
     }];
     if let Some(against) = &found.against {
         panels.push(Panel {
@@ -52,14 +56,15 @@ pub fn line_evidence(subject: Subject, effect: &str, spectrum: &Spectrum, freque
             ink: Ink::Measured,
             shape: Shape::Line(near.collect()),
         }],
-        shading: Shading {
+        shading: vec![Shading {
             label: "the line".into(),
+            tone: Tone::Apart,
             ranges: vec![ShadedRange {
                 from: frequency_hz * 0.995,
                 to: frequency_hz * 1.005,
-                mark: String::new(),
+                ..ShadedRange::default()
             }],
-        },
+        }],
     };
     Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels: vec![panel] }
 }

@@ -99,7 +99,7 @@ fn averaged(fine: &[u8], width: usize) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Ink, Panel, Scale, Series, ShadedRange, Shading, Shape};
+    use super::super::{Axis, Ink, Panel, Scale, Series, ShadedRange, Shading, Shape, Tone};
     use super::*;
 
     /// One series of every kind on the given axes.
@@ -117,10 +117,8 @@ mod tests {
         ];
         let series =
             shapes.map(|(label, shape)| Series { label: label.into(), ink: Ink::Measured, shape }).to_vec();
-        let shading = Shading {
-            label: "shaded <&>".into(),
-            ranges: vec![ShadedRange { from: 2.0, to: 3.0, mark: "17".into() }],
-        };
+        let range = ShadedRange { from: 2.0, to: 3.0, mark: "17".into(), says: String::new() };
+        let shading = vec![Shading { label: "shaded <&>".into(), tone: Tone::Apart, ranges: vec![range] }];
         let panel =
             Panel { title: "a panel".into(), x: axis("Time (s)"), y: axis("Rate (rad/s)"), series, shading };
         Figure { title: "a figure".into(), panels: vec![panel.clone(), panel] }

@@ -19,10 +19,12 @@ pub mod evidence;
 mod file;
 mod round_joins;
 mod scale;
+mod shading;
 pub mod staircase;
 
 pub use file::{FigureError, png, svg, write_png, write_svg};
 use fos_data::column::Column;
+pub use shading::{ShadedRange, Shading, Tone, moved};
 
 /// A picture of one or more panels below each other.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
@@ -46,8 +48,8 @@ pub struct Panel {
     pub y: Axis,
     /// Drawn in this order, later ones on top.
     pub series: Vec<Series>,
-    /// Ranges of x set apart by a shaded background.
-    pub shading: Shading,
+    /// Ranges of x set apart by a shaded background; later ones on top.
+    pub shading: Vec<Shading>,
 }
 
 /// An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones).
@@ -150,28 +152,6 @@ pub enum Ink {
     Step(usize),
     /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
     Method(usize),
-}
-
-/// Shaded ranges of x with one legend entry for all of them.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Shading {
-    /// Text in the legend.
-    pub label: String,
-    /// What is shaded.
-    pub ranges: Vec<ShadedRange>,
-}
-
-/// One shaded range.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct ShadedRange {
-    /// Left end, in units of x.
-    pub from: f64,
-    /// Right end, in units of x.
-    pub to: f64,
-    /// Short text at its top, a number for instance.
-    pub mark: String,
 }
 
 /// A column with its unit, as under an axis.

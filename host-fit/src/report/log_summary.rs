@@ -6,6 +6,9 @@ use serde::Serialize;
 use fos_data::disturbance;
 use fos_data::recording::Recording;
 use fos_data::stillness::{self, KnownBy};
+use fos_diagnose::refine::Logs;
+
+use crate::figures::{Shading, moved};
 
 /// A log in a few facts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,6 +40,32 @@ pub struct LogSummary {
     pub columns: Vec<ColumnSummary>,
     /// What was wrong with it, a line each.
     pub quality: Vec<String>,
+    /// Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time.
+    pub moved: Shading,
+}
+
+/// The logs of a study in a few facts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Summaries {
+    /// The log where the model fails.
+    pub field: LogSummary,
+    /// A log in which nothing is missing; absent where none was given.
+    pub quiet: Option<LogSummary>,
+    /// The log that errors are of.
+    pub judged: Option<LogSummary>,
+}
+
+impl Summaries {
+    /// Of the logs of a study; `learnt_rows` tells how many first rows of a log its model was fitted to, if any.
+    pub fn of(logs: &Logs, learnt_rows: impl Fn(&Recording) -> Option<usize>) -> Self {
+        let of = |log| LogSummary::of(log, learnt_rows(log));
+        Self {
+            field: of(&logs.field),
+            quiet: logs.quiet.as_ref().map(of),
+            judged: logs.judged.as_ref().map(of),
+        }
+    }
 }
 
 /// A channel of a log.
@@ -50,9 +79,12 @@ pub struct ColumnSummary {
 }
 
 impl LogSummary {
-    /// Of a recording.
-    pub fn of(log: &Recording) -> Self {
+    /// Of a recording, whose first `learnt_rows` a model was fitted to: what comes after them has no say in where the
+    /// unit was moved among them.
+    fn of(log: &Recording, learnt_rows: Option<usize>) -> Self {
         let stillness = stillness::find(log);
+        let apart = learnt_rows.map(|rows| stillness::find_apart(log, rows));
+        let disturbances = &apart.as_ref().unwrap_or(&stillness).disturbances;
         let still = stillness.still.iter().filter(|still| **still).count();
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
@@ -60,8 +92,7 @@ impl LogSummary {
             |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
-        let moved =
-            disturbance::told(log, &stillness.disturbances).into_iter().map(|told| format!("moved: {told}"));
+        let told = disturbance::told(log, disturbances).into_iter().map(|told| format!("moved: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),
@@ -76,7 +107,8 @@ impl LogSummary {
             still_share: still as f64 / log.n_rows().max(1) as f64,
             still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
-            quality: quality.chain(moved).chain(oddities).collect(),
+            quality: quality.chain(told).chain(oddities).collect(),
+            moved: moved(log, disturbances),
         }
     }
 }

@@ -10,7 +10,7 @@ mod render;
 use serde::Serialize;
 
 pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
-pub use log_summary::{ColumnSummary, LogSummary};
+pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};
 pub use render::{RenderError, html, markdown};
 
@@ -91,6 +91,7 @@ impl Report {
         mut progress: impl FnMut(&str),
     ) -> Result<Self, ReportError> {
         let refiner = logs.refiner(library);
+        let summaries = Summaries::of(logs, |log| study.data.is(log).then_some(study.data.trained_rows));
         let mut axes = Vec::new();
         for column in columns {
             let refinement = match study.refinement_of(column) {
@@ -102,23 +103,25 @@ impl Report {
             progress(&format!("{column}: what is missing"));
             let section = AxisSection::of(study, &refinement).examined(&examination);
             let section = section.diagnosed(&refinement, logs, library)?;
-            let view = View { axis: &examination.comparison, curves: &examination.curves };
+            let moved = &summaries.field.moved;
+            let view = View { axis: &examination.comparison, curves: &examination.curves, moved };
             axes.push(ReportAxis { section, figures: view.all() });
         }
-        Ok(Self::put_together(study, axes, logs))
+        Ok(Self::put_together(study, axes, logs, summaries))
     }
 
     /// A report of axes that were examined before.
-    pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs) -> Self {
+    pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs, summaries: Summaries) -> Self {
+        let Summaries { field, quiet, judged } = summaries;
         let refined =
             axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.refinement.as_ref()));
         let commands = command_lines(&study.data.sources, logs, refined);
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),
-            field: LogSummary::of(&logs.field),
-            quiet: logs.quiet.as_ref().map(LogSummary::of),
-            judged: logs.judged.as_ref().map(LogSummary::of),
+            field,
+            quiet,
+            judged,
             axes,
             commands,
             settings: serde_json::to_value(&study.settings).unwrap_or_default(),

@@ -272,7 +272,8 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
         ));
     }
     let curves = part.as_ref().map(|part| AxisCurves::of(&found.comparison, part, 0, log));
-    let view = View { axis: &found.comparison, curves: curves.as_ref().unwrap_or(&found.curves) };
+    let curves = curves.as_ref().unwrap_or(&found.curves);
+    let view = View { axis: &found.comparison, curves, moved: &read.summaries.field.moved };
     let mut figures = vec![("residual".to_owned(), view.residual())];
     let against = AgainstChannel::every_channel(&found.comparison, &found.trace, 0, log, rows.as_ref());
     figures.extend(against.into_iter().map(|one| (format!("against:{}", one.channel), view.against(one))));
@@ -325,10 +326,11 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
     let axes = known.filter_map(|axis| {
         let found = axis.examination?;
-        let view = View { axis: &found.comparison, curves: &found.curves };
+        let moved = &read.summaries.field.moved;
+        let view = View { axis: &found.comparison, curves: &found.curves, moved };
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
-    Ok(Report::put_together(file, axes.collect(), &read.logs))
+    Ok(Report::put_together(file, axes.collect(), &read.logs, read.summaries.clone()))
 }
 
 /// What the exported image does on the log that errors are of.

@@ -3,10 +3,8 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
-
 use crate::examine::Examination;
-use crate::report::{AxisSection, LogSummary};
+use crate::report::{AxisSection, Summaries};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
 
@@ -16,15 +14,6 @@ pub(super) struct Read {
     pub(super) summaries: Summaries,
     /// The axes that the field log has.
     pub(super) axes: Vec<String>,
-}
-
-/// The logs in a few facts.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub(super) struct Summaries {
-    pub(super) field: LogSummary,
-    pub(super) quiet: Option<LogSummary>,
-    pub(super) judged: Option<LogSummary>,
 }
 
 /// An axis as far as it is known.

@@ -6,17 +6,17 @@ use std::sync::Arc;
 
 use super::example;
 use super::job::Job;
-use super::known::{Change, KnownAxis, Read, Snapshot, Summaries};
+use super::known::{Change, KnownAxis, Read, Snapshot};
 use super::task::{Open, Task};
 use crate::examine::examine;
-use crate::report::{AxisSection, LogSummary};
+use crate::report::{AxisSection, Summaries};
 use fos_data::file::name_of;
 use fos_data::recording::{Recording, load};
 use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
-use fos_fit::fit::{FitOptions, fit_axis, rest};
+use fos_fit::fit::{FitOptions, fit_axis, rest, training_rows};
 
 /// Does a task.
 ///
@@ -67,11 +67,9 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     // the gyros first: their error integrates twice as fast
     let first = first
         .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
-    let summaries = Summaries {
-        field: LogSummary::of(&logs.field),
-        quiet: logs.quiet.as_ref().map(LogSummary::of),
-        judged: logs.judged.as_ref().map(LogSummary::of),
-    };
+    let own = std::ptr::from_ref(logs.quiet.as_ref().unwrap_or(&logs.field));
+    let learnt = |log: &Recording| training_rows(log, FitOptions::default().train).end;
+    let summaries = Summaries::of(&logs, |log| std::ptr::eq(log, own).then(|| learnt(log)));
     Ok(Change::Read { read: Box::new(Read { logs, summaries, axes }), first })
 }
 

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::job::Job;
-use super::known::{KnownAxis, Summaries};
+use super::known::KnownAxis;
 use super::state::State;
 use crate::command_lines::command_lines;
-use crate::report::AxisSection;
+use crate::report::{AxisSection, Summaries};
 use fos_diagnose::detect::Verdict;
 use fos_diagnose::study::{Refinement, RefinementStep};
 

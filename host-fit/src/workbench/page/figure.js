@@ -7,6 +7,7 @@ import { panelTable } from "./figuretable.js";
 import { describe, extent } from "./figuredata.js";
 import { drawShape } from "./figureshapes.js";
 import { whileOnPage } from "./onpage.js";
+import { legendEntry, paint, placeOf, within } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks, logTicks } from "./ticks.js";
 import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
@@ -63,10 +64,9 @@ function legend(panel) {
     const kind = Object.keys(shape)[0]?.toLowerCase();
     entries.set(label, el("li", { class: `entry ${inkClass(ink)}` }, el("i", { class: `swatch ${kind}` }), label));
   }
-  if (panel.shading.label && panel.shading.ranges.length > 0) {
-    entries.set("shading", el("li", { class: "entry ink-shade" }, el("i", { class: "swatch cells shade" }), panel.shading.label));
-  }
-  return el("ul", { class: "legend" }, [...entries.values()]);
+  const x = extent(panel, "x");
+  const shadings = panel.shading.filter((shading) => x && within(shading, x.low, x.high).length > 0);
+  return el("ul", { class: "legend" }, [...entries.values(), ...shadings.map((shading) => legendEntry("li", shading))]);
 }
 
 /** @param {Ink} ink */
@@ -141,7 +141,7 @@ class Drawing {
           { ...axisStyle(), ...ticksOf(this.#panel.y, y, () => (this.#height - 64) / Y_LABELS), size: Y_AXIS },
         ],
         series: [{}, { paths: () => null, points: { show: false } }],
-        padding: [this.#panel.shading.ranges.some((range) => range.mark) ? 18 : 8, RIGHT, 0, 0],
+        padding: [this.#panel.shading.some(({ ranges }) => ranges.some((range) => range.mark)) ? 18 : 8, RIGHT, 0, 0],
         hooks: { drawClear: [(u) => shade(u, this.#panel)], draw: [(u) => this.#shapes(u)] },
       },
       [
@@ -194,17 +194,16 @@ function ticksOf(axis, range, count) {
 /** @param {uPlot} u @param {Panel} panel */
 function shade(u, panel) {
   const { ctx, bbox } = u;
+  const { min, max } = u.scales.x ?? {};
+  for (const shading of panel.shading) paint(u, shading);
   ctx.save();
   ctx.font = `600 ${12 * uPlot.pxRatio}px system-ui, sans-serif`;
   ctx.textAlign = "center";
-  for (const { from, to, mark } of panel.shading.ranges) {
-    const [left, right] = [from, to].map((at) => Math.min(Math.max(u.valToPos(at, "x", true), bbox.left), bbox.left + bbox.width));
-    const [a, b] = [Number(left), Number(right)];
-    const half = Math.max(0.5 * (b - a), 1.5 * uPlot.pxRatio);
-    ctx.fillStyle = faint("--shade", 0.25);
-    ctx.fillRect(0.5 * (a + b) - half, bbox.top, 2 * half, bbox.height);
-    ctx.fillStyle = colour("--shade-mark");
-    ctx.fillText(mark, 0.5 * (a + b), bbox.top - 5 * uPlot.pxRatio);
+  ctx.fillStyle = colour("--shade-mark");
+  for (const shading of panel.shading) {
+    for (const range of within(shading, min ?? -Infinity, max ?? Infinity)) {
+      if (range.mark) ctx.fillText(range.mark, placeOf(u, range).middle, bbox.top - 5 * uPlot.pxRatio);
+    }
   }
   ctx.restore();
 }

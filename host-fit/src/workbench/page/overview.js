@@ -4,6 +4,7 @@
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
 import { whileOnPage } from "./onpage.js";
+import { paint } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 
@@ -20,6 +21,8 @@ export class Overview {
   #time;
   /** @type {uPlot | null} */
   #plot = null;
+  /** @type {import("./types.js").Shading | null} */
+  #moved = null;
 
   /** @param {import("./timewindow.js").TimeWindow} time */
   constructor(time) {
@@ -56,7 +59,7 @@ export class Overview {
         padding: [4, RIGHT, 4, Y_AXIS],
         series: [{}, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }],
         bands: [{ series: [2, 1], fill: () => faint(ink, 0.3) }],
-        hooks: { drawClear: [(u) => fill(u)] },
+        hooks: { drawClear: [(u) => fill(u), (u) => this.#moved && paint(u, this.#moved)] },
       },
       /** @type {uPlot.AlignedData} */ ([whole.time_s, whole.measured.low, whole.measured.high]),
       this.#host,
@@ -64,6 +67,13 @@ export class Overview {
     this.#plot.over.append(this.#frame);
     this.#listen(this.#plot.over);
     this.#place();
+  }
+
+  /** Where the unit was moved. @param {import("./types.js").Shading | null} moved */
+  setMoved(moved) {
+    if (this.#moved === moved) return;
+    this.#moved = moved;
+    this.#plot?.redraw(false);
   }
 
   #place() {

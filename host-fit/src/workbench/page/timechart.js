@@ -6,6 +6,7 @@ import { el } from "./dom.js";
 import { capitalised, prefixed, quantity, seconds } from "./format.js";
 import { listenToHands, listenToKeys } from "./gestures.js";
 import { whileOnPage } from "./onpage.js";
+import { legendEntry, paint, placeOf, saidAt } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks } from "./ticks.js";
 
@@ -36,6 +37,8 @@ export class TimeChart {
   #series = null;
   /** @type {Shade[]} */
   #shades = [];
+  /** @type {import("./types.js").Shading | null} */
+  #moved = null;
   #host = el("div", { class: "plot" });
   #label;
   #legend = el("div", { class: "legend", "aria-hidden": "true" });
@@ -100,6 +103,14 @@ export class TimeChart {
   setShades(shades) {
     this.#shades = shades;
     this.#plot?.redraw(false);
+  }
+
+  /** Where the unit was moved. @param {import("./types.js").Shading | null} moved */
+  setMoved(moved) {
+    if (this.#moved === moved) return;
+    this.#moved = moved;
+    this.#plot?.redraw(false);
+    this.#describe();
   }
 
   #clear() {
@@ -212,23 +223,17 @@ export class TimeChart {
   /** @param {uPlot} u */
   #shade(u) {
     const { ctx, bbox } = u;
+    if (this.#moved) paint(u, this.#moved);
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
     for (const shade of this.#shades) {
-      const { left, width } = this.#place(u, shade);
+      const { left, width } = placeOf(u, shade);
       ctx.fillStyle = faint("--shade", shade.chosen ? 0.32 : 0.2);
       ctx.fillRect(left, bbox.top, width, bbox.height);
     }
     ctx.restore();
-  }
-
-  /** A stretch too short to see is widened about its middle. @param {uPlot} u @param {Shade} shade */
-  #place(u, shade) {
-    const [from, to] = [u.valToPos(shade.from, "x", true), u.valToPos(shade.to, "x", true)];
-    const half = Math.max(0.5 * (to - from), 1.5 * uPlot.pxRatio);
-    return { left: 0.5 * (from + to) - half, width: 2 * half, middle: 0.5 * (from + to) };
   }
 
   /** Numbers at the top of the stretches; those that would touch go one row down. @param {uPlot} u */
@@ -240,7 +245,7 @@ export class TimeChart {
     ctx.font = FONT.replace("12px", `600 ${12 * unit}px`);
     ctx.textAlign = "center";
     ctx.textBaseline = "middle";
-    const places = this.#shades.map((shade) => ({ shade, ...this.#place(u, shade) })).sort((a, b) => a.middle - b.middle);
+    const places = this.#shades.map((shade) => ({ shade, ...placeOf(u, shade) })).sort((a, b) => a.middle - b.middle);
     for (const { shade, middle, left, width } of places) {
       const [begin, end] = [bbox.left, bbox.left + bbox.width];
       if (left > end || left + width < begin) continue;
@@ -276,7 +281,8 @@ export class TimeChart {
       return el("span", { class: `entry ${ink.replace("--ink", "ink")}` }, el("i", { class: series.exact ? "swatch line" : "swatch band" }), label, el("span", { class: "value" }, value));
     });
     const time = at === null ? null : el("span", { class: "value" }, seconds(Number(series.time_s[at]), this.#options.time.span));
-    this.#legend.replaceChildren(...(time ? [time] : []), ...entries);
+    const moved = this.#moved?.ranges.length ? [legendEntry("span", this.#moved, at === null || !u ? "" : saidAt(u, this.#moved, u.cursor.left ?? -1))] : [];
+    this.#legend.replaceChildren(...(time ? [time] : []), ...entries, ...moved);
   }
 
   #describe() {
@@ -287,6 +293,7 @@ export class TimeChart {
       const { low, high } = /** @type {import("./types.js").LowAndHigh} */ (series[of]);
       return `${label} from ${quantity(extreme(low, Math.min), series.unit)} to ${quantity(extreme(high, Math.max), series.unit)}`;
     });
+    if (this.#moved?.ranges.length) parts.push(`${this.#moved.label}, in ${this.#moved.ranges.length === 1 ? "one stretch" : `${this.#moved.ranges.length} stretches`}`);
     const [from, to] = this.#options.time.whole;
     this.#picture.setAttribute("aria-label", `${capitalised(this.#label)} over time, ${seconds(from)} to ${seconds(to)}: ${parts.join("; ")}.`);
   }

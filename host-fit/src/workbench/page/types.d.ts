@@ -546,7 +546,9 @@ still_known_by: KnownBy,
 /** Its channels. */
 columns: Array<ColumnSummary>,
 /** What was wrong with it, a line each. */
-quality: Array<string>, };
+quality: Array<string>,
+/** Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time. */
+moved: Shading, };
 
 /** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
  * than a screen shows, half the size of what a browser has to read. */
@@ -648,8 +650,8 @@ x: Axis,
 y: Axis,
 /** Drawn in this order, later ones on top. */
 series: Array<Series>,
-/** Ranges of x set apart by a shaded background. */
-shading: Shading, };
+/** Ranges of x set apart by a shaded background; later ones on top. */
+shading: Array<Shading>, };
 
 /** The parameter of an effect, searched for on a logarithmic grid and then refined. */
 export type Parameter = {
@@ -750,12 +752,16 @@ from: number,
 /** Right end, in units of x. */
 to: number,
 /** Short text at its top, a number for instance. */
-mark: string, };
+mark: string,
+/** What it is, in words, for who points at it; empty where the legend says it all. */
+says: string, };
 
 /** Shaded ranges of x with one legend entry for all of them. */
 export type Shading = {
 /** Text in the legend. */
 label: string,
+/** Why it is set apart; decides the colour. */
+tone: Tone,
 /** What is shaded. */
 ranges: Array<ShadedRange>, };
 
@@ -800,8 +806,14 @@ ratio: number,
 /** What is special there, most striking first; empty if nothing logged is. */
 special: Array<string>, };
 
-/** The logs in a few facts. */
-export type Summaries = { field: LogSummary, quiet: LogSummary | null, judged: LogSummary | null, };
+/** The logs of a study in a few facts. */
+export type Summaries = {
+/** The log where the model fails. */
+field: LogSummary,
+/** A log in which nothing is missing; absent where none was given. */
+quiet: LogSummary | null,
+/** The log that errors are of. */
+judged: LogSummary | null, };
 
 /** Counts and digests of a replay. */
 export type Summary = {
@@ -835,6 +847,9 @@ score: number,
 effective_samples: number,
 /** Chance of such a gain where nothing depends on anything. */
 p: number, };
+
+/** Why a range is set apart. */
+export type Tone = "Apart" | "LeftOut";
 
 /** An effect that could not be tried. */
 export type Untested = {

@@ -8,7 +8,7 @@ import { alertElement } from "../notices.js";
 import { modelKey } from "../studypage.js";
 import { TimeChart } from "../timechart.js";
 import { section } from "./section.js";
-import { drawStretches, shadesOf, wordsFor } from "./stretches.js";
+import { drawStretches, movedOf, shadesOf, wordsFor } from "./stretches.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
@@ -85,6 +85,7 @@ export function failsPart({ study, time, source, choose, announce }) {
       empty.textContent = state.job ? `This comes when the model is fitted and compared: ${state.job.what} …` : "There is no model of this axis to compare with yet.";
       listTitle.hidden = !isCompared;
       chart.setShades(shadesOf(scene));
+      chart.setMoved(movedOf(scene));
       const now = JSON.stringify([axis?.column, axis?.comparison?.worst, chosen]);
       if (now !== marked) {
         marked = now;

@@ -7,7 +7,7 @@ import { KEY_ZOOM } from "../gestures.js";
 import { Overview } from "../overview.js";
 import { TimeChart } from "../timechart.js";
 import { section } from "./section.js";
-import { shadesOf } from "./stretches.js";
+import { movedOf, shadesOf } from "./stretches.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../types.js").ViewKind} ViewName */
@@ -90,6 +90,8 @@ export function measuredPart({ time, source, choose, setView }) {
         chart.setLabel(scene.axis ? scene.axis.label : "Measured");
       }
       chart.setShades(shadesOf(scene));
+      chart.setMoved(movedOf(scene));
+      overview.setMoved(movedOf(scene));
       say();
     },
   };

@@ -15,6 +15,9 @@ export function shadesOf({ axis, chosen }) {
   return shades;
 }
 
+/** Where the unit was moved: shaded too, and no part of any stretch. @param {Scene} scene */
+export const movedOf = ({ state }) => state.logs?.field.moved ?? null;
+
 /** @param {Chosen | null} chosen @param {number} from @param {number} to */
 const isSame = (chosen, from, to) => chosen !== null && chosen.from === from && chosen.to === to;
 
