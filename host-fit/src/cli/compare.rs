@@ -87,8 +87,8 @@ impl Compare {
             compare(&study.model, &study.lag_1(), &recording, &stillness, rows, trained.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
-            let moved = moved(&recording, &stillness.disturbances);
-            plots::write_all(folder, &comparison, &curves(&comparison, &trace, &recording), &moved)?;
+            let curves = curves(&comparison, &trace, &recording);
+            plots::write_all(folder, &comparison, &curves, &moved(&recording, &stillness))?;
         }
         if self.json {
             return print_json(&comparison);

@@ -85,8 +85,8 @@ impl Demo {
             Trained { recording: &quiet, stillness: &quiet_stillness, rows: 0..study.data.trained_rows };
         let (comparison, trace) =
             compare(&alone, &[lag_1], &field, &field_stillness, 0..field.n_rows(), Some(&trained), |_| {})?;
-        let moved = moved(&field, &field_stillness.disturbances);
-        plots::write_all(&path("figures"), &comparison, &curves(&comparison, &trace, &field), &moved)?;
+        let drawn = curves(&comparison, &trace, &field);
+        plots::write_all(&path("figures"), &comparison, &drawn, &moved(&field, &field_stillness))?;
         let failing = &comparison.axes[0];
         let (before, quiet_error) = (failing.errors.last(), study.steps.last());
         let slow = |errors: Option<&fos_fit::evaluate::ModelErrors>| {

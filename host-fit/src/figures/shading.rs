@@ -1,8 +1,11 @@
 //! Ranges of x that are set apart by their background, and the one that is the same wherever a log is drawn over time:
 //! where the unit was moved.
 
-use fos_data::disturbance::{Disturbance, told};
-use fos_data::recording::Recording;
+use std::ops::Range;
+
+use fos_data::disturbance::{marked, told};
+use fos_data::recording::{Recording, runs};
+use fos_data::stillness::Stillness;
 
 /// Shaded ranges of x with one legend entry for all of them.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
@@ -41,15 +44,27 @@ pub struct ShadedRange {
     pub says: String,
 }
 
-/// Where a unit was moved though it was meant to be at rest, over the time stamps of `recording`, s: those stretches
-/// that are left out.
-pub fn moved(recording: &Recording, disturbances: &[Disturbance]) -> Shading {
-    let left_out = disturbances.iter().filter(|one| one.is_left_out() && !one.rows.is_empty());
-    let ranges = left_out.map(|one| ShadedRange {
-        from: recording.time_s[one.rows.start],
-        to: recording.time_s[one.rows.end - 1],
-        mark: String::new(),
-        says: told(recording, std::slice::from_ref(one)).concat(),
+/// Where a unit was moved though it was meant to be at rest, over the time stamps of `recording`, s, as far as
+/// `stillness` leaves it out. Each stretch is told as it is found in the whole log: of a hand that the detector of
+/// stillness has seen, only a rest is found among the rows that it takes for still.
+pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
+    let mut stretches: Vec<(Range<usize>, String)> = Vec::new();
+    for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_left_out()) {
+        let overlaps = |rows: &Range<usize>| rows.start < one.rows.end && one.rows.start < rows.end;
+        match stretches.iter_mut().find(|(rows, _)| overlaps(rows)) {
+            Some((rows, _)) => *rows = rows.start.min(one.rows.start)..rows.end.max(one.rows.end),
+            None => stretches.push((one.rows.clone(), told(recording, std::slice::from_ref(one)).concat())),
+        }
+    }
+    stretches.sort_by_key(|(rows, _)| rows.start);
+    let ranges = stretches.into_iter().flat_map(|(rows, says)| {
+        let left_out = runs(rows, |row| !stillness.still[row]);
+        left_out.into_iter().map(move |rows| ShadedRange {
+            from: recording.time_s[rows.start],
+            to: recording.time_s[rows.end - 1],
+            mark: String::new(),
+            says: says.clone(),
+        })
     });
     Shading { label: "left out: the unit was moved".into(), tone: Tone::LeftOut, ranges: ranges.collect() }
 }
@@ -63,7 +78,9 @@ mod tests {
     use fos_data::recording::{LoadOptions, Source};
     use fos_data::stillness;
     use fos_fit::signal::blocks::envelope;
-    use fos_simulate::{Simulation, simulate};
+    use fos_simulate::{
+        Axis, CasePlan, Disturbance as Disturbed, Setup, Simulation, simulate, simulate_case,
+    };
 
     /// When it is knocked, s.
     const KNOCK_S: [f64; 2] = [60.0, 60.3];
@@ -97,7 +114,7 @@ mod tests {
     #[test]
     fn where_the_unit_was_moved_is_shaded_and_named_once_in_each_panel() {
         let log = knocked(false);
-        let moved = moved(&log, &stillness::find(&log).disturbances);
+        let moved = moved(&log, &stillness::find(&log));
         let [knock] = &moved.ranges[..] else { panic!("one knock: {moved:?}") };
         assert!(
             knock.from <= KNOCK_S[0] && knock.to >= KNOCK_S[1] && knock.to - knock.from < 3.0,
@@ -116,13 +133,40 @@ mod tests {
     #[test]
     fn what_is_taken_as_any_other_row_or_lasts_is_not_shaded() {
         let log = knocked(true);
-        let none = moved(&log, &stillness::find(&log).disturbances);
+        let none = moved(&log, &stillness::find(&log));
         assert_eq!(none.ranges, []);
         let picture = drawn(&log, &none);
         assert!(!picture.contains(&none.label) && !picture.contains("fill=\"#6B727B\""));
-        let vibration =
-            Disturbance { rows: 100..9000, kind: Kind::Vibration, turned_rad: None, is_tilted: false };
-        assert_eq!(moved(&log, &[vibration]).ranges, []);
+        // lasting vibration is a state of the surroundings
+        let log = knocked(false);
+        let mut lasting = stillness::find(&log);
+        lasting.disturbances[0].kind = Kind::Vibration;
+        lasting.disturbances[0].rows = 0..2000;
+        assert_eq!(moved(&log, &lasting).ranges.len(), 1, "the knock alone");
+    }
+
+    /// A hand and its knocks are seen by the detector of stillness too: of what it had seen only the rest was told.
+    #[test]
+    fn what_is_shaded_is_left_out() {
+        for (disturbance, seed) in
+            [(Disturbed::Knocks, 1), (Disturbed::Handling, 1), (Disturbed::Handling, 8)]
+        {
+            let plan = CasePlan { disturbance, ..CasePlan::new(seed, "bmi270", Setup::Bench, Axis::Gx) };
+            let columns = simulate_case(&plan).unwrap().field;
+            let log =
+                Recording::from_columns(Source::made_by("a test"), columns, &LoadOptions::default()).unwrap();
+            let stillness = stillness::find(&log);
+            let moved = moved(&log, &stillness);
+            let shaded = |time: &f64| moved.ranges.iter().any(|range| (range.from..=range.to).contains(time));
+            let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
+            let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
+            assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
+            let told = stillness.disturbances.iter().filter(|one| one.is_left_out());
+            assert!(told.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
+            let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);
+            let is_hand = moved.ranges.iter().any(|range| range.says.starts_with("handling"));
+            assert_eq!(is_hand && longest > 8.0, disturbance == Disturbed::Handling, "{:?}", moved.ranges);
+        }
     }
 
     #[test]

@@ -57,13 +57,12 @@ pub struct Summaries {
 }
 
 impl Summaries {
-    /// Of the logs of a study; `learnt_rows` tells how many first rows of a log its model was fitted to, if any.
-    pub fn of(logs: &Logs, learnt_rows: impl Fn(&Recording) -> Option<usize>) -> Self {
-        let of = |log| LogSummary::of(log, learnt_rows(log));
+    /// Of the logs of a study.
+    pub fn of(logs: &Logs) -> Self {
         Self {
-            field: of(&logs.field),
-            quiet: logs.quiet.as_ref().map(of),
-            judged: logs.judged.as_ref().map(of),
+            field: LogSummary::of(&logs.field),
+            quiet: logs.quiet.as_ref().map(LogSummary::of),
+            judged: logs.judged.as_ref().map(LogSummary::of),
         }
     }
 }
@@ -79,12 +78,9 @@ pub struct ColumnSummary {
 }
 
 impl LogSummary {
-    /// Of a recording, whose first `learnt_rows` a model was fitted to: what comes after them has no say in where the
-    /// unit was moved among them.
-    fn of(log: &Recording, learnt_rows: Option<usize>) -> Self {
+    /// Of a recording.
+    fn of(log: &Recording) -> Self {
         let stillness = stillness::find(log);
-        let apart = learnt_rows.map(|rows| stillness::find_apart(log, rows));
-        let disturbances = &apart.as_ref().unwrap_or(&stillness).disturbances;
         let still = stillness.still.iter().filter(|still| **still).count();
         let (from_s, to_s) = (log.time_s.first().copied(), log.time_s.last().copied());
         let (from_s, to_s) = (from_s.unwrap_or(0.0), to_s.unwrap_or(0.0));
@@ -92,7 +88,8 @@ impl LogSummary {
             |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
         let quality = quality.lines().map(str::to_owned);
-        let told = disturbance::told(log, disturbances).into_iter().map(|told| format!("moved: {told}"));
+        let told =
+            disturbance::told(log, &stillness.disturbances).into_iter().map(|told| format!("moved: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),
@@ -108,7 +105,7 @@ impl LogSummary {
             still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
             quality: quality.chain(told).chain(oddities).collect(),
-            moved: moved(log, disturbances),
+            moved: moved(log, &stillness),
         }
     }
 }

@@ -91,7 +91,7 @@ impl Report {
         mut progress: impl FnMut(&str),
     ) -> Result<Self, ReportError> {
         let refiner = logs.refiner(library);
-        let summaries = Summaries::of(logs, |log| study.data.is(log).then_some(study.data.trained_rows));
+        let summaries = Summaries::of(logs);
         let mut axes = Vec::new();
         for column in columns {
             let refinement = match study.refinement_of(column) {

@@ -16,7 +16,7 @@ use fos_diagnose::compare::study_of;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
-use fos_fit::fit::{FitOptions, fit_axis, rest, training_rows};
+use fos_fit::fit::{FitOptions, fit_axis, rest};
 
 /// Does a task.
 ///
@@ -67,9 +67,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     // the gyros first: their error integrates twice as fast
     let first = first
         .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
-    let own = std::ptr::from_ref(logs.quiet.as_ref().unwrap_or(&logs.field));
-    let learnt = |log: &Recording| training_rows(log, FitOptions::default().train).end;
-    let summaries = Summaries::of(&logs, |log| std::ptr::eq(log, own).then(|| learnt(log)));
+    let summaries = Summaries::of(&logs);
     Ok(Change::Read { read: Box::new(Read { logs, summaries, axes }), first })
 }
 
