@@ -182,6 +182,24 @@ pub(super) async fn undo(
     Ok(Json(json!({})))
 }
 
+/// What becomes of the rows in which the unit was moved.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Motion {
+    /// They count as any others.
+    keep: bool,
+}
+
+pub(super) async fn keep_moved(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Json(motion): Json<Motion>,
+) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    study.keep_moved(motion.keep).map_err(not_now)?;
+    Ok(Json(json!({})))
+}
+
 /// Which part of a time series.
 #[derive(Deserialize)]
 pub(super) struct Window {

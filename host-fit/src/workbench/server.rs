@@ -150,6 +150,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/cancel", post(api::cancel))
         .route("/api/studies/{id}/add", post(api::add))
         .route("/api/studies/{id}/undo", post(api::undo))
+        .route("/api/studies/{id}/moved", post(api::keep_moved))
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))
         .route("/api/studies/{id}/export/{format}", get(api::export))

@@ -76,8 +76,10 @@ impl State {
         match change {
             Change::Read { read, first } => {
                 self.axes = read.axes.iter().map(|column| KnownAxis::unknown(column)).collect();
+                // read anew, the same axis is looked at
+                let before = self.looked_at.take().filter(|column| read.axes.contains(column));
+                self.looked_at = before.or(first);
                 self.read = Some(Arc::from(read));
-                self.looked_at = first;
                 let tasks = self.looked_at.clone().map_or_else(Vec::new, |first| self.missing_of(&first));
                 self.ask(tasks);
             }

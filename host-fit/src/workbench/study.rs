@@ -16,6 +16,7 @@ use super::tasks;
 use super::told::{Beat, Entry, Page};
 use crate::replay::{self, Summary};
 use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
+use fos_data::recording::LoadOptions;
 use fos_data::stillness;
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
@@ -26,8 +27,16 @@ pub(super) struct Study {
     state: Mutex<State>,
     wake: Condvar,
     beat: watch::Sender<Beat>,
-    /// The last image that was run over a log, and what came of it: windows on one study ask for the same.
-    replayed: Mutex<Option<(Vec<u8>, Summary)>>,
+    /// What was run last: windows on one study ask for the same.
+    replayed: Mutex<Option<Replayed>>,
+}
+
+/// An image that was run over a log.
+struct Replayed {
+    image: Vec<u8>,
+    /// The log is among these.
+    read: Arc<Read>,
+    summary: Summary,
 }
 
 impl Study {
@@ -163,6 +172,24 @@ impl Study {
         Ok(())
     }
 
+    /// Reads the logs anew, with the rows in which the unit was moved as any others or left out, and computes all that is
+    /// said of the axis that is looked at.
+    ///
+    /// # Errors
+    ///
+    /// The logs are not read yet.
+    pub(super) fn keep_moved(&self, keep: bool) -> Result<(), String> {
+        let read = self.read()?;
+        let options = LoadOptions { keep_moved: keep, ..read.logs.read.clone() };
+        let mut state = self.lock();
+        // what is being computed is of the logs as they were read
+        state.queue.stop();
+        state.queue.ask([Task::Read(Open::again(&read.logs, options))]);
+        self.publish(state);
+        self.wake.notify_one();
+        Ok(())
+    }
+
     /// Ends what is being done, and what should come after it.
     pub(super) fn stop(&self) {
         let mut state = self.lock();
@@ -210,15 +237,16 @@ impl Study {
     pub(super) fn replay(&self, image: Vec<u8>) -> Result<Summary, String> {
         // who comes while it is computed waits here for the same answer
         let mut last = self.replayed.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, summary)) = last.as_ref().filter(|(known, _)| *known == image) {
-            return Ok(summary.clone());
-        }
         let read = self.read()?;
+        let is_same = |last: &&Replayed| last.image == image && Arc::ptr_eq(&last.read, &read);
+        if let Some(same) = last.as_ref().filter(is_same) {
+            return Ok(same.summary.clone());
+        }
         let parsed = Image::parse(&image).map_err(|error| error.to_string())?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
         let summary =
             replay::summary(&parsed, log, &stillness::find(log)).map_err(|error| error.to_string())?;
-        *last = Some((image, summary.clone()));
+        *last = Some(Replayed { image, read, summary: summary.clone() });
         Ok(summary)
     }
 

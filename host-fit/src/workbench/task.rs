@@ -2,7 +2,8 @@
 
 use fos_data::column::Column;
 use fos_data::file::name_of;
-use fos_data::recording::LoadOptions;
+use fos_data::recording::{LoadOptions, Recording};
+use fos_diagnose::refine::Logs;
 
 use super::job::Job;
 
@@ -52,6 +53,16 @@ pub(super) enum Open {
 }
 
 impl Open {
+    /// The same logs, read in another way.
+    pub(super) fn again(logs: &Logs, read: LoadOptions) -> Self {
+        Self::Logs {
+            field: logs.field.paths(),
+            quiet: logs.quiet.as_ref().map(Recording::paths),
+            judged: logs.judged.as_ref().map(Recording::paths),
+            read,
+        }
+    }
+
     pub(super) fn name(&self) -> String {
         match self {
             Self::Example(_) => "Example".to_owned(),

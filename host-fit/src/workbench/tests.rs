@@ -344,6 +344,92 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     assert!(commands[0].as_str().unwrap().starts_with("host-fit fit "), "{commands}");
 }
 
+/// When the unit of a log is knocked, s: among the rows that are fitted, and among those that are judged.
+const KNOCKS_S: [f64; 2] = [30.0, 105.0];
+
+/// A log of three axes, two minutes at rest, with knocks.
+fn write_knocked_log(path: &Path) {
+    let log = simulate(&Simulation { duration_s: 120.0, motion: false, ..Simulation::default() });
+    let mut columns = log.columns;
+    columns.retain(|(name, _)| ["t_s", "ax_mps2", "gx_rads", "gy_rads"].contains(&name.as_str()));
+    let times = columns[0].1.clone();
+    for (name, values) in columns.iter_mut().filter(|(name, _)| name.starts_with(['a', 'g'])) {
+        let size = if name.starts_with('a') { 2.0 } else { 0.1 };
+        for (time, value) in times.iter().zip(values) {
+            let since =
+                KNOCKS_S.map(|knock| time - knock).into_iter().find(|since| (0.0..0.3).contains(since));
+            *value += since.map_or(0.0, |since| size * (300.0 * since).sin());
+        }
+    }
+    let columns: Vec<(&str, &[f64])> =
+        columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+    write_columns(path, &columns).unwrap();
+}
+
+/// What a figure or a report calls where the unit was moved.
+const MOVED: &str = "left out: the unit was moved";
+
+#[tokio::test]
+async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
+    let bench = Bench::new();
+    let log = bench.logs().join("knocked.parquet");
+    write_knocked_log(&log);
+    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let id = opened["id"].as_u64().unwrap();
+    let at = |what: &str| format!("/api/studies/{id}/{what}");
+    let report = async || {
+        let response = bench.ask(page("GET", &at("export/report.html")).body(Body::empty()).unwrap()).await;
+        let content = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+        String::from_utf8(content.to_vec()).unwrap()
+    };
+    bench.settled(id).await;
+    let (status, _) = bench.post(&at("axis"), json!({ "axis": "gy_rads" })).await;
+    assert_eq!(status, StatusCode::OK);
+    let left = bench.settled(id).await;
+    assert_eq!(left["error"], Value::Null, "{}", left["error"]);
+    let ranges = left["logs"]["field"]["moved"]["ranges"].as_array().unwrap();
+    assert_eq!(ranges.len(), KNOCKS_S.len(), "{ranges:?}");
+    for (range, knock) in ranges.iter().zip(KNOCKS_S) {
+        let (from, to) = (range["from"].as_f64().unwrap(), range["to"].as_f64().unwrap());
+        assert!(from <= knock && to >= knock + 0.3 && to - from < 3.0, "{range}");
+        assert!(range["says"].as_str().unwrap().starts_with("knock at "), "{range}");
+    }
+    assert_eq!(left["keeps_moved"], false);
+    assert!(report().await.contains(MOVED), "a figure of the report says so");
+
+    let (status, answer) = bench.post(&at("moved"), json!({ "keep": true })).await;
+    assert_eq!(status, StatusCode::OK, "{answer}");
+    let kept = bench.settled(id).await;
+    assert_eq!((&kept["keeps_moved"], &kept["error"]), (&json!(true), &Value::Null));
+    assert_eq!(kept["logs"]["field"]["moved"]["ranges"], json!([]));
+    assert_eq!(kept["axis"], "gy_rads", "the axis that was looked at");
+    assert!(!report().await.contains(MOVED));
+    let axis = |state: &Value| {
+        let axes = state["axes"].as_array().unwrap();
+        axes.iter().find(|axis| axis["column"] == "gy_rads").unwrap().clone()
+    };
+    assert!(axis(&kept)["diagnosis"].is_object());
+    assert_ne!(axis(&kept)["model"], axis(&left)["model"], "fitted to the knock too");
+    let commands = kept["commands"].as_array().unwrap();
+    let reads = commands.iter().filter(|line| line.as_str().unwrap().contains(".parquet"));
+    assert!(reads.clone().count() >= 4);
+    assert!(reads.clone().all(|line| line.as_str().unwrap().contains(" --keep-moved")), "{commands:?}");
+    let (_, file) =
+        read(bench.ask(page("GET", &at("export/study")).body(Body::empty()).unwrap()).await).await;
+    assert_eq!(file["data"]["keep_moved"], true, "what is exported is read again in the same way");
+
+    let (status, _) = bench.post(&at("moved"), json!({ "keep": false })).await;
+    assert_eq!(status, StatusCode::OK);
+    let again = bench.settled(id).await;
+    assert_eq!(again["logs"], left["logs"]);
+    assert_eq!(axis(&again), axis(&left), "all is as it was, to the last digit");
+    assert!(!again["commands"].to_string().contains("--keep-moved"), "{}", again["commands"]);
+    let (status, _) = bench.post(&at("moved"), json!({})).await;
+    assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "which way?");
+    let (status, _) = bench.post("/api/studies/77/moved", json!({ "keep": true })).await;
+    assert_eq!(status, StatusCode::NOT_FOUND);
+}
+
 #[tokio::test]
 async fn a_job_ends_when_asked_and_what_is_known_stays() {
     let bench = Bench::new();

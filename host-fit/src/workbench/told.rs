@@ -77,6 +77,8 @@ pub(super) struct Page {
     job: Option<Job>,
     error: Option<String>,
     logs: Option<Summaries>,
+    /// Rows in which the unit was moved count as any others.
+    keeps_moved: bool,
     axis: Option<String>,
     axes: Vec<AxisSection>,
     commands: Vec<String>,
@@ -117,6 +119,7 @@ impl Page {
             job: state.queue.job(),
             error: state.error.clone(),
             logs: state.read.as_ref().map(|read| read.summaries.clone()),
+            keeps_moved: state.read.as_ref().is_some_and(|read| read.logs.read.keep_moved),
             axis: state.looked_at.clone(),
             axes: state.axes.iter().map(|axis| axis.section.clone()).collect(),
             commands,

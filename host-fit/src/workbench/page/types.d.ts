@@ -638,7 +638,9 @@ cost: Cost | null,
 evidence: Figure | null, };
 
 /** All that a page shows of a study, but for what is drawn sample by sample. */
-export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null, axis: string | null, axes: Array<AxisSection>, commands: Array<string>, };
+export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null,
+/** Rows in which the unit was moved count as any others. */
+keeps_moved: boolean, axis: string | null, axes: Array<AxisSection>, commands: Array<string>, };
 
 /** One pair of axes and what is drawn in it. */
 export type Panel = {

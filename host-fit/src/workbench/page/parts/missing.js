@@ -11,15 +11,18 @@ import { section } from "./section.js";
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").Diagnosis} Diagnosis */
+/** @typedef {import("../types.js").Page} State */
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function missingPart(context) {
   const verdict = el("div", { class: "verdict-place" });
   const cards = el("ol", { class: "findings" });
+  const motion = el("div", {});
   const rest = el("div", { class: "rest" });
-  const element = section(3, "What is missing", "Which physical effect explains what is left, how large is it, and how sure is that?", verdict, cards, rest);
+  const element = section(3, "What is missing", "Which physical effect explains what is left, how large is it, and how sure is that?", verdict, cards, motion, rest);
   let drawn = "";
   let drawnRest = "";
+  let drawnMotion = "";
 
   /** @param {Scene} scene */
   function update(scene) {
@@ -34,6 +37,11 @@ export function missingPart(context) {
         findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, unit: diagnosis?.unit ?? "", isBusy, context, axis: axis?.column ?? "" });
       replace(cards, diagnosis?.findings.map(entry) ?? []);
       cards.hidden = !diagnosis || diagnosis.findings.length === 0;
+    }
+    const nowMotion = JSON.stringify([state.logs, state.keeps_moved, hasEffects(state.axes)]);
+    if (nowMotion !== drawnMotion) {
+      drawnMotion = nowMotion;
+      replace(motion, motionOf(state, context));
     }
     const nowRest = JSON.stringify([axis?.column, diagnosis]);
     if (nowRest !== drawnRest) {
@@ -68,9 +76,36 @@ function verdictElement({ verdict, sentence }) {
   return el("div", { class: `verdict ${verdict}`, "data-verdict": verdict }, icon(verdict), el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, says.charAt(0).toUpperCase() + says.slice(1))));
 }
 
+/** Stretches of a log that are told one by one. */
+const MOST_TOLD = 12;
+
+/** Whether an effect was added to any. @param {State["axes"]} axes */
+const hasEffects = (axes) => axes.some(({ growth }) => (growth?.stairs.length ?? 0) > 1);
+
+/** When the unit was moved, as it is shaded over time, and whether that is left out. @param {State} state @param {Context} context */
+function motionOf({ logs, keeps_moved: isKept, axes }, context) {
+  if (!logs) return null;
+  // a stretch that is shaded in two parts is told once
+  const says = (/** @type {import("../types.js").LogSummary | null} */ log) => [...new Set(log?.moved.ranges.map((range) => range.says))];
+  const field = says(logs.field);
+  const others = /** @type {[string, string[]][]} */ ([["Quiet log", says(logs.quiet)], ["Log judged on", says(logs.judged)]]).filter(([, told]) => told.length > 0);
+  if (!isKept && field.length === 0 && others.length === 0) return null;
+  const list = (/** @type {string[]} */ told) => el("ul", {}, told.slice(0, MOST_TOLD).map((text) => el("li", {}, text)), told.length > MOST_TOLD && el("li", {}, `and ${told.length - MOST_TOLD} more`));
+  const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Leave them out again" : "Count them as any others");
+  return el(
+    "div",
+    { class: "card wide moved" },
+    el("h3", {}, "The unit was moved"),
+    el("p", { class: "note" }, isKept ? "Rows in which the unit was moved are not looked for: they count as any others in fits, comparisons and answers." : "Found from all axes together: what moves the unit shows on several at once. These stretches are left out of fits, comparisons and answers."),
+    field.length > 0 && list(field),
+    others.flatMap(([name, told]) => [el("h4", {}, name), list(told)]),
+    el("p", {}, turn, el("span", { class: "note" }, ` Everything is computed anew${hasEffects(axes) ? "; effects that were added are taken back" : ""}.`)),
+  );
+}
+
 /** What else is to be known of the answer. @param {Diagnosis} diagnosis */
 function restOf(diagnosis) {
-  const { cautions, moved = [], leads, rejected, untested, noise, unit } = diagnosis;
+  const { cautions, leads, rejected, untested, noise, unit } = diagnosis;
   const levels = [
     ["white", quantity(noise.levels.white, unit)],
     ["flicker", quantity(noise.levels.flicker, unit)],
@@ -80,14 +115,6 @@ function restOf(diagnosis) {
     "div",
     { class: "grid two" },
     cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "To be taken with care"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
-    moved.length > 0 &&
-      el(
-        "div",
-        { class: "card wide" },
-        el("h3", {}, "The unit was moved"),
-        el("p", { class: "note" }, "Found from all axes together: what moves the unit shows on several at once. These stretches are left out of fits, comparisons and answers."),
-        el("ul", {}, moved.map((text) => el("li", {}, text))),
-      ),
     leads.length > 0 &&
       el(
         "div",
