@@ -58,6 +58,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   await page.waitForSelector(".replay .digest", { timeout: SLOW });
   const digest = await page.locator(".replay .digest").innerText();
   assert.match(digest, /^[0-9a-f]{16}$/);
+  assert.equal(await page.locator(".refusal .alert").count(), 0, "every hub takes it");
   const waiting = page.waitForEvent("download");
   await page.locator('[data-key="export:image"]').click();
   const image = join((await workbench.server).folder, "exported.fosm");
@@ -109,6 +110,20 @@ async function assertCommandsDoTheSame(page) {
   const shown = state.axes.find((axis) => axis.column === "gx_rads")?.growth;
   assert.deepEqual(told.stairs, shown?.stairs);
 }
+
+test("that a hub refuses the model is said where it is taken along", { timeout: 2 * SLOW }, async () => {
+  const page = await workbench.open();
+  const refusal = "the hub of the C interface, fos.h, refuses this model, which needs 129 terms (room for 128)\nhelp: fit it with a smaller --max-terms";
+  await page.route("**/api/studies/*/hubs", (route) => route.fulfill({ json: { refusal } }));
+  await openExample(page);
+  const alert = page.locator('[data-part="5"] .refusal .alert');
+  await alert.waitFor({ timeout: SLOW });
+  assert.equal((await alert.locator("p").allInnerTexts()).join("\nhelp: "), refusal);
+  const [above, below] = [await alert.boundingBox(), await page.locator('[data-key="export:image"]').boundingBox()];
+  assert.ok(above && below && above.y + above.height <= below.y, "above what it is about");
+  await assertAccessible(page, "a model that a hub refuses");
+  await closePage(page);
+});
 
 test("the same with keys alone", { timeout: 3 * SLOW }, async () => {
   const page = await workbench.open();

@@ -23,13 +23,14 @@ use super::study::Study;
 use super::task::Open;
 use super::told::{Entry, Page};
 use crate::curves::{AgainstChannel, AxisCurves};
-use crate::export::{c_source, image, rust_source};
+use crate::export::{Refusal, c_source, image, rust_source};
 use crate::figures::Figure;
 use crate::plots::View;
 use crate::replay::Summary;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
+use fos_fit::model::UnitModel;
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -349,6 +350,25 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
     Ok(Report::put_together(file, axes.collect(), &read.logs, read.summaries.clone()))
+}
+
+/// Whether the device takes what is exported.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct Hubs {
+    /// Which hub refuses the model, and what to do, in the words of the command line; none if all take it.
+    pub(super) refusal: Option<String>,
+}
+
+impl Hubs {
+    pub(super) fn of(model: &UnitModel) -> Self {
+        Self { refusal: Refusal::of(model).map(|refusal| refusal.to_string()) }
+    }
+}
+
+pub(super) async fn hubs(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Hubs> {
+    let study = desk.study(id).map_err(not_found)?;
+    Ok(Json(beside(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await?))
 }
 
 /// What the exported image does on the log that errors are of.

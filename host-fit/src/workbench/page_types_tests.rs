@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ts_rs::{Config, TS, TypeVisitor};
 
-use super::api::{AxisSeries, NamedFigure, Replayed, Wanted};
+use super::api::{AxisSeries, Hubs, NamedFigure, Replayed, Wanted};
 use super::folders::Listed;
 use super::series::ViewKind;
 use super::told::{Beat, Entry, Page};
@@ -53,6 +53,7 @@ fn declared() -> String {
     all.visit::<Page>();
     all.visit::<AxisSeries>();
     all.visit::<NamedFigure>();
+    all.visit::<Hubs>();
     all.visit::<Replayed>();
     all.visit::<Listed>();
     all.visit::<Preview>();

@@ -154,6 +154,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))
         .route("/api/studies/{id}/export/{format}", get(api::export))
+        .route("/api/studies/{id}/hubs", get(api::hubs))
         .route("/api/studies/{id}/replay", get(api::replay))
         .route("/api/logs", get(api::logs))
         .route("/api/preview", post(api::preview))

@@ -11,10 +11,12 @@ use axum::response::Response;
 use serde_json::{Value, json};
 use tower::ServiceExt;
 
+use super::api::Hubs;
 use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, OWN_HEADER};
 use super::server::{Server, router};
+use crate::export::Refusal;
 use fos_data::recording::write_columns;
 use fos_diagnose::effects::Library;
 use fos_simulate::{Simulation, simulate};
@@ -337,6 +339,17 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
             }
         }
     }
+    assert_eq!(
+        bench.get(&at("hubs")).await,
+        (StatusCode::OK, json!({ "refusal": null })),
+        "all hubs take it"
+    );
+    let file = bench.desk.study(id).unwrap().file().unwrap();
+    let mut large = file.model;
+    let term = large.axes[0].stochastic[0].clone();
+    large.axes[0].stochastic.extend(vec![term; 128]);
+    let said = Hubs::of(&large).refusal.expect("too large for fos.h");
+    assert_eq!(said, Refusal::of(&large).unwrap().to_string(), "as `export` says it");
     let (status, replay) = bench.get(&at("replay")).await;
     assert_eq!(status, StatusCode::OK);
     assert_eq!(replay["summary"]["axes"].as_array().unwrap().len(), 6);

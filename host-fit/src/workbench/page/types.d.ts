@@ -434,6 +434,11 @@ rests_away: number,
 /** Rows that are. */
 rows_away: number, };
 
+/** Whether the device takes what is exported. */
+export type Hubs = {
+/** Which hub refuses the model, and what to do, in the words of the command line; none if all take it. */
+refusal: string | null, };
+
 /** Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
  * Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision. */
 export type Ink = "Measured" | "Predicted" | "Residual" | "Floor" | "Bound" | "Other" | { "Step": number } | { "Method": number };

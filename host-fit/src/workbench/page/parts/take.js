@@ -11,6 +11,7 @@ import { section } from "./section.js";
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").Replayed} Replay */
+/** @typedef {import("../types.js").Hubs} Hubs */
 
 const FORMATS = [
   { format: "image", name: "Model image", says: "What a device stores and runs" },
@@ -24,13 +25,14 @@ const FORMATS = [
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function takePart({ study, announce }) {
   const downloads = el("ul", { class: "downloads" });
+  const refusal = el("div", { class: "refusal" });
   const numbers = el("div", { class: "replay" });
   const commands = el("div", { class: "commands" });
   const element = section(
     5,
     "Take it with you",
     "The model for the device, the report for people, the commands for scripts.",
-    el("div", { class: "card" }, downloads),
+    el("div", { class: "card" }, refusal, downloads),
     el("div", { class: "card" }, el("h3", {}, "What the exported image does"), numbers),
     el("div", { class: "card" }, el("h3", {}, "The same on a command line"), commands),
   );
@@ -38,11 +40,18 @@ export function takePart({ study, announce }) {
   let asked = "";
   let request = new AbortController();
 
+  /** Which hubs refuse the image: said before it is taken. @param {AbortSignal} signal */
+  async function readRefusal(signal) {
+    const said = /** @type {Hubs} */ (await get(`/api/studies/${study}/hubs`, signal)).refusal;
+    if (!signal.aborted) replace(refusal, said === null ? null : alertElement(said));
+  }
+
   /** @param {Scene} scene */
   async function readReplay({ state }) {
     const modelled = state.axes.filter((axis) => axis.model);
     if (modelled.length === 0) {
       asked = "";
+      replace(refusal);
       return replace(numbers, el("p", { class: "empty" }, state.job ? `This comes with the model: ${state.job.what} …` : "There is no model to export yet."));
     }
     const key = JSON.stringify(modelled.map((axis) => [axis.column, modelKey(axis)]));
@@ -50,12 +59,14 @@ export function takePart({ study, announce }) {
     // numbers of another model would be taken for those of this one
     replace(numbers, el("p", { class: "loading" }, "Running the image over the log, as a device does …"));
     request.abort();
+    replace(refusal);
     if (state.job !== null) return;
     asked = key;
     request = new AbortController();
     const { signal } = request;
     numbers.setAttribute("aria-busy", "true");
     try {
+      await readRefusal(signal);
       const replay = /** @type {Replay} */ (await get(`/api/studies/${study}/replay`, signal));
       if (!signal.aborted) drawReplay(numbers, replay, state, announce);
     } catch (error) {
