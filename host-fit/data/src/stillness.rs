@@ -119,11 +119,16 @@ fn detect(recording: &Recording, limits: StillnessLimits<f64>, parts: &[Range<us
 }
 
 /// The detector needs two quiet windows before it says so; in a log it is known afterwards that they were quiet. The
-/// first of them is left out as margin.
+/// first of them is left out as margin. And it knows of a motion up to a window after it has begun.
 fn back_date(still: &mut [bool], window: usize) {
-    let starts: Vec<usize> = (1..still.len()).filter(|&row| still[row] && !still[row - 1]).collect();
-    for start in starts {
+    let turns = |still: &[bool], from: bool| -> Vec<usize> {
+        (1..still.len()).filter(|&row| still[row - 1] == from && still[row] != from).collect()
+    };
+    for start in turns(still, false) {
         still[start.saturating_sub(window)..start].fill(true);
+    }
+    for end in turns(still, true) {
+        still[end.saturating_sub(window)..end].fill(false);
     }
 }
 
