@@ -20,6 +20,7 @@ fn main() -> Result<(), ImageError> {
         scale: 0.002,
         constant: 0.0,
         range: Range::new(-4.0, 4.0),
+        physical_range: Range::new(0.0, 0.0),
         full_scale: 8.7,
         stuck_after_repeats: 50,
         gap_limit_samples: 20,

@@ -18,6 +18,7 @@ static GYRO_Z: AxisModel<'_, f32> = AxisModel {
         scale: 0.002,
         constant: 0.0,
         range: Range::new(-4.0, 4.0),
+        physical_range: Range::new(0.0, 0.0),
         full_scale: 8.7,
         stuck_after_repeats: 0,
         gap_limit_samples: 20,

@@ -51,6 +51,7 @@ pub(crate) struct RunningAxis<R> {
     scale: R,
     per_scale: R,
     range: Range<R>,
+    physical_range: Range<R>,
     full_scale: R,
     /// Wider than the count, so that a test switched off is never reached.
     stuck_after_repeats: u32,
@@ -58,6 +59,8 @@ pub(crate) struct RunningAxis<R> {
     coast_limit: u32,
     fade: R,
 
+    /// p went beyond its limits at this tick.
+    limited: bool,
     /// r(n − 1), limited; 0 while it is not known.
     pub(crate) remainder: R,
     /// There has been a remainder since the start or restart.
@@ -100,6 +103,7 @@ impl<R: Real> RunningAxis<R> {
             scale: parameters.scale,
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
+            physical_range: parameters.physical_limits(),
             full_scale,
             stuck_after_repeats: match parameters.stuck_after_repeats {
                 0 => u32::MAX,
@@ -109,6 +113,7 @@ impl<R: Real> RunningAxis<R> {
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
             fade: R::from_f64(1.0 + exp_m1(-period_s / coast_limit_s)),
+            limited: false,
             remainder: R::ZERO,
             known: false,
             steady: false,
@@ -128,6 +133,29 @@ impl<R: Real> RunningAxis<R> {
     /// Within these the remainder is kept, whatever happens.
     pub(crate) fn limits(parameters: &AxisParameters<R>) -> Range<R> {
         parameters.range.widened(MARGIN)
+    }
+
+    /// Keeps p within its limits; whether it was beyond them. It is finite: the inputs are within theirs.
+    #[inline(always)]
+    pub(crate) fn limit_physical(&mut self) -> bool {
+        if self.physical.is_empty {
+            return false;
+        }
+        let Range { low, high } = self.physical_range;
+        self.physical.value = if self.physical.value > high {
+            high
+        } else if self.physical.value < low {
+            low
+        } else {
+            return false;
+        };
+        self.limited = true;
+        true
+    }
+
+    /// What speaks against trusting p, told once.
+    pub(crate) fn take_limited(&mut self) -> Validity {
+        Validity::when(core::mem::take(&mut self.limited), Validity::INPUT_OUT_OF_RANGE)
     }
 
     pub(crate) fn limit_full_scale(&mut self, full_scale: R) {

@@ -62,6 +62,7 @@ impl<S: Real> AxisParameters<S> {
             scale: scalar(self.scale),
             constant: scalar(self.constant),
             range: self.range.convert(),
+            physical_range: self.physical_range.convert(),
             full_scale: scalar(self.full_scale),
             stuck_after_repeats: self.stuck_after_repeats,
             gap_limit_samples: self.gap_limit_samples,

@@ -41,6 +41,13 @@ pub struct Input<R> {
     pub range: Range<R>,
 }
 
+impl<R: Real> Input<R> {
+    /// u is kept within these: the fitted range and what noise adds to it.
+    pub fn limits(&self) -> Range<R> {
+        self.range.widened(MARGIN)
+    }
+}
+
 /// The coefficients and the state of an input.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RunningInput<R> {
@@ -60,7 +67,7 @@ impl<R: Real> RunningInput<R> {
             centre: input.centre,
             per_scale: R::from_f64(1.0 / input.scale.to_f64()),
             source_range: input.source_range.widened(MARGIN),
-            range: input.range.widened(MARGIN),
+            range: input.limits(),
             transformer,
         };
         running.start();

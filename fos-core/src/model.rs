@@ -91,6 +91,10 @@ pub struct AxisParameters<R> {
     pub constant: R,
     /// r while fitting, scaled.
     pub range: Range<R>,
+    /// p while fitting, scaled: the sum of the physical terms. One that goes further beyond it than the width of the
+    /// range is limited, so that terms which only cancel in what was seen cannot come apart unbounded; it has room for
+    /// the rounding of p. [`Range::unlimited`] where it is not known; 0 … 0 without physical terms.
+    pub physical_range: Range<R>,
     /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
     pub full_scale: R,
     /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off. Stored as
@@ -136,6 +140,11 @@ pub struct Model<'a, R> {
     pub axes: &'a [AxisModel<'a, R>],
 }
 
+/// By so many of its widths the fitted range of p is widened on either side before p is limited. An input of an added
+/// effect may already go one width beyond what was seen (docs/MATHS.md), and effects that were excited one after the
+/// other while fitting may come together; a model of one input meets the range of that input first.
+const PHYSICAL_MARGIN: f64 = 1.0;
+
 /// The largest magnitude of a scaled quantity: its square, which a windowed variance takes, is far from overflow
 /// in f32. Beyond it an infinite sum would stay in the transform for ever.
 const MAX_INPUT: f64 = 1e15;
@@ -163,6 +172,11 @@ impl<R: Real> Input<R> {
 }
 
 impl<R: Real> AxisParameters<R> {
+    /// p is kept within these: [`physical_range`](Self::physical_range), and its width on either side.
+    pub fn physical_limits(&self) -> Range<R> {
+        self.physical_range.widened(PHYSICAL_MARGIN)
+    }
+
     pub(crate) fn check(&self, axis: usize) -> Result<(), ModelError> {
         let finite = [self.reference, self.offset, self.constant, self.innovation.mean];
         let not_negative = |value: R| value.is_finite() && value >= R::ZERO;
@@ -171,6 +185,7 @@ impl<R: Real> AxisParameters<R> {
             && is_positive(self.scale)
             && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
             && self.range.is_valid()
+            && self.physical_range.is_valid()
             && not_negative(self.full_scale)
             && not_negative(self.coast_limit_s)
             && is_positive(self.innovation.variance)

@@ -99,6 +99,7 @@ mod tests {
             scale: real(scale),
             constant: R::ZERO,
             range: Range { low: real(-4.0), high: real(4.0) },
+            physical_range: Range { low: R::ZERO, high: R::ZERO },
             full_scale: R::ZERO,
             stuck_after_repeats: 0,
             gap_limit_samples: 0,

@@ -41,6 +41,7 @@ pub struct Sample<'a, R> {
 ///         scale: 0.002,
 ///         constant: 0.0,
 ///         range: Range::new(-4.0, 4.0),
+///         physical_range: Range::new(0.0, 0.0),
 ///         full_scale: 4.36,
 ///         stuck_after_repeats: 50,
 ///         gap_limit_samples: 20,
@@ -227,7 +228,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     }
 
     /// Refuses a model whose sums could overflow, so that the step needs no test for it: every partial product and
-    /// sum stays below 10³⁰ as long as inputs and remainder stay within their limits, and the step sees to that. The
+    /// sum stays below 10³⁰ as long as inputs, p and remainder stay within their limits, and the step sees to that. The
     /// same for a monitor.
     fn check_bounded(
         &self,
@@ -248,9 +249,12 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
                 product * factor.max(1.0)
             })
         };
+        // limited, p may end as far from 0 as its limits begin
+        let limits = parameters.physical_limits();
+        let nearest = limits.low.to_f64().max(-limits.high.to_f64());
         let scaled = output
             + parameters.constant.to_f64().abs()
-            + physical.map(magnitude).sum::<f64>()
+            + physical.map(magnitude).sum::<f64>().max(nearest)
             + stochastic.map(magnitude).sum::<f64>();
         let scale = parameters.scale.to_f64();
         let in_unit =
@@ -333,6 +337,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     ///     scale: 1.0,
     ///     constant: 0.0,
     ///     range: Range::new(-4.0, 4.0),
+    ///     physical_range: Range::new(0.0, 0.0),
     ///     full_scale: 0.0,
     ///     stuck_after_repeats: 0,
     ///     gap_limit_samples: 1,
@@ -429,6 +434,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         }
         let unusable = self.update_inputs(sample.quantities);
         self.evaluate();
+        let limited = self.limit_physical();
         let mut measured = sample.measured.iter();
         let mut corrections = self.corrections.iter_mut();
         for axis in &mut self.axes {
@@ -439,7 +445,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             }
         }
         self.history.write(self.axes.iter().map(|axis| axis.remainder));
-        if unusable.any() {
+        if unusable.any() || limited {
             self.blame(unusable);
         }
         &self.corrections
@@ -456,17 +462,27 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         }
     }
 
+    /// Keeps p of every axis within its limits; whether one was beyond them. A loop of its own is the least flash.
+    #[inline(never)]
+    fn limit_physical(&mut self) -> bool {
+        let mut limited = false;
+        for axis in &mut self.axes {
+            limited |= axis.limit_physical();
+        }
+        limited
+    }
+
     /// At the first step: a correction for every axis. There is room, both vectors have capacity `AXES`.
     #[cold]
     fn make_room(&mut self) {
         let _ = self.corrections.resize(self.axes.len(), Correction::NONE);
     }
 
-    /// Tells the axes that use them of inputs that cannot be trusted.
+    /// Tells the axes that use them of inputs that cannot be trusted, alone or together.
     #[cold]
     fn blame(&mut self, unusable: Unusable) {
-        for (axis, correction) in self.axes.iter().zip(&mut self.corrections) {
-            correction.validity |= unusable.of(axis.inputs_used);
+        for (axis, correction) in self.axes.iter_mut().zip(&mut self.corrections) {
+            correction.validity |= unusable.of(axis.inputs_used) | axis.take_limited();
         }
     }
 

@@ -17,7 +17,7 @@ pub(crate) struct Part<R> {
     n_linear: u16,
     n_quadratic: u16,
     n_cubic: u16,
-    is_empty: bool,
+    pub(crate) is_empty: bool,
     has_products: bool,
     pub(crate) value: R,
 }

@@ -1,11 +1,11 @@
 //! Was this value seen while fitting? A polynomial is trusted, and evaluated, only where it was fitted.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::Real;
 
 /// The smallest and the largest value of a quantity in the data that a model was fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range<R> {
     /// Smallest value seen while fitting.
@@ -20,12 +20,19 @@ impl<R: Real> Range<R> {
         Self { low, high }
     }
 
+    /// −10³⁰ … 10³⁰: for what is not to be limited. No sum of a model that is run gets there.
+    pub fn unlimited() -> Self {
+        Self { low: R::from_f64(-1e30), high: R::from_f64(1e30) }
+    }
+
     /// Finite, and the right way round.
+    #[inline(never)]
     pub fn is_valid(&self) -> bool {
         self.low.is_finite() && self.high.is_finite() && self.low <= self.high
     }
 
     /// Widened on both sides by `share` of its width.
+    #[inline(never)]
     pub(crate) fn widened(&self, share: f64) -> Self {
         let (low, high) = (self.low.to_f64(), self.high.to_f64());
         let margin = share * (high - low);
@@ -47,5 +54,20 @@ impl<R: Real> Range<R> {
     #[inline]
     pub(crate) fn limit(&self, value: R) -> R {
         value.limit(self.low, self.high)
+    }
+}
+
+/// One copy for all records that have ranges: inlined into each it would be twice the flash.
+impl<'de, R: Deserialize<'de>> Deserialize<'de> for Range<R> {
+    #[inline(never)]
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(rename = "Range")]
+        struct Ends<R> {
+            low: R,
+            high: R,
+        }
+        let Ends { low, high } = Ends::deserialize(deserializer)?;
+        Ok(Self { low, high })
     }
 }

@@ -22,7 +22,8 @@ bitflags! {
         const COASTING_TOO_LONG = 1 << 2;
         /// The remainder is far outside what was seen while fitting; it was limited before it entered the history.
         const OUTPUT_OUT_OF_RANGE = 1 << 3;
-        /// An input is outside what was seen while fitting; the model was evaluated at the edge of the range.
+        /// An input, or the inputs together, are outside what was seen while fitting; the model was evaluated at the edge
+        /// of the range.
         const INPUT_OUT_OF_RANGE = 1 << 4;
         /// The measured value is NaN or infinite; the last corrected value is repeated.
         const NOT_FINITE = 1 << 5;

@@ -83,6 +83,9 @@ fn what_could_overflow_is_refused() {
     refused(AxisParameters { offset: -1e30, ..plain() }, vec![]);
     refused(AxisParameters { reference: 1e30, ..plain() }, vec![]);
     refused(AxisParameters { range: Range::new(-1e30, 0.0), ..plain() }, vec![]);
+    // p, were it 0, would be limited to that
+    refused(AxisParameters { physical_range: Range::new(1e30, 1e30), ..plain() }, vec![]);
+    refused(AxisParameters { physical_range: Range::new(-1e30, -1e30), ..plain() }, vec![]);
     refused(AxisParameters { range: Range::new(-f32::MAX, f32::MAX), ..plain() }, vec![]);
     // r up to 2e10: its cube times one
     let range = Range::new(-1e10, 1e10);

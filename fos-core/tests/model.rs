@@ -102,12 +102,13 @@ fn a_coefficient_must_be_finite() {
 #[test]
 fn a_parameter_of_an_axis_must_be_finite_and_of_the_right_sign() {
     type Change = fn(&mut AxisParameters<f64>, f64);
-    let finite: [Change; 5] = [
+    let finite: [Change; 6] = [
         |axis, value| axis.reference = value,
         |axis, value| axis.offset = value,
         |axis, value| axis.constant = value,
         |axis, value| axis.innovation.mean = value,
         |axis, value| axis.range.low = value,
+        |axis, value| axis.physical_range.high = value,
     ];
     let not_negative: [Change; 2] =
         [|axis, value| axis.full_scale = value, |axis, value| axis.coast_limit_s = value];
@@ -127,8 +128,12 @@ fn a_parameter_of_an_axis_must_be_finite_and_of_the_right_sign() {
         let found = error(|model| model.axes[0].parameters.innovation.lag_1_correlation = correlation);
         assert_eq!(found, ModelError::AxisParameter { axis: 0 });
     }
-    let found = error(|model| model.axes[0].parameters.range = Range::new(1.0, -1.0));
-    assert_eq!(found, ModelError::AxisParameter { axis: 0 });
+    let wrong_way: [fn(&mut AxisParameters<f64>, Range<f64>); 2] =
+        [|axis, range| axis.range = range, |axis, range| axis.physical_range = range];
+    for change in wrong_way {
+        let found = error(|model| change(&mut model.axes[0].parameters, Range::new(1.0, -1.0)));
+        assert_eq!(found, ModelError::AxisParameter { axis: 0 });
+    }
 }
 
 #[test]
@@ -303,6 +308,7 @@ fn a_converted_model_is_the_same_model() {
         scale: 3.0,
         constant: 4.0,
         range: Range::new(5.0, 6.0),
+        physical_range: Range::new(-2.5, 1.25),
         full_scale: 7.0,
         stuck_after_repeats: 8,
         gap_limit_samples: 9,

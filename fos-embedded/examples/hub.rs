@@ -45,6 +45,7 @@ static GYRO_Z: AxisModel<'_, f32> = AxisModel {
         scale: 0.005,
         constant: 0.0,
         range: Range::new(-3.0, 3.0),
+        physical_range: Range::new(-2.0, 2.0),
         full_scale: 8.7,
         stuck_after_repeats: 0,
         gap_limit_samples: 20,

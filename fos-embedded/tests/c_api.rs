@@ -40,6 +40,7 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         scale: 0.003,
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
+        physical_range: Range::unlimited(),
         full_scale: 0.0,
         stuck_after_repeats: 0,
         gap_limit_samples: 3,

@@ -36,6 +36,7 @@ fn model(number: u32) -> Vec<u8> {
             scale: 1.0,
             constant: 0.0,
             range: Range::new(-10.0, 10.0),
+            physical_range: Range::new(0.0, 0.0),
             full_scale: 0.0,
             stuck_after_repeats: 200,
             gap_limit_samples: 20,

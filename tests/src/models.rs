@@ -105,6 +105,7 @@ pub fn plain<R: Real>() -> AxisParameters<R> {
         scale: number(1.0),
         constant: number(0.0),
         range: Range::new(number(-1.0), number(1.0)),
+        physical_range: Range::unlimited(),
         full_scale: number(0.0),
         stuck_after_repeats: 0,
         gap_limit_samples: 20,
@@ -238,7 +239,9 @@ pub fn axis_of(
 
 /// What every axis drawn at random has: a range of −`reach` … `reach`, and a full scale that samples pass seldom.
 pub fn drawn_axis(reach: f64) -> AxisParameters<f64> {
-    AxisParameters { range: Range::new(-reach, reach), full_scale: 14.0, ..plain() }
+    // p is beyond its range now and then: three times as far as the latter's half width
+    let physical_range = Range::new(-0.25 * reach, 0.5 * reach);
+    AxisParameters { range: Range::new(-reach, reach), physical_range, full_scale: 14.0, ..plain() }
 }
 
 fn axis(draw: Draw, inputs: Vec<Input<f64>>) -> impl Strategy<Value = OwnedAxis<f64>> {

@@ -1,6 +1,7 @@
 //! Models drawn to break the bound, coasted for long over samples drawn to break it.
 //!
-//! |predicted| ≤ |offset| + scale·(Σ|c|·Π|u| + limit of the remainder), the inputs at the limits of their ranges.
+//! |predicted| ≤ |offset| + scale·(Σ|c|·Π|u| or the limit of p + limit of the remainder), the inputs at the limits of their
+//! ranges.
 
 use std::fmt;
 
@@ -133,6 +134,11 @@ fn model(noise: &mut Noise, number: usize) -> OwnedModel<f32> {
                 scale: decade(noise, -6.0, 3.0),
                 constant: coefficient(noise),
                 range: range(noise, 6.0),
+                physical_range: if noise.bits().is_multiple_of(2) {
+                    range(noise, 6.0)
+                } else {
+                    Range::unlimited()
+                },
                 gap_limit_samples: pick(noise, &[0, 20, 255]),
                 coast_limit_s: pick(noise, &[0.0, 10.0, 1e9, 1e9, 1e9]),
                 ..plain()
@@ -164,7 +170,8 @@ fn bounds(model: &OwnedModel<f32>) -> Vec<f64> {
                 })
             });
             let remainder = limit(&axis.parameters.range, 0.5);
-            let scaled = physical.sum::<f64>() + remainder;
+            let together = limit(&axis.parameters.physical_range, 1.0);
+            let scaled = physical.sum::<f64>().min(together) + remainder;
             let roundings = 5.0 + axis.physical.len() as f64 * 4.0;
             (f64::from(axis.parameters.offset).abs() + f64::from(axis.parameters.scale) * scaled)
                 * (1.0 + roundings * f64::from(f32::EPSILON))

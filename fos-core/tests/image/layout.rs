@@ -61,6 +61,7 @@ pub fn model() -> OwnedModel<f32> {
                 scale: 0.002,
                 constant: 0.125,
                 range: Range::new(-4.0, 4.0),
+                physical_range: Range::new(-0.5, 0.75),
                 full_scale: 4.36,
                 stuck_after_repeats: 200,
                 gap_limit_samples: 20,
@@ -129,6 +130,8 @@ pub fn body() -> Vec<Field> {
         single("  constant", 0.125),
         single("  range low", -4.0),
         single("  range high", 4.0),
+        single("  physical_range low", -0.5),
+        single("  physical_range high", 0.75),
         single("  full_scale", 4.36),
         field("  stuck_after_repeats: 200, two bytes", &[0xc8, 0x01]),
         field("  gap_limit_samples", &[20]),
@@ -177,7 +180,7 @@ pub fn bytes(fields: &[Field]) -> Vec<u8> {
 pub fn header(body: &[u8], information: &[u8]) -> Vec<Field> {
     let mut fields = vec![
         field("magic: FOSM", b"FOSM"),
-        field("version: 1", &1_u16.to_le_bytes()),
+        field("version: 2", &2_u16.to_le_bytes()),
         field("flags: 0", &0_u16.to_le_bytes()),
         field("length of the body", &(body.len() as u32).to_le_bytes()),
         field("length of the information", &(information.len() as u32).to_le_bytes()),

@@ -8,7 +8,9 @@ mod function;
 use function::exp_m1;
 use proptest::prelude::*;
 
-use fos_core::{AxisParameters, Channel, Correction, Input, Sample, Source, Term, Transform, Validity};
+use fos_core::{
+    AxisParameters, Channel, Correction, Input, Range, Sample, Source, Term, Transform, Validity,
+};
 
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy};
 
@@ -374,7 +376,13 @@ impl TwinAxis {
         let own_history = ready && measured_run < depth;
 
         let mut validity = Validity::VALID;
-        let p = self.sum(&parts.physical, 0.0, inputs);
+        let mut p = self.sum(&parts.physical, 0.0, inputs);
+        let Range { low: least, high: most } = parameters.physical_range;
+        let (least, most) = widened(least, most, 1.0);
+        if !parts.physical.is_empty() && !(least..=most).contains(&p) {
+            validity |= Validity::INPUT_OUT_OF_RANGE;
+            p = p.clamp(least, most);
+        }
         let mut r_hat = 0.0;
         if ready {
             r_hat = self.sum(&parts.stochastic, parameters.constant, inputs);

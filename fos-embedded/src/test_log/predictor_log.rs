@@ -216,6 +216,7 @@ mod tests {
             scale: 1.0,
             constant: 0.0,
             range: Range::new(-4.0, 4.0),
+            physical_range: Range::new(0.0, 0.0),
             full_scale: 0.0,
             stuck_after_repeats: 0,
             gap_limit_samples: 3,

@@ -41,6 +41,7 @@ pub(crate) fn parameters(axis: Axis) -> AxisParameters<f32> {
         scale: SPREAD[at],
         constant: 0.0,
         range: Range::new(-5.0, 5.0),
+        physical_range: Range::unlimited(),
         full_scale: 0.0,
         stuck_after_repeats: 20,
         gap_limit_samples: 20,

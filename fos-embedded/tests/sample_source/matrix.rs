@@ -364,6 +364,7 @@ fn image(scales: &Scales) -> Vec<u8> {
             scale: 8.0 * code,
             constant: 0.0,
             range: Range::new(-5.0, 5.0),
+            physical_range: Range::unlimited(),
             full_scale: 0.0,
             stuck_after_repeats: 200,
             gap_limit_samples: 20,

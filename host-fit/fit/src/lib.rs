@@ -10,6 +10,7 @@ pub mod fit;
 pub mod model;
 pub mod moments;
 pub mod noise;
+mod parameters;
 pub mod playback;
 pub mod series;
 pub mod signal;

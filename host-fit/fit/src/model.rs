@@ -6,6 +6,7 @@ use fos_core::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
 /// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
@@ -53,6 +54,7 @@ pub struct FittedAxis {
     /// The column that was fitted.
     pub column: String,
     /// Its numbers.
+    #[serde(with = "StoredParameters")]
     pub parameters: AxisParameters<f64>,
     /// p: terms over inputs only.
     pub physical: Vec<FittedTerm>,

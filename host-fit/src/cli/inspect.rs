@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fos_core::Image;
+use fos_core::image::VERSION;
 use serde_json::{Value, json};
 
 use super::output::{Failure, print_json, print_line, print_text};
-use crate::export::description;
+use crate::export::{current, description, version};
 use fos_data::file;
 
 /// Show what is in a model image
@@ -24,17 +25,21 @@ pub(super) struct Inspect {
 impl Inspect {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bytes = file::read(&self.image)?;
-        let image = Image::parse(&bytes).map_err(|error| format!("{}: {error}", self.image.display()))?;
+        let of_image = |error| format!("{}: {error}", self.image.display());
+        let today = current(&bytes).map_err(of_image)?;
+        let image = Image::parse(&today).map_err(of_image)?;
+        // it has one: it was read
+        let version = version(&bytes).unwrap_or(VERSION);
         if self.json {
-            return print_json(&as_json(&image));
+            return print_json(&as_json(&image, version));
         }
-        print_line!("{} bytes, format version {}, checksum right", bytes.len(), fos_core::image::VERSION);
+        print_line!("{} bytes, format version {version}, checksum right", bytes.len());
         print_text!("{}", description(&image));
         Ok(())
     }
 }
 
-fn as_json(image: &Image<'_>) -> Value {
+fn as_json(image: &Image<'_>, version: u16) -> Value {
     let info = image.info();
     let terms = |terms: fos_core::image::Terms<'_>| -> Vec<Value> {
         terms.map(|term| json!({ "coefficient": term.coefficient, "factors": term.factors() })).collect()
@@ -50,7 +55,7 @@ fn as_json(image: &Image<'_>) -> Value {
         })
         .collect();
     json!({
-        "format_version": fos_core::image::VERSION,
+        "format_version": version,
         "sensor": info.sensor,
         "quantities": info.quantities.lines().collect::<Vec<_>>(),
         "effects": info.effects.lines().collect::<Vec<_>>(),

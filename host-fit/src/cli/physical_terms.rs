@@ -148,6 +148,7 @@ mod tests {
             scale: 0.002,
             constant: 0.0,
             range,
+            physical_range: Range::unlimited(),
             full_scale: 0.0,
             stuck_after_repeats: 20,
             gap_limit_samples: 10,

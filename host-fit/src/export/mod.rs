@@ -8,7 +8,7 @@ mod test_vector;
 
 pub use c_source::c_source;
 pub use error::ExportError;
-pub use fos_fit::export::{UnusableImage, description, image};
+pub use fos_fit::export::{UnusableImage, current, description, image, version};
 pub use refusal::Refusal;
 pub use rust_source::rust_source;
 pub use test_vector::{OwnedTestVector, Room, Unnoticed, test_vector};

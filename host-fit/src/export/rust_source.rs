@@ -188,6 +188,7 @@ fn write_axis(f: &mut Formatter<'_>, index: usize, axis: &AxisModel<'_, f32>) ->
         scale,
         constant,
         range,
+        physical_range,
         full_scale,
         stuck_after_repeats,
         gap_limit_samples,
@@ -202,6 +203,7 @@ fn write_axis(f: &mut Formatter<'_>, index: usize, axis: &AxisModel<'_, f32>) ->
     writeln!(f, "            scale: {scale:?},")?;
     writeln!(f, "            constant: {constant:?},")?;
     writeln!(f, "            range: {},", RangeItem(&range))?;
+    writeln!(f, "            physical_range: {},", RangeItem(&physical_range))?;
     writeln!(f, "            full_scale: {full_scale:?},")?;
     writeln!(f, "            stuck_after_repeats: {stuck_after_repeats},")?;
     writeln!(f, "            gap_limit_samples: {gap_limit_samples},")?;

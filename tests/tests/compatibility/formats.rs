@@ -14,10 +14,11 @@ use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
 };
 use fos_fit::evaluate::ModelErrors;
+use fos_fit::export::current;
 use host_fit::record::record;
 
 use crate::digest::Digest;
-use crate::flash::{Flash, images, store};
+use crate::flash::{Flash, images, images_of_version_1, store};
 use crate::{folder, kinds, make};
 
 /// Makes of a file one that says it is of that version.
@@ -88,8 +89,8 @@ pub(crate) const FORMATS: &[Format] = &[
         title: "store of images in flash",
         name: "flash",
         extension: "bin",
-        // it has no number of its own: the version of sequential-storage's layout, and four bytes before the image
-        version: 1,
+        // it has no number of its own: sequential-storage's layout, four bytes before the image, and the version of that
+        version: fos_core::image::VERSION as u32,
         outputs: of_flash,
         as_version: None,
         payload: images_in_flash,
@@ -164,19 +165,28 @@ fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result
 }
 
 pub(crate) fn of_image(bytes: &[u8]) -> Result<String, String> {
-    let image = Image::parse(bytes).map_err(|error| error.to_string())?;
+    let today = current(bytes).map_err(|error| error.to_string())?;
+    let image = Image::parse(&today).map_err(|error| error.to_string())?;
     let info = image.info();
     let lines = |text: &str| text.lines().collect::<Vec<_>>().join(", ");
     let (quantities, effects) = (lines(info.quantities), lines(info.effects));
-    let corrections = corrections(|hub| hub.load(bytes))?;
+    let corrections = corrections(|hub| hub.load(&today))?;
     Ok(format!("{corrections}sensor {}\nquantities {quantities}\neffects {effects}\n", info.sensor))
 }
 
 fn of_flash(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = String::new();
-    for (name, image) in ["newest", "previous"].into_iter().zip(images(&mut store(Flash(bytes.to_vec())))?) {
+    let mut held = images(&mut store(Flash(bytes.to_vec())))?;
+    if held == [None, None] {
+        // a device of today passes them over
+        held = images_of_version_1(bytes);
+    }
+    for (name, image) in ["newest", "previous"].into_iter().zip(held) {
         let said = match image {
-            Some(image) => corrections(|hub| hub.load(&image))?,
+            Some(image) => {
+                let today = current(&image).map_err(|error| error.to_string())?;
+                corrections(|hub| hub.load(&today))?
+            }
             None => "none\n".to_owned(),
         };
         let _ = write!(outputs, "{name}\n{said}");
@@ -227,6 +237,7 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
 fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
     let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
     let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
+    let model = current(&model).map_err(|error| error.to_string())?;
     let image = Image::parse(&model).map_err(|error| error.to_string())?;
     let mut predictor = image.predictor::<f32, 6, 16, 128, 256>().map_err(|error| error.to_string())?;
     let n_quantities = image.quantities().count() as u8;
@@ -371,7 +382,10 @@ fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
 
 /// The images in a flash: what stands around them may be repaired.
 fn images_in_flash(bytes: &[u8]) -> Vec<usize> {
-    let images = images(&mut store(Flash(bytes.to_vec()))).expect("images");
+    let images = match images(&mut store(Flash(bytes.to_vec()))).expect("images") {
+        [None, None] => images_of_version_1(bytes),
+        images => images,
+    };
     let place = |image: &Vec<u8>| {
         let place =
             bytes.windows(image.len()).position(|window| window == image).expect("it lies in one piece");

@@ -9,6 +9,8 @@ use fos_core::{
     Range, Source, StillnessLimits, Term, Transform, u, y,
 };
 
+use fos_fit::export::current;
+
 use crate::formats::of_image;
 
 const QUANTITIES: [Quantity; 10] = [
@@ -73,6 +75,7 @@ pub(crate) fn image() -> Vec<u8> {
             scale,
             constant: 0.1,
             range: Range::new(-5.0, 6.0),
+            physical_range: Range::new(-2.5, 3.0),
             full_scale: 30.0,
             stuck_after_repeats: 12,
             gap_limit_samples: 7,
@@ -103,7 +106,8 @@ pub(crate) fn image() -> Vec<u8> {
 /// What it comes to, and what it says that it is.
 pub(crate) fn outputs(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = of_image(bytes)?;
-    let image = Image::parse(bytes).map_err(|error| error.to_string())?;
+    let today = current(bytes).map_err(|error| error.to_string())?;
+    let image = Image::parse(&today).map_err(|error| error.to_string())?;
     for quantity in image.quantities() {
         let _ = writeln!(outputs, "quantity {quantity:?}");
     }

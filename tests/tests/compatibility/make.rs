@@ -15,6 +15,7 @@ use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode};
 use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
+use fos_fit::export::current;
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
 
@@ -114,10 +115,15 @@ pub(crate) fn image() -> Vec<u8> {
     host_fit::export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
 }
 
+/// As an image of today.
+fn oldest_image() -> Vec<u8> {
+    current(&read(&folder().join("model_v1.fosm"))).expect("it is read").into_owned()
+}
+
 /// The oldest image, then the model of the study.
 pub(crate) fn flash() -> Vec<u8> {
     let mut store = store(Flash(vec![0xff; BYTES]));
-    for bytes in [read(&folder().join("model_v1.fosm")), image()] {
+    for bytes in [oldest_image(), image()] {
         poll_once(store.store(&bytes)).expect("done at once").unwrap_or_else(|error| panic!("{error:?}"));
     }
     store.release().0.0
@@ -146,7 +152,7 @@ pub(crate) fn telemetry() -> Vec<u8> {
     let log = read(&folder().join("hub_log_v1.fosh"));
     let header = HubLogHeader::decode(&log).expect("a header");
     let mut hub: Hub<16, 128, 256> = Hub::new(header.scales);
-    hub.load(&read(&folder().join("model_v1.fosm"))).expect("loaded");
+    hub.load(&oldest_image()).expect("loaded");
     let start =
         StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c\nsupply_v" };
     let mut recorder: Recorder<_, 320> = Recorder::new(Line(Vec::new()));

@@ -31,6 +31,7 @@ pub fn model() -> UnitModel {
         scale: 0.0021,
         constant: 0.01,
         range: Range::new(-4.5, 4.25),
+        physical_range: Range::new(-8.0, 7.5),
         full_scale: 4.36,
         stuck_after_repeats: 40,
         gap_limit_samples: 20,

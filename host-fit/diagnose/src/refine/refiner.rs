@@ -9,6 +9,7 @@ use fos_data::stillness::{self, KnownBy};
 use fos_data::{disturbance, pose};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::{ModelErrors, trace};
+use fos_fit::fit::physical_range::{Part, physical_range};
 use fos_fit::fit::regressors::Regressors;
 use fos_fit::model::{FittedAxis, Plain, UnitModel};
 use fos_fit::playback::Playback;
@@ -76,7 +77,7 @@ impl<'a> Refiner<'a> {
     pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
         let left = self.left(model, &[])?;
         let field = self.measured(&model.axes[0].column);
-        self.step(self.settled(model.clone(), &field)?, None, left)
+        self.step(self.settled(model.clone(), &[], &field)?, None, left)
     }
 
     /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
@@ -159,9 +160,9 @@ impl<'a> Refiner<'a> {
             return Err(StudyAxisError::NothingAdded(refinement.column.clone()).into());
         };
         let mut model = first.model.clone();
-        terms::add(&mut model, &findings, &self.field)?;
+        let effects = terms::add(&mut model, &findings, &self.field)?;
         let field = self.measured(&refinement.column);
-        let model = self.settled(model, &as_after_steps(&findings, &refinement.column, &field)?)?;
+        let model = self.settled(model, &effects, &as_after_steps(&findings, &refinement.column, &field)?)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -263,10 +264,18 @@ impl<'a> Refiner<'a> {
         Ok(physical(model, log, &known)?.swap_remove(0))
     }
 
-    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the range of it. `log` is
-    /// the field log as it is in later logs, without the steps that happened in it.
-    fn settled(&self, mut model: UnitModel, log: &Recording) -> Result<UnitModel, RefineError> {
+    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the ranges of both. `log` is
+    /// the field log as it is in later logs, without the steps that happened in it; `effects` the places of the terms that
+    /// were added, effect by effect.
+    fn settled(
+        &self,
+        mut model: UnitModel,
+        effects: &[Range<usize>],
+        log: &Recording,
+    ) -> Result<UnitModel, RefineError> {
         let column = model.axes[0].column.clone();
+        let before = model.axes[0].parameters.physical_limits();
+        model.axes[0].parameters.physical_range = fos_core::Range::unlimited();
         let (level, is_bias_known) = self.level(&model, log, 0..log.n_rows())?;
         let parameters = &mut model.axes[0].parameters;
         match is_bias_known {
@@ -279,7 +288,15 @@ impl<'a> Refiner<'a> {
         let mut alone = model.clone();
         alone.axes[0].stochastic.clear();
         let regressors = Regressors::of(&alone, &playback, log.n_rows())?;
-        let FittedAxis { parameters, plain, .. } = &mut model.axes[0];
+        let inputs = &model.inputs;
+        let FittedAxis { parameters, physical, plain, .. } = &mut model.axes[0];
+        let base = &physical[..effects.first().map_or(physical.len(), |first| first.start)];
+        let parts = effects.iter().map(|places| (&physical[places.clone()], fos_core::Range::unlimited()));
+        let parts = parts.chain([(base, before)]).map(|(terms, within)| Part { terms, within });
+        let parts: Vec<Part<'_>> = parts.collect();
+        // as for the ranges of the inputs: at rest or not
+        let rows = (0..log.n_rows()).filter(|row| playback.knows_inputs(*row));
+        parameters.physical_range = physical_range(inputs, &regressors.inputs, rows, &parts);
         let range = &mut parameters.range;
         for value in regressors.known(&regressors.remainder) {
             (range.low, range.high) = (range.low.min(value), range.high.max(value));

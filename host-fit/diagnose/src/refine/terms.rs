@@ -3,8 +3,9 @@
 
 use fos_data::column::Column;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-use fos_core::{Factor, Input, Range, Source, Transform, u};
+use fos_core::{Factor, Input, Range as Fitted, Source, Transform, u};
 
 use crate::detect::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
@@ -17,7 +18,7 @@ use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position
 const WIDTHS: f64 = 1.0;
 
 /// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were
-/// found in. Steps are no terms: they stay in the bias of every later log.
+/// found in. Steps are no terms: they stay in the bias of every later log. The places of the terms, effect by effect.
 ///
 /// # Errors
 ///
@@ -26,10 +27,12 @@ pub(super) fn add(
     model: &mut UnitModel,
     findings: &[Finding],
     field: &Recording,
-) -> Result<(), RecordingError> {
+) -> Result<Vec<Range<usize>>, RecordingError> {
+    let mut places = Vec::new();
     let inputs = Inputs::new(field);
     let scale = model.axes[0].parameters.scale;
     for finding in findings {
+        let first = model.axes[0].physical.len();
         for CorrectionTerm { regressor, coefficient, standard_error } in &finding.correction {
             if step_time(regressor).is_some() {
                 continue;
@@ -45,8 +48,9 @@ pub(super) fn add(
                 });
             }
         }
+        places.push(first..model.axes[0].physical.len());
     }
-    Ok(())
+    Ok(places)
 }
 
 fn factors(
@@ -67,7 +71,7 @@ fn place(
     inputs: &Inputs<'_>,
 ) -> Result<u8, RecordingError> {
     let (source, source_range) = match &spec.column {
-        None => (Source::Clock, Range::new(0.0, 0.0)),
+        None => (Source::Clock, Fitted::new(0.0, 0.0)),
         Some(column) => {
             let quantity =
                 LoggedQuantity { column: column.clone(), quantity: Column::named(column).quantity() };
@@ -78,11 +82,11 @@ fn place(
     };
     let name = spec.to_string();
     let range = match (spec.transform, limits.get(&name)) {
-        (_, Some([low, high])) => Range::new(*low, *high),
-        (Transform::Decay { .. }, _) => Range::new(0.0, 1.0),
-        (Transform::Sine { .. } | Transform::Cosine { .. }, _) => Range::new(-1.0, 1.0),
+        (_, Some([low, high])) => Fitted::new(*low, *high),
+        (Transform::Decay { .. }, _) => Fitted::new(0.0, 1.0),
+        (Transform::Sine { .. } | Transform::Cosine { .. }, _) => Fitted::new(-1.0, 1.0),
         // a device runs for longer than a log
-        (Transform::Time, _) => Range::new(0.0, LONGEST_S),
+        (Transform::Time, _) => Fitted::new(0.0, LONGEST_S),
         _ => widened(range(&inputs.input(spec)?)),
     };
     let input = Input { source, transform: spec.transform, centre: 0.0, scale: 1.0, source_range, range };
@@ -98,7 +102,7 @@ fn range(values: &[f64]) -> [f64; 2] {
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)])
 }
 
-fn widened([low, high]: [f64; 2]) -> Range<f64> {
+fn widened([low, high]: [f64; 2]) -> Fitted<f64> {
     let margin = WIDTHS * (high - low);
-    Range::new(low - margin, high + margin)
+    Fitted::new(low - margin, high + margin)
 }

@@ -41,6 +41,7 @@ pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
     plain.quantities.clear();
     for (axis, lag_1) in plain.axes.iter_mut().zip(lag_1) {
         axis.physical.clear();
+        axis.parameters.physical_range = Range::new(0.0, 0.0);
         axis.parameters.constant = 0.0;
         axis.parameters.coast_limit_s = FOR_EVER_S;
         // the model's offset is that of what its physical part leaves, and so is its range

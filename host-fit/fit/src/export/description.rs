@@ -3,7 +3,7 @@
 use fos_data::column::Column;
 use std::fmt::{self, Display, Formatter};
 
-use fos_core::{Axis, AxisParameters, Channel, Image, Term};
+use fos_core::{Axis, AxisParameters, Channel, Image, Range, Term};
 
 use fos_data::text::number;
 use fos_data::visible::visible;
@@ -56,7 +56,11 @@ impl Display for Description<'_> {
         }
         for axis in image.axes() {
             write_parameters(f, &axis.parameters)?;
-            writeln!(f, "  p =")?;
+            let Range { low, high } = axis.parameters.physical_range;
+            match axis.parameters.physical_range == Range::unlimited() {
+                true => writeln!(f, "  p =")?,
+                false => writeln!(f, "  p, fitted {} … {} =", number(low.into()), number(high.into()))?,
+            }
             for term in axis.physical {
                 writeln!(f, "    {}", term_text(&term))?;
             }

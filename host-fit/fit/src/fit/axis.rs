@@ -11,6 +11,7 @@ use super::axis_error::AxisError;
 use super::axis_report::AxisReport;
 use super::options::{FitOptions, InputSpec, Train};
 use super::physical;
+use super::physical_range::{Part, physical_range};
 use super::poses::Poses;
 use super::regressors::Regressors;
 use super::stochastic;
@@ -181,6 +182,7 @@ fn start(
         scale: options.scale.unwrap_or(deviation),
         constant: 0.0,
         range: ANY,
+        physical_range: Fitted::unlimited(),
         full_scale: options.full_scale,
         stuck_after_repeats: stuck_after(recording, column, training),
         gap_limit_samples: (GAP_LIMIT_S / recording.rate.period_s).round().clamp(1.0, 255.0) as u8,
@@ -312,7 +314,7 @@ fn set_statistics(
     Ok(())
 }
 
-/// Sets the fitted ranges of the inputs and of the remainder.
+/// Sets the fitted ranges of the inputs, of the physical part and of the remainder.
 fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
     let range = |column: &[f64]| {
         let extremes = regressors
@@ -337,4 +339,8 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
             Source::Quantity(_) => Fitted::new(-SOURCE_LIMIT, SOURCE_LIMIT),
         };
     }
+    let terms = model.axes[0].physical.chunks(1);
+    let parts: Vec<Part<'_>> = terms.map(|terms| Part { terms, within: Fitted::unlimited() }).collect();
+    let rows = regressors.stretches.iter().cloned().flatten();
+    model.axes[0].parameters.physical_range = physical_range(&model.inputs, &regressors.inputs, rows, &parts);
 }

@@ -10,6 +10,7 @@ mod householder;
 mod least_squares;
 pub mod options;
 pub mod physical;
+pub mod physical_range;
 mod pool;
 mod poses;
 pub mod refit;

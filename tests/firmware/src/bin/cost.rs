@@ -72,6 +72,7 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         scale: if matches!(axis, Axis::Ax | Axis::Ay | Axis::Az) { 0.02 } else { 0.005 },
         constant: 0.001,
         range: Range::new(-5.0, 5.0),
+        physical_range: Range::new(-5.0, 5.0),
         full_scale: 0.0,
         stuck_after_repeats: 100,
         gap_limit_samples: 20,

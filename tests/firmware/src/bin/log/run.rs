@@ -30,6 +30,7 @@ static GYRO_Z: AxisModel<'_, f32> = AxisModel {
         scale: 0.5,
         constant: 0.0,
         range: Range::new(-4.0, 4.0),
+        physical_range: Range::new(0.0, 0.0),
         full_scale: 16.0,
         stuck_after_repeats: 50,
         gap_limit_samples: 20,

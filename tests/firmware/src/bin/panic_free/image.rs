@@ -101,6 +101,7 @@ fn parameters() -> AxisParameters<f32> {
         scale: black_box(1.0),
         constant: black_box(0.0),
         range: black_box(RANGE),
+        physical_range: black_box(RANGE),
         full_scale: black_box(0.0),
         stuck_after_repeats: black_box(0),
         gap_limit_samples: black_box(0),
