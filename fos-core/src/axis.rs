@@ -138,9 +138,6 @@ impl<R: Real> RunningAxis<R> {
     /// Keeps p within its limits; whether it was beyond them. It is finite: the inputs are within theirs.
     #[inline(always)]
     pub(crate) fn limit_physical(&mut self) -> bool {
-        if self.physical.is_empty {
-            return false;
-        }
         let Range { low, high } = self.physical_range;
         self.physical.value = if self.physical.value > high {
             high

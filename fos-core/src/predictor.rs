@@ -250,11 +250,11 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             })
         };
         // limited, p may end as far from 0 as its limits begin
-        let limits = parameters.physical_limits();
-        let nearest = limits.low.to_f64().max(-limits.high.to_f64());
+        let nearest = parameters.physical_limits().limit(R::ZERO).abs();
         let scaled = output
             + parameters.constant.to_f64().abs()
-            + physical.map(magnitude).sum::<f64>().max(nearest)
+            + nearest.to_f64()
+            + physical.map(magnitude).sum::<f64>()
             + stochastic.map(magnitude).sum::<f64>();
         let scale = parameters.scale.to_f64();
         let in_unit =
@@ -433,8 +433,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             self.make_room();
         }
         let unusable = self.update_inputs(sample.quantities);
-        self.evaluate();
-        let limited = self.limit_physical();
+        let limited = self.evaluate();
         let mut measured = sample.measured.iter();
         let mut corrections = self.corrections.iter_mut();
         for axis in &mut self.axes {
@@ -451,23 +450,18 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         &self.corrections
     }
 
-    /// Evaluates the physical and the stochastic part of every axis.
+    /// Evaluates the physical and the stochastic part of every axis; whether the former was limited anywhere.
     #[inline(never)]
-    fn evaluate(&mut self) {
+    fn evaluate(&mut self) -> bool {
         let window = self.history.window();
         let mut terms = self.program.terms();
-        for axis in &mut self.axes {
-            terms = axis.physical.evaluate(terms, window);
-            terms = axis.stochastic.evaluate(terms, window);
-        }
-    }
-
-    /// Keeps p of every axis within its limits; whether one was beyond them. A loop of its own is the least flash.
-    #[inline(never)]
-    fn limit_physical(&mut self) -> bool {
         let mut limited = false;
         for axis in &mut self.axes {
-            limited |= axis.limit_physical();
+            if !axis.physical.is_empty {
+                terms = axis.physical.evaluate(terms, window);
+                limited |= axis.limit_physical();
+            }
+            terms = axis.stochastic.evaluate(terms, window);
         }
         limited
     }

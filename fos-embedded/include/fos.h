@@ -84,7 +84,7 @@
 // Validity: the error is far outside what was seen while fitting; it was limited.
 #define FOS_VALIDITY_OUTPUT_OUT_OF_RANGE 8
 
-// Validity: an input is outside what was seen while fitting; the edge of that range was used.
+// Validity: an input, or the inputs together, are outside what was seen while fitting; the edge of that range was used.
 #define FOS_VALIDITY_INPUT_OUT_OF_RANGE 16
 
 // Validity: the measured value is not finite; the corrected value before is repeated.

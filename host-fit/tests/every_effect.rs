@@ -1,7 +1,7 @@
 //! Every effect of the library, the user's whole path: a quiet log is fitted, the effect is hidden in the next one,
 //! named, added, exported, and what the device then makes of a third log is nearer to the truth.
 
-use fos_core::Image;
+use fos_core::{AxisParameters, Image, Input, Range, Sample, Validity};
 use fos_data::column::Column;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::effects::{Band, Detector, Effect, Library};
@@ -115,6 +115,52 @@ impl Logs {
     }
 }
 
+/// An effect alone is limited by the ranges of its inputs and by nothing else: f32, on any quantities, with p limited as
+/// stored and not at all. Returns how far p came outside its stored range, in widths of that.
+fn widths_outside(model: &UnitModel) -> f64 {
+    let bits = |model: &UnitModel| -> Vec<(f32, u32, Validity)> {
+        let mut predictor = model.predictor::<f32>().expect("it runs");
+        let mut random = Random(7);
+        let mut quantities = vec![0.0; model.quantities.len()];
+        let samples = (0..20_000).map(|sample| {
+            for (index, quantity) in quantities.iter_mut().enumerate() {
+                // held for a while, for what has a memory; one changes each time
+                if random.share() < [0.5, 0.02, 0.001][sample % 3] {
+                    let inputs = model.inputs.iter().map(|named| &named.input);
+                    let of = |input: &&Input<f64>| input.source == fos_core::Source::Quantity(index as u8);
+                    let range =
+                        inputs.clone().find(of).map_or(Range::new(0.0, 1.0), |input| input.source_range);
+                    let width = range.high - range.low;
+                    *quantity = (range.low - 0.2 * width + 1.4 * width * random.share()) as f32;
+                }
+            }
+            let found = predictor.coast(&Sample { measured: &[0.0], quantities: &quantities })[0];
+            (found.predicted, found.predicted.to_bits(), found.validity)
+        });
+        samples.collect()
+    };
+    let mut free = model.clone();
+    free.axes[0].parameters.physical_range = Range::unlimited();
+    let said = bits(&free);
+    assert!(bits(model) == said, "{:?}", model.inputs.iter().map(|named| &named.name).collect::<Vec<_>>());
+    let AxisParameters { offset, scale, physical_range: Range { low, high }, .. } = model.axes[0].parameters;
+    let outside = |(predicted, ..): &(f32, u32, Validity)| {
+        let p = (f64::from(*predicted) - offset) / scale;
+        (p - high).max(low - p) / (high - low)
+    };
+    said.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
+}
+
+/// x ← 6364136223846793005·x + 1442695040888963407 (Knuth).
+struct Random(u64);
+
+impl Random {
+    fn share(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
 /// What became of an effect on its way.
 struct Outcome {
     id: String,
@@ -126,6 +172,8 @@ struct Outcome {
     /// Error after over before, in f32, of the effect's band.
     ratio: f64,
     one_step: f64,
+    /// How far p comes outside its stored range on the wildest of quantities, in widths of that.
+    outside: f64,
     /// The same with the level of the whole step on top of the field log's mean, as it was.
     wrong: Option<f64>,
 }
@@ -157,6 +205,7 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
         bias: [refinement.steps[0].left.bias, step.left.bias],
         ratio: logs.left_on_the_device(&step.model, of) / before,
         one_step: step.errors.one_step_mse / refinement.steps[0].errors.one_step_mse,
+        outside: widths_outside(&step.model),
         wrong,
     }
 }
@@ -183,9 +232,9 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let step = library.get("bias_step").expect("there");
     runs.extend((1..=4).map(|seed| (step, seed)));
     let outcomes: Vec<Outcome> = runs.par_iter().map(|(effect, seed)| outcome(effect, *seed)).collect();
-    for Outcome { id, named, predicted, measured, bias, ratio, one_step, wrong } in &outcomes {
+    for Outcome { id, named, predicted, measured, bias, ratio, one_step, outside, wrong } in &outcomes {
         println!(
-            "{id}: named {named:?}, predicted {:.3} … {:.3}, measured {measured:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, wrong {wrong:?}",
+            "{id}: named {named:?}, predicted {:.3} … {:.3}, measured {measured:.3}, left on the device {ratio:.4}, bias {bias:?}, one-step {one_step:.4}, p {outside:.2} widths outside, wrong {wrong:?}",
             predicted[0], predicted[1]
         );
     }
@@ -195,6 +244,8 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
         assert!(outcome.ratio < 1.0 - 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.ratio);
         assert!(outcome.measured > 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.measured);
     }
+    // the control: without the room that an effect's inputs need, a width would be too little for some
+    assert!(outcomes.iter().any(|outcome| outcome.outside > 0.9), "p never came near its limit");
     let wrong: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.wrong).collect();
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();
     assert!(noticed * 2 > wrong.len(), "{wrong:?}");

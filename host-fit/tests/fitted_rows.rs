@@ -1,12 +1,15 @@
 //! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the
 //! model's.
 
+use fos_core::{Range, Validity};
 use fos_data::column::AXES;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
 use fos_diagnose::compare::{Comparison, MODEL, study_of};
 use fos_fit::evaluate::Rival;
 use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis, rest};
+use fos_fit::model::UnitModel;
+use fos_fit::playback::Playback;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -97,6 +100,57 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
         ways.len(),
         ROWS / 2
     );
+}
+
+/// Two thermometers that cannot be told apart but for their noise: each has a coefficient, and together they say what one
+/// would. p is stored as it was on the fitted rows, whatever came after.
+#[test]
+fn the_range_of_p_is_that_over_the_fitted_rows() {
+    const ROWS: usize = 12_000;
+    let mut columns = log(ROWS, 0, 5);
+    let temp_c = columns[6].1.clone();
+    let case_c: Vec<f64> = columns[0].1.iter().zip(&temp_c).map(|(noise, t)| t + 0.02 * noise).collect();
+    let apart = temp_c.iter().zip(&case_c).map(|(temp, case)| 40.0 * (temp - case));
+    columns[3].1.iter_mut().zip(apart).for_each(|(rate, apart)| *rate += apart);
+    columns.push(("case_temp_c".to_owned(), case_c));
+    columns[6].1[ROWS / 2..].fill(40.0);
+    columns[8].1[ROWS / 2..].fill(20.0);
+    let recording = recording(columns);
+    let options = options(&["temp_c", "case_temp_c"], &[]);
+    let stillness = rest(&recording, options.train);
+    let fit = fit_axis(&recording, &stillness, "gx", &options).expect("a fit");
+    assert_eq!(fit.model.axes[0].physical.len(), 2, "{:?}", fit.report.left_out);
+    let parameters = fit.model.axes[0].parameters;
+    let mut physical = fit.model.clone();
+    physical.axes[0].stochastic.clear();
+    physical.axes[0].parameters.constant = 0.0;
+    let p = |model: &UnitModel| -> Vec<(f64, Validity)> {
+        let playback = Playback::new(&recording, model, &stillness.still).expect("a playback");
+        let mut predictor = model.predictor::<f64>().expect("a model");
+        let said = (0..ROWS).map(|row| {
+            let said = playback.coast(&mut predictor, row)[0];
+            ((said.predicted - parameters.offset) / parameters.scale, said.validity)
+        });
+        said.collect()
+    };
+    let limited = p(&physical);
+    let fitted = &limited[..ROWS / 2];
+    let Range { low, high } = parameters.physical_range;
+    let least = fitted.iter().map(|(p, _)| *p).fold(f64::INFINITY, f64::min);
+    let most = fitted.iter().map(|(p, _)| *p).fold(f64::NEG_INFINITY, f64::max);
+    let width = most - least;
+    assert!(
+        (least - low).abs() < 1e-3 * width && (most - high).abs() < 1e-3 * width,
+        "{low} … {high}, {least} … {most}"
+    );
+    assert!(fitted.iter().all(|(_, validity)| !validity.contains(Validity::INPUT_OUT_OF_RANGE)));
+    // warm and cold: neither input beyond its own range by more than a twentieth, and limited together
+    physical.axes[0].parameters.physical_range = Range::unlimited();
+    let after = ROWS / 2 + 10..ROWS;
+    let without = p(&physical)[after.clone()].iter().map(|(p, _)| p.abs()).fold(0.0, f64::max);
+    let with = limited[after.clone()].iter().map(|(p, _)| p.abs()).fold(0.0, f64::max);
+    assert!(without > 5.0 * width && with < 2.1 * width, "{without}, {with} of {width}");
+    assert!(limited[after].iter().all(|(_, validity)| validity.contains(Validity::INPUT_OUT_OF_RANGE)));
 }
 
 /// The comparison of a fit, on the rows after it.

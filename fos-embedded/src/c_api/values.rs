@@ -43,7 +43,7 @@ pub const FOS_VALIDITY_OWN_HISTORY: u16 = 2;
 pub const FOS_VALIDITY_COASTING_TOO_LONG: u16 = 4;
 /// Validity: the error is far outside what was seen while fitting; it was limited.
 pub const FOS_VALIDITY_OUTPUT_OUT_OF_RANGE: u16 = 8;
-/// Validity: an input is outside what was seen while fitting; the edge of that range was used.
+/// Validity: an input, or the inputs together, are outside what was seen while fitting; the edge of that range was used.
 pub const FOS_VALIDITY_INPUT_OUT_OF_RANGE: u16 = 16;
 /// Validity: the measured value is not finite; the corrected value before is repeated.
 pub const FOS_VALIDITY_NOT_FINITE: u16 = 32;

@@ -13,7 +13,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::{FORMATS, Format};
+use fos_core::{AxisParameters, Image, Range};
 use fos_diagnose::study::Study;
+use fos_fit::export::current;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
@@ -139,6 +141,27 @@ fn another_version_is_refused_by_its_number() {
             }
         }
     }
+}
+
+/// What is told from what was written before there was a range of p: nothing, and p is not limited.
+#[test]
+fn what_is_older_than_the_range_of_p_does_not_limit_it() {
+    for name in ["model", "kinds"] {
+        let bytes = |version: u32| read(&folder().join(format!("{name}_v{version}.fosm")));
+        let (old, new) = (bytes(1), bytes(2));
+        let old = current(&old).expect("it is read");
+        let (old, new) = (Image::parse(&old).expect("an image"), Image::parse(&new).expect("an image"));
+        assert!(old.inputs().eq(new.inputs()) && old.quantities().eq(new.quantities()), "{name}");
+        assert_eq!((old.axes().count(), old.stillness()), (new.axes().count(), new.stillness()), "{name}");
+        for (old, new) in old.axes().zip(new.axes()) {
+            assert_ne!(new.parameters.physical_range, Range::unlimited());
+            let physical_range = Range::unlimited();
+            assert_eq!(old.parameters, AxisParameters { physical_range, ..new.parameters }, "{name}");
+            assert!(old.physical.eq(new.physical) && old.stochastic.eq(new.stochastic), "{name}");
+        }
+    }
+    let study = Study::read(&folder().join("study_v1.json")).expect("it is read");
+    assert!(study.model.axes.iter().all(|axis| axis.parameters.physical_range == Range::unlimited()));
 }
 
 /// The counter-check: the outputs see what changes.

@@ -11,6 +11,9 @@ const ROUNDING: f64 = 1.0 / (1 << 18) as f64;
 /// Places on the range of an input that powers are taken of; others are at one end of theirs.
 const PLACES: u32 = 8;
 
+/// Combinations of places that are tried; where there are more, nothing is taken to cancel.
+const MOST: u32 = 1 << 16;
+
 /// Terms of p that belong together: one term of a fit, one effect that was added.
 #[derive(Debug, Clone, Copy)]
 pub struct Part<'a> {
@@ -90,7 +93,11 @@ fn reach(terms: &[FittedTerm], inputs: &[NamedInput]) -> Option<Range<f64>> {
     let is_power =
         |input: usize| terms.iter().any(|term| inputs_of(term).filter(|other| *other == input).count() > 1);
     let places: Vec<u32> = used.iter().map(|input| if is_power(*input) { PLACES } else { 1 }).collect();
-    let combinations: u32 = places.iter().map(|places| places + 1).product();
+    let combinations = places.iter().try_fold(1_u32, |all, places| all.checked_mul(places + 1));
+    let Some(combinations) = combinations.filter(|combinations| *combinations <= MOST) else {
+        let magnitude: f64 = terms.iter().map(|term| magnitude(term, inputs)).sum();
+        return Some(Range::new(-magnitude, magnitude));
+    };
     seen((0..combinations).map(|combination| {
         value(terms, |input| {
             let mut left = combination;
@@ -195,6 +202,14 @@ mod tests {
         assert!(limits.low <= -0.45, "{limits:?}");
         // the width that the predictor grants is that of both sides
         assert!(limits.high < 15.0, "{limits:?}");
+    }
+
+    #[test]
+    fn many_inputs_are_taken_at_their_worst() {
+        let inputs: Vec<NamedInput> = (0..32).map(|_| input(0.0, 1.0)).collect();
+        let terms: Vec<FittedTerm> = (0..32).flat_map(|input| term(1.0, &[input])).collect();
+        let [_, limits] = of(&inputs, &vec![ramp(); 32], &[&terms]);
+        assert!(limits.high >= 32.0 * 1.05 && limits.high < 140.0, "{limits:?}");
     }
 
     #[test]
