@@ -128,8 +128,8 @@ fn a_parameter_of_an_axis_must_be_finite_and_of_the_right_sign() {
         let found = error(|model| model.axes[0].parameters.innovation.lag_1_correlation = correlation);
         assert_eq!(found, ModelError::AxisParameter { axis: 0 });
     }
-    let wrong_way: [fn(&mut AxisParameters<f64>, Range<f64>); 2] =
-        [|axis, range| axis.range = range, |axis, range| axis.physical_range = range];
+    type Set = fn(&mut AxisParameters<f64>, Range<f64>);
+    let wrong_way: [Set; 2] = [|axis, range| axis.range = range, |axis, range| axis.physical_range = range];
     for change in wrong_way {
         let found = error(|model| change(&mut model.axes[0].parameters, Range::new(1.0, -1.0)));
         assert_eq!(found, ModelError::AxisParameter { axis: 0 });
