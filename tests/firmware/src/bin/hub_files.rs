@@ -89,7 +89,8 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         scale: if is_accel { 0.02 } else { 0.003 },
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
-        physical_range: Range::new(-0.25, 0.3),
+        // narrow: p is limited now and then
+        physical_range: Range::new(-0.05, 0.06),
         full_scale: 0.0,
         stuck_after_repeats: 12,
         gap_limit_samples: 20,

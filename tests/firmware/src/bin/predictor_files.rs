@@ -74,7 +74,8 @@ fn parameters(axis: usize) -> AxisParameters<f32> {
         scale: if axis < 3 { 0.02 } else { 0.003 },
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
-        physical_range: Range::new(-0.25, 0.3),
+        // narrow: p is limited now and then
+        physical_range: Range::new(-0.05, 0.06),
         full_scale: if axis < 3 { 39.2 } else { 8.7 },
         stuck_after_repeats: 8,
         gap_limit_samples: 20,
