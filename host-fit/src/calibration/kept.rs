@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::Cases;
+use super::cases::Cases;
 use super::outcome::Outcome;
 use crate::program::this_build;
 use fos_data::file::{FileError, write_atomically};

@@ -1,5 +1,6 @@
 //! How often the diagnosis is right: simulated cases with a known truth, diagnosed, corrected and counted.
 
+mod cases;
 mod error;
 mod figures;
 mod kept;
@@ -10,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use cases::Cases;
 pub use error::CalibrationError;
 pub use figures::{Goal, Statistic, figures, in_world};
 pub use kept::KeptOutcomes;
@@ -17,19 +19,6 @@ pub use outcome::{Outcome, examine};
 
 use fos_diagnose::effects::Library;
 use fos_simulate::{Disturbance, suite_in};
-
-/// The cases to simulate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Cases {
-    /// Seed of all of them.
-    pub seed: u64,
-    /// How many, or of how many those that suit the world.
-    pub count: usize,
-    /// What disturbs their logs.
-    pub world: Disturbance,
-    /// Whether the axes in which nothing was hidden are asked too, of logs in which nothing is missing.
-    pub every_axis: bool,
-}
 
 /// A calibration: what came out of every case, and the figures.
 #[derive(Debug, Clone, Serialize)]

@@ -107,8 +107,9 @@ impl Diagnose {
 pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     let is_good = diagnosis.verdict == Verdict::NothingMissing;
     print_verdict(&diagnosis.target, &diagnosis.sentence, is_good);
+    let options = Diagnose::augment_args(clap::Command::new("diagnose"));
     for caution in &diagnosis.cautions {
-        print_line!("  caution: {}", with_flags(caution, &super::command()));
+        print_line!("  caution: {}", with_flags(caution, options.get_arguments()));
     }
     for moved in &diagnosis.moved {
         print_line!("  moved: {moved}");

@@ -92,7 +92,9 @@ pub fn run() -> ExitCode {
     match run_checked(&matches, command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            output::print_error(&output::with_flags(&failure, &self::command()));
+            let program = self::command();
+            let arguments = program.get_subcommands().flat_map(clap::Command::get_arguments);
+            output::print_error(&output::with_flags(&failure, arguments));
             ExitCode::FAILURE
         }
     }

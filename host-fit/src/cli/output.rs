@@ -102,9 +102,11 @@ pub(super) fn print_error(failure: &dyn Display) {
 
 /// What the libraries say, which name options as their fields are called, `` `max_lag` ``, as the user of the command line
 /// knows them: `--max-lag`. What helps one subcommand may be an option of another.
-pub(super) fn with_flags(said: &impl ToString, program: &clap::Command) -> String {
-    let arguments = program.get_subcommands().flat_map(clap::Command::get_arguments);
-    arguments.fold(said.to_string(), |text, argument| match argument.get_long() {
+pub(super) fn with_flags<'a>(
+    said: &impl ToString,
+    arguments: impl IntoIterator<Item = &'a clap::Arg>,
+) -> String {
+    arguments.into_iter().fold(said.to_string(), |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
         None => text,
     })

@@ -3,21 +3,12 @@
 
 use super::estimate::Estimate;
 use super::model::{SlowSearch, State};
+use super::result::Alternative;
 use crate::detect::hypothesis::Hypothesis;
 use fos_data::recording::RecordingError;
 
 /// Values of a parameter, in standard errors of its logarithm from the best.
 const AROUND: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
-
-/// What may be true instead of a finding.
-#[derive(Debug, Clone)]
-pub(crate) struct Alternative {
-    pub(crate) hypothesis: Hypothesis,
-    /// Its coefficients with everything else that was found, under the same noise levels.
-    pub(crate) estimate: Estimate,
-    /// Its odds against the finding as it is.
-    pub(crate) odds: f64,
-}
 
 impl SlowSearch<'_> {
     /// Alternatives to `current`, which is found beside `rest`, its parameter known to `log_error`; `rivals` with how far

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::rc::Rc;
 
-use super::alternatives::Alternative;
+use super::estimate::Estimate;
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Effect;
 use fos_fit::noise::{Fitted, GaussMarkov, LevelPrior};
@@ -25,6 +25,16 @@ pub(crate) struct Found {
     pub(crate) rivals: Vec<(Hypothesis, f64)>,
     /// What may be true instead.
     pub(crate) alternatives: Vec<Alternative>,
+}
+
+/// What may be true instead of a finding.
+#[derive(Debug, Clone)]
+pub(crate) struct Alternative {
+    pub(crate) hypothesis: Hypothesis,
+    /// Its coefficients with everything else that was found, under the same noise levels.
+    pub(crate) estimate: Estimate,
+    /// Its odds against the finding as it is.
+    pub(crate) odds: f64,
 }
 
 /// Noise beyond the baseline's.
