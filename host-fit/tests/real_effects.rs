@@ -195,7 +195,8 @@ fn print_rows(diagnosis: &Diagnosis) {
             finding.params.iter().map(|(name, value)| format!("{name} {value:.1}")).collect();
         let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * share);
         println!(
-            "| {target} | {verdict:?} | {} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
+            "| {target} | {verdict:?} | {}{} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
+            if finding.doubt.is_some() { "in doubt: " } else { "" },
             finding.effect,
             finding.score,
             sizes.join(", "),

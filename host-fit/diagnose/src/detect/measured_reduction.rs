@@ -10,6 +10,9 @@ use crate::effects::Band;
 use fos_data::disturbance;
 use fos_data::recording::Recording;
 
+/// An error that rises by less is as large as before: half a percent.
+const LEAST_RISE: f64 = 0.005;
+
 /// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect
 /// that was sure to help and makes the error worse there becomes a lead.
 ///
@@ -57,7 +60,7 @@ pub fn with_measured_reduction(
         with.push(finding.clone());
         let fall = 1.0 - left(&with, &finding)? / before;
         finding.measured_reduction = Some(fall);
-        if finding.band == Band::Slow && fall < 0.0 && finding.predicted_reduction_interval[0] > 0.0 {
+        if finding.band == Band::Slow && fall < -LEAST_RISE && finding.predicted_reduction_interval[0] > 0.0 {
             diagnosis.leads.push(Lead {
                 kind: LeadKind::Refuted,
                 follows: format!(
