@@ -1,7 +1,7 @@
 //! A case before its noise is drawn: unit, surroundings, what is logged, the field, and the shapes of what is planted.
 
 use super::axis::Axis;
-use super::disturbance::{Disturbance, Filter};
+use super::disturbance::Character;
 use super::effect::Effect;
 use super::part::{Part, true_rate};
 use super::plan::{CasePlan, Kind, NOMINAL_RATE_HZ, PlanError};
@@ -50,8 +50,7 @@ pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
         part,
         noise: Axis::ALL.map(|axis| part.draw_noise(axis, rate_hz, random_unit)),
         bias: Axis::ALL.map(|axis| part.draw_bias(axis, random_unit)),
-        filter: (plan.disturbance == Disturbance::Filter)
-            .then(|| Filter::draw(&mut random(plan.seed, Stream::Disturbance(0)))),
+        character: Character::draw(plan.disturbance, &mut random(plan.seed, Stream::Disturbance(0))),
     };
     let needs = |name: &str| effects().any(|effect| effect.description().needs.contains(&name));
     let other = matches!(plan.kind, Kind::Inseparable(..));

@@ -2,9 +2,9 @@
 
 use super::axis::Axis;
 use super::coloured::AxisNoise;
-use super::disturbance::{Filter, Motion};
+use super::disturbance::{Character, Motion};
 use super::part::Part;
-use super::random::{Stream, normal, random};
+use super::random::{Random, Stream, normal, random};
 use super::regressors::NamedSeries;
 use super::world::World;
 use fos_data::column::Column;
@@ -15,13 +15,16 @@ pub(super) struct Unit {
     pub(super) part: Part,
     pub(super) noise: [AxisNoise; 6],
     pub(super) bias: [f64; 6],
-    /// What its noise goes through.
-    pub(super) filter: Option<Filter>,
+    /// What it makes of its noise.
+    pub(super) character: Option<Character>,
 }
 
 impl Unit {
-    fn filtered(&self, noise: Vec<f64>) -> Vec<f64> {
-        self.filter.as_ref().map_or_else(|| noise.clone(), |filter| filter.apply(&noise))
+    fn made_of(&self, noise: Vec<f64>, random: &mut Random) -> Vec<f64> {
+        match &self.character {
+            Some(character) => character.apply(&noise, random),
+            None => noise,
+        }
     }
 }
 
@@ -69,7 +72,8 @@ pub(super) fn analog(
 ) -> Vec<f64> {
     let axis = target as usize;
     let random = &mut random(seed, Stream::Noise(log, axis as u64));
-    let noise = unit.filtered(unit.noise[axis].series(world.len(), random));
+    let noise = unit.noise[axis].series(world.len(), random);
+    let noise = unit.made_of(noise, random);
     let truth = world.truth(target);
     let seen = |n: usize| truth[n] + motion.at(axis, n) + unit.bias[axis] + noise[n] + planted[n];
     (0..world.len()).map(seen).collect()
@@ -114,8 +118,9 @@ pub(super) fn record(
             continue;
         }
         let index = axis as usize;
-        let noise = unit.noise[index].plain_series(n, &mut random(seed, Stream::Noise(log, index as u64)));
-        let noise = unit.filtered(noise);
+        let random = &mut random(seed, Stream::Noise(log, index as u64));
+        let noise = unit.noise[index].plain_series(n, random);
+        let noise = unit.made_of(noise, random);
         let fine = Faults::default();
         let truth = world.truth(axis);
         let seen = |k: usize| truth[k] + motion.at(index, k) + unit.bias[index] + noise[k];

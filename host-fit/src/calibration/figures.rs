@@ -140,7 +140,6 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         .filter_map(shares)
         .collect();
     let seconds = outcomes.iter().map(|o| o.seconds);
-    let asked: Vec<&Vec<Alarm>> = outcomes.iter().filter_map(|o| o.alarms.as_ref()).collect();
     let mut figures = vec![
         rate("single effect named first, all", Goal::AtLeast(0.88, 0.95), singles.iter().map(|o| first(o))),
         rate("  weak (10–16)", Goal::AtLeast(0.80, 0.90), at_level(Level::Weak)),
@@ -206,19 +205,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         quantile("time for one case, s: median", Goal::Seconds(5.0, 1.0), 0.5, seconds.clone()),
         quantile("  longest", Goal::Seconds(5.0, 1.0), 1.0, seconds),
     ];
-    if !asked.is_empty() {
-        let is_named = |alarm: &Alarm| alarm.verdict == Verdict::Missing;
-        let named = |alarms: &Vec<Alarm>| alarms.iter().filter(|alarm| is_named(alarm)).count();
-        let of_axes = asked.iter().flat_map(|alarms| (0..AXES.len()).map(|axis| axis < named(alarms)));
-        figures.extend([
-            rate(
-                "nothing missing in any axis: an alarm",
-                Goal::AtMost(0.02, 0.01),
-                asked.iter().map(|alarms| !alarms.is_empty()),
-            ),
-            rate("  axes in which an effect is named", Goal::AtMost(0.002, 0.001), of_axes),
-        ]);
-    }
+    figures.extend(of_every_axis(outcomes));
     figures
 }
 
@@ -229,7 +216,7 @@ pub fn in_world(outcomes: &[Outcome]) -> Vec<Statistic> {
     let first = |o: &Outcome| o.found.first().is_some_and(|found| found.effect == o.planted[0].effect);
     let worse_by =
         |share: f64| outcomes.iter().map(move |o| o.measured_reduction.is_some_and(|gone| gone < -share));
-    vec![
+    let mut figures = vec![
         rate(
             "single effect, medium or strong, named first",
             Goal::AtLeast(0.92, 0.96),
@@ -257,6 +244,27 @@ pub fn in_world(outcomes: &[Outcome]) -> Vec<Statistic> {
         ),
         rate("made worse by over 2 %", Goal::AtMost(0.005, 0.0), worse_by(0.02)),
         rate("made worse by over 50 %", Goal::AtMost(0.0, 0.0), worse_by(0.5)),
+    ];
+    figures.extend(of_every_axis(outcomes));
+    figures
+}
+
+/// Of the logs in which nothing is missing and every axis was asked; none where none was.
+fn of_every_axis(outcomes: &[Outcome]) -> Vec<Statistic> {
+    let asked: Vec<&Vec<Alarm>> = outcomes.iter().filter_map(|o| o.alarms.as_ref()).collect();
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    let is_named = |alarm: &Alarm| alarm.verdict == Verdict::Missing;
+    let named = |alarms: &Vec<Alarm>| alarms.iter().filter(|alarm| is_named(alarm)).count();
+    let of_axes = asked.iter().flat_map(|alarms| (0..AXES.len()).map(|axis| axis < named(alarms)));
+    vec![
+        rate(
+            "nothing missing in any axis: an alarm",
+            Goal::AtMost(0.02, 0.01),
+            asked.iter().map(|alarms| !alarms.is_empty()),
+        ),
+        rate("  axes in which an effect is named", Goal::AtMost(0.002, 0.001), of_axes),
     ]
 }
 

@@ -1,11 +1,13 @@
 //! What the world does to a log beside the effect: knocks, steps, doors, sway, motors, fans, hands; wild and stuck
-//! samples; the part's own digital filter.
+//! samples; the part's own digital filter, and noise that is not normal.
 //!
 //! Shapes and strengths are drawn over families as wide as the world's, from sources that are named where they are
 //! used; none is fitted to what a diagnosis looks for. Mechanical disturbances are true motion: they show on several
 //! axes of both triads, and are added to what the axes measure. The planted effect is sized without them, so that the
 //! same case can be rendered with and without.
 
+mod character;
+mod distribution;
 mod filter;
 mod handling;
 mod impulses;
@@ -19,7 +21,7 @@ use super::random::{Random, Stream, random};
 use super::setup::Setup;
 use super::world::World;
 
-pub(super) use filter::Filter;
+pub(super) use character::Character;
 pub use motion::Disturbed;
 pub(super) use motion::Motion;
 pub(super) use wild::spoil;
@@ -51,11 +53,13 @@ pub enum Disturbance {
     Stuck,
     /// The noise of quiet log and field went through the part's digital filter.
     Filter,
+    /// The noise of all logs is not normal.
+    Noise,
 }
 
 impl Disturbance {
     /// All of them, the clean log first.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Clean,
         Self::Knocks,
         Self::Footsteps,
@@ -67,6 +71,7 @@ impl Disturbance {
         Self::Spikes,
         Self::Stuck,
         Self::Filter,
+        Self::Noise,
     ];
 
     /// Whether a unit that is used in this way is disturbed so: nobody takes one out of a rig whose motion is logged.
@@ -88,6 +93,7 @@ impl Disturbance {
             Self::Spikes => "spikes",
             Self::Stuck => "stuck",
             Self::Filter => "filter",
+            Self::Noise => "noise",
         }
     }
 
@@ -105,6 +111,7 @@ impl Disturbance {
             Self::Spikes => "1 to 50 samples far off",
             Self::Stuck => "stuck for 0.1 to 2 s",
             Self::Filter => "noise through the part's digital filter",
+            Self::Noise => "noise that is not normal: tails, bounds, coarse steps",
         }
     }
 }
