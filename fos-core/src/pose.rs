@@ -42,6 +42,7 @@ pub const OTHER_POSE: f64 = 20.0;
 ///     scale: 0.02,
 ///     constant: 0.0,
 ///     range: Range { low: -4.0, high: 4.0 },
+///     physical_range: Range { low: 0.0, high: 0.0 },
 ///     full_scale: 39.2,
 ///     stuck_after_repeats: 0,
 ///     gap_limit_samples: 10,

@@ -221,7 +221,7 @@ impl<'a> Plot<'a> {
                 let (middle, half) = (0.5 * (from + to), (0.5 * (to - from)).max(1.5));
                 let corners = ((middle - half, self.top), (middle + half, self.bottom));
                 canvas.rectangle(corners.0, corners.1, background(shading.tone))?;
-                canvas.text(&range.mark, (middle, self.top - 9.0), Align::Centre, TEXT_SIZE, SHADE_MARK)?;
+                canvas.text(&range.mark, (middle, self.top + 11.0), Align::Centre, TEXT_SIZE, SHADE_MARK)?;
             }
         }
         Ok(())
