@@ -109,7 +109,7 @@ fn loading_says_what_is_wrong_with_the_model() {
         (good[..19].to_vec(), fos_status::Truncated),
         (good[..good.len() - 1].to_vec(), fos_status::Truncated),
         (changed(0, b'G'), fos_status::NotAnImage),
-        (changed(4, 2), fos_status::OtherVersion),
+        (changed(4, good[4] + 1), fos_status::OtherVersion),
         (changed(6, 1), fos_status::OtherVersion),
         (changed(30, 0x55), fos_status::Damaged),
         (more, fos_status::TrailingBytes),
