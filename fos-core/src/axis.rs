@@ -33,7 +33,7 @@ pub struct Correction<R> {
 
 impl<R: Real> Correction<R> {
     /// Before the first sample.
-    pub(crate) const NONE: Self =
+    pub const NONE: Self =
         Self { predicted: R::ZERO, innovation: None, corrected: R::ZERO, validity: Validity::WARMING_UP };
 }
 
@@ -52,6 +52,8 @@ pub(crate) struct RunningAxis<R> {
     per_scale: R,
     range: Range<R>,
     physical_range: Range<R>,
+    /// A remainder in it, against the model's own reference, is one of a measured value below full scale and in range.
+    sound: Range<R>,
     full_scale: R,
     /// Wider than the count, so that a test switched off is never reached.
     stuck_after_repeats: u32,
@@ -59,6 +61,10 @@ pub(crate) struct RunningAxis<R> {
     coast_limit: u32,
     fade: R,
 
+    /// p at this tick.
+    pub(crate) p: R,
+    /// r̂ at this tick, before it is limited.
+    pub(crate) predicted_remainder: R,
     /// p went beyond its limits at this tick.
     limited: bool,
     /// r(n − 1), limited; 0 while it is not known.
@@ -88,12 +94,13 @@ pub(crate) struct AxisProgram<R> {
 }
 
 impl<R: Real> RunningAxis<R> {
+    /// It has to be [begun](Self::begin) where it is to stay.
     #[inline(never)]
     pub(crate) fn new(parameters: &AxisParameters<R>, program: AxisProgram<R>, period_s: f64) -> Self {
         // −0 is a limit of 0: to divide by it must not turn the sign of the fading
         let coast_limit_s = parameters.coast_limit_s.to_f64().abs();
         let full_scale = if parameters.full_scale > R::ZERO { parameters.full_scale } else { R::MAX };
-        let mut axis = Self {
+        Self {
             physical: program.physical,
             stochastic: program.stochastic,
             inputs_used: program.inputs_used,
@@ -104,6 +111,7 @@ impl<R: Real> RunningAxis<R> {
             per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
             range: Self::limits(parameters),
             physical_range: parameters.physical_limits(),
+            sound: Range::new(R::ONE, R::ZERO),
             full_scale,
             stuck_after_repeats: match parameters.stuck_after_repeats {
                 0 => u32::MAX,
@@ -113,6 +121,8 @@ impl<R: Real> RunningAxis<R> {
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
             fade: R::from_f64(1.0 + exp_m1(-period_s / coast_limit_s)),
+            p: R::ZERO,
+            predicted_remainder: R::ZERO,
             limited: false,
             remainder: R::ZERO,
             known: false,
@@ -125,9 +135,7 @@ impl<R: Real> RunningAxis<R> {
             coasted: 0,
             gain: R::ONE,
             corrected: R::ZERO,
-        };
-        axis.reset();
-        axis
+        }
     }
 
     /// Within these the remainder is kept, whatever happens.
@@ -139,9 +147,9 @@ impl<R: Real> RunningAxis<R> {
     #[inline(always)]
     pub(crate) fn limit_physical(&mut self) -> bool {
         let Range { low, high } = self.physical_range;
-        self.physical.value = if self.physical.value > high {
+        self.p = if self.p > high {
             high
-        } else if self.physical.value < low {
+        } else if self.p < low {
             low
         } else {
             return false;
@@ -158,7 +166,24 @@ impl<R: Real> RunningAxis<R> {
     pub(crate) fn limit_full_scale(&mut self, full_scale: R) {
         if full_scale > R::ZERO && full_scale < self.full_scale {
             self.full_scale = full_scale;
+            self.find_sound();
         }
+    }
+
+    /// The whole range of the remainder if nothing in it is at full scale, else nothing: full scale is then looked at.
+    fn find_sound(&mut self) {
+        let p = if self.physical.is_empty { 0.0 } else { self.physical_range.magnitude() };
+        let error = self.scale.to_f64() * (self.range.magnitude() + p);
+        let furthest = self.reference.to_f64().abs() + self.offset.to_f64().abs() + error;
+        // for what rounding adds
+        let below = furthest * 1.000_01 < self.full_scale.to_f64();
+        self.sound = if below { self.range } else { Range::new(R::ONE, R::ZERO) };
+    }
+
+    /// Before the first sample, where it stays: two copies of an axis are much stack.
+    pub(crate) fn begin(&mut self) {
+        self.find_sound();
+        self.reset();
     }
 
     /// As before the first sample.
@@ -194,45 +219,63 @@ impl<R: Real> RunningAxis<R> {
         self.known.then_some(self.remainder)
     }
 
-    /// One sample of which the true value is known.
+    /// One sample of which the true value is the model's own reference.
     ///
     /// A sound sample takes the straight way through: the history gets the measurement.
+    #[inline(always)]
+    pub(crate) fn track(&mut self, measured: R, correction: &mut Correction<R>) {
+        let remainder = self.remainder_of(measured, self.reference);
+        if !(self.is_fresh(measured) && self.sound.contains(remainder) && self.steady) {
+            return self.track_unsound(measured, remainder, correction);
+        }
+        let (stochastic, validity) = self.in_range(self.predicted_remainder);
+        self.compare(measured, remainder, stochastic, correction);
+        (self.remainder, correction.validity) = (remainder, validity);
+    }
+
+    /// One sample of which the true value is `reference`.
+    pub(crate) fn track_against(&mut self, measured: R, reference: R, correction: &mut Correction<R>) {
+        self.is_fresh(measured);
+        self.track_unsound(measured, self.remainder_of(measured, reference), correction);
+    }
+
+    /// A sample with something to look at: itself, or the history before it.
     #[inline(never)]
-    pub(crate) fn track(&mut self, measured: R, reference: R, correction: &mut Correction<R>) {
-        let remainder = self.remainder_of(measured, reference);
-        if !(self.is_fresh(measured) && measured.abs() < self.full_scale) {
+    fn track_unsound(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
+        let stuck = u32::from(self.repeats) >= self.stuck_after_repeats;
+        // NaN is not below
+        let below_full_scale = measured.abs() < self.full_scale;
+        if stuck || !below_full_scale {
             return self.track_faulty(measured, remainder, correction);
         }
-        let mut kept = remainder;
-        let mut out_of_range = Validity::VALID;
-        if !self.range.contains(remainder) {
-            cold_path();
+        let (kept, out_of_range) = self.in_range(remainder);
+        if !out_of_range.is_valid() {
             // in the axis' unit, and twice that: what is finite then, stays so in the innovation
             let error = (remainder + remainder) * self.scale;
             if !error.is_finite() {
                 return self.track_faulty(measured, error, correction);
             }
-            kept = self.range.limit(remainder);
-            out_of_range = Validity::OUTPUT_OUT_OF_RANGE;
         }
         let (stochastic, validity) = self.limited();
-        self.remainder = kept;
-        let predicted = self.offset + self.scale * (self.physical.value + stochastic);
-        let innovation = Some(self.scale * (remainder - stochastic));
-        self.corrected = measured - predicted;
-        *correction = Correction {
-            predicted,
-            innovation,
-            corrected: self.corrected,
-            validity: validity | out_of_range,
-        };
+        self.compare(measured, remainder, stochastic, correction);
+        (self.remainder, correction.validity) = (kept, validity | out_of_range);
         if !self.steady {
             self.settle(correction);
         }
     }
 
+    /// What was measured against what is predicted.
+    #[inline(always)]
+    fn compare(&mut self, measured: R, remainder: R, stochastic: R, correction: &mut Correction<R>) {
+        correction.predicted = self.offset + self.scale * (self.p + stochastic);
+        correction.innovation = Some(self.scale * (remainder - stochastic));
+        self.corrected = measured - correction.predicted;
+        correction.corrected = self.corrected;
+    }
+
     /// The true value is known but the sample is not to be trusted: it does not enter the history.
     #[cold]
+    #[inline(never)]
     fn track_faulty(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
         let fault = self.fault(measured, remainder);
         self.lose(measured, fault, correction);
@@ -291,7 +334,7 @@ impl<R: Real> RunningAxis<R> {
     /// y − p, scaled.
     #[inline(always)]
     fn remainder_of(&self, measured: R, reference: R) -> R {
-        (measured - reference - self.offset) * self.per_scale - self.physical.value
+        (measured - reference - self.offset) * self.per_scale - self.p
     }
 
     /// r̂ as it is used, and what speaks against it: 0 until the history is full, and never beyond the limits.
@@ -301,12 +344,17 @@ impl<R: Real> RunningAxis<R> {
             cold_path();
             return (R::ZERO, Validity::WARMING_UP);
         }
-        let stochastic = self.stochastic.value;
-        if !self.range.contains(stochastic) {
-            cold_path();
-            return (self.range.limit(stochastic), Validity::OUTPUT_OUT_OF_RANGE);
+        self.in_range(self.predicted_remainder)
+    }
+
+    /// A remainder within its limits, and whether it was beyond them.
+    #[inline(always)]
+    fn in_range(&self, remainder: R) -> (R, Validity) {
+        if self.range.contains(remainder) {
+            return (remainder, Validity::VALID);
         }
-        (stochastic, Validity::VALID)
+        cold_path();
+        (self.range.limit(remainder), Validity::OUTPUT_OUT_OF_RANGE)
     }
 
     /// Counts how often a measured value has repeated; whether that is still in order.
@@ -360,7 +408,7 @@ impl<R: Real> RunningAxis<R> {
         } else {
             (self.remainder, self.known) = (R::ZERO, false);
         }
-        let predicted = self.offset + self.scale * (self.physical.value + stochastic * self.gain);
+        let predicted = self.offset + self.scale * (self.p + stochastic * self.gain);
         if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {
             self.corrected = measured - predicted;
         }

@@ -8,6 +8,7 @@
 //! - [`PoseGate`]: does the model know the true value of this axis at rest?
 //! - [`Correction`]: what it says of each axis, with a [`Validity`].
 //! - [`Monitor`]: does the model still fit?
+//! - [`align`]: streams with stamps of their own, joined onto one grid, before any of these.
 //!
 //! Measured error of one axis: y(n) = (measured(n) − reference(n) − offset)/scale. Model: ŷ(n) = p(n) + r̂(n), the
 //! physical part p over inputs, the stochastic part r̂ over the remainder r = y − p, its lags and inputs
@@ -18,9 +19,11 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod align;
 mod axis;
 mod convert;
 mod error;
+mod evaluator;
 mod function;
 mod history;
 pub mod image;
@@ -41,12 +44,13 @@ mod validity;
 
 pub use axis::Correction;
 pub use error::ModelError;
+pub use evaluator::{Evaluator, Sample};
 pub use image::{Image, ImageError, Info};
 pub use input::{Input, Source};
 pub use model::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Quantity};
 pub use monitor::{Drift, Monitor};
 pub use pose::{GRAVITY_MPS2, OTHER_POSE, PoseGate};
-pub use predictor::{Predictor, Sample};
+pub use predictor::Predictor;
 pub use range::Range;
 pub use real::Real;
 pub use stillness::{StillnessDetector, StillnessLimits};

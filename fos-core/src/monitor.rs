@@ -1,9 +1,11 @@
 //! Does the model still fit? Running statistics of the innovation against those stored when it was fitted.
 
+use core::hint::cold_path;
+
 use crate::axis::Correction;
 use crate::function::exp_m1;
 use crate::model::{AxisParameters, InnovationStatistics};
-use crate::{Real, Validity, root};
+use crate::{Range, Real, Validity, root};
 
 /// Shift of the innovation's mean, in standard deviations, that the drift test lets pass (Page 1954: k).
 ///
@@ -98,9 +100,14 @@ impl<R: Real> Monitor<R> {
             return self.drift;
         }
         let normalised = innovation * self.per_deviation - self.fitted_mean;
-        // beyond the limits of the remainder the innovation is bounded, but squares should stay small
-        let bound = R::from_f64(1e6);
-        let e = normalised.limit(-bound, bound);
+        let outlier = R::from_f64(OUTLIER);
+        let (mut e, mut tested) = (normalised, normalised);
+        if !Range::new(-outlier, outlier).contains(normalised) {
+            cold_path();
+            // beyond the limits of the remainder the innovation is bounded, but squares should stay small
+            let bound = R::from_f64(1e6);
+            (e, tested) = (normalised.limit(-bound, bound), normalised.limit(-outlier, outlier));
+        }
         self.samples = self.samples.saturating_add(1);
         self.mean = self.mean + self.gain * (e - self.mean);
         let deviation = e - self.mean;
@@ -109,14 +116,10 @@ impl<R: Real> Monitor<R> {
         self.previous = deviation;
 
         let slack = R::from_f64(MEAN_SLACK);
-        let outlier = R::from_f64(OUTLIER);
-        let e = e.limit(-outlier, outlier);
-        self.above = (self.above + e - slack).limit(R::ZERO, self.mean_threshold);
-        self.below = (self.below - e - slack).limit(R::ZERO, self.mean_threshold);
-        let excess = e * e - R::from_f64(1.0 + POWER_SLACK);
-        self.power = (self.power + excess).limit(R::ZERO, self.power_threshold);
-        self.drift.mean |= self.above >= self.mean_threshold || self.below >= self.mean_threshold;
-        self.drift.variance |= self.power >= self.power_threshold;
+        self.drift.mean |= reach(&mut self.above, self.mean_threshold, |sum| sum + tested - slack);
+        self.drift.mean |= reach(&mut self.below, self.mean_threshold, |sum| sum - tested - slack);
+        let excess = tested * tested - R::from_f64(1.0 + POWER_SLACK);
+        self.drift.variance |= reach(&mut self.power, self.power_threshold, |sum| sum + excess);
         self.drift
     }
 
@@ -166,6 +169,21 @@ impl<R: Real> Monitor<R> {
         (self.above, self.below, self.power) = (R::ZERO, R::ZERO, R::ZERO);
         self.drift = Drift::default();
     }
+}
+
+/// The next value of a one-sided cumulative sum, which stays within 0 and its threshold; whether it is there.
+#[inline(always)]
+fn reach<R: Real>(sum: &mut R, threshold: R, next: impl FnOnce(R) -> R) -> bool {
+    let next = next(*sum);
+    let reached = next >= threshold;
+    *sum = if reached {
+        threshold
+    } else if next > R::ZERO {
+        next
+    } else {
+        R::ZERO
+    };
+    reached
 }
 
 /// How much further the sum of the squares of correlated innovations wanders, so that an alarm stays as rare:

@@ -3,44 +3,55 @@
 //! Order of evaluation, the same everywhere: p = 0 + t₁ + t₂ + …, r̂ = a0 + t₁ + t₂ + …, each term
 //! ((c·f₁)·f₂)·f₃; within a part first all terms of degree 1, then 2, then 3, each in the order of the model.
 
+use core::hint::cold_path;
+
 use heapless::Vec;
 
 use crate::history::Window;
 use crate::{Channel, Factor, MAX_DEGREE, ModelError, Real, Term};
 
-/// A part of an axis' model, p or r̂: which of the terms it has, and its value at this tick.
+/// A part of an axis' model, p or r̂: which of the terms it has.
 #[derive(Debug, Clone)]
 pub(crate) struct Part<R> {
     /// The sum begins with it: 0 or a0.
     start: R,
-    // first those of degree 1, then 2, then 3
+    // of degree 1, then 2, then 3
     n_linear: u16,
     n_quadratic: u16,
     n_cubic: u16,
+    /// Where the third factors of its cubic terms begin.
+    first_third: u16,
     pub(crate) is_empty: bool,
     has_products: bool,
-    pub(crate) value: R,
 }
 
-/// A term whose factors are places in the history.
+/// A term whose factors are places in the history. A third factor, which few have, is kept apart.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct CompiledTerm<R> {
+pub(crate) struct Record<R> {
     coefficient: R,
-    places: [u16; MAX_DEGREE],
+    places: [u16; 2],
 }
 
-impl<R: Real> CompiledTerm<R> {
+impl<R: Real> Record<R> {
     #[inline(always)]
     fn linear<const N: usize>(&self, window: Window<'_, R, N>) -> R {
-        let [a, _, _] = self.places;
+        let [a, _] = self.places;
         self.coefficient * window.at(a)
+    }
+
+    #[inline(always)]
+    fn quadratic<const N: usize>(&self, window: Window<'_, R, N>) -> R {
+        let [a, b] = self.places;
+        self.coefficient * window.at(a) * window.at(b)
     }
 }
 
 /// The terms of all axes: of each axis the physical part, then the stochastic part.
 #[derive(Debug, Clone)]
 pub(crate) struct Program<R, const TERMS: usize> {
-    terms: Vec<CompiledTerm<R>, TERMS>,
+    records: Vec<Record<R>, TERMS>,
+    /// Of the cubic terms, in their order.
+    thirds: Vec<u16, TERMS>,
 }
 
 /// Where a sample's values lie in the history: inputs first, then the remainders of the axes.
@@ -63,11 +74,12 @@ impl Layout {
 
 impl<R: Real, const TERMS: usize> Program<R, TERMS> {
     pub(crate) const fn new() -> Self {
-        Self { terms: Vec::new() }
+        Self { records: Vec::new(), thirds: Vec::new() }
     }
 
     pub(crate) fn clear(&mut self) {
-        self.terms.clear();
+        self.records.clear();
+        self.thirds.clear();
     }
 
     /// Appends the terms of a part, for a history of `N` values.
@@ -79,6 +91,7 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
         layout: Layout,
     ) -> Result<Part<R>, ModelError> {
         let too_many = ModelError::TooManyTerms { capacity: TERMS };
+        let first_third = u16::try_from(self.thirds.len()).map_err(|_| too_many)?;
         let mut counts = [0_u16; MAX_DEGREE];
         for (count, degree) in counts.iter_mut().zip(1..) {
             for term in terms.clone().filter(|term| term.factors().len() == degree) {
@@ -88,80 +101,83 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
                     let found = Window::<R, N>::place(needed);
                     *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;
                 }
-                let compiled = CompiledTerm { coefficient: term.coefficient, places };
-                self.terms.push(compiled).map_err(|_| too_many)?;
+                let [a, b, c] = places;
+                let record = Record { coefficient: term.coefficient, places: [a, b] };
+                self.records.push(record).map_err(|_| too_many)?;
+                if degree > 2 {
+                    self.thirds.push(c).map_err(|_| too_many)?;
+                }
                 *count = count.checked_add(1).ok_or(too_many)?;
             }
         }
         let [n_linear, n_quadratic, n_cubic] = counts;
         let has_products = n_quadratic > 0 || n_cubic > 0;
         let is_empty = n_linear == 0 && !has_products;
-        Ok(Part { start, n_linear, n_quadratic, n_cubic, is_empty, has_products, value: start })
+        Ok(Part { start, n_linear, n_quadratic, n_cubic, first_third, is_empty, has_products })
     }
 
-    /// The terms of all parts, in the order in which the parts were appended.
+    /// The records of all parts, in the order in which the parts were appended.
     #[inline(always)]
-    pub(crate) fn terms(&self) -> &[CompiledTerm<R>] {
-        &self.terms
+    pub(crate) fn records(&self) -> &[Record<R>] {
+        &self.records
+    }
+
+    /// The third factors of all parts.
+    #[inline(always)]
+    pub(crate) fn thirds(&self) -> &[u16] {
+        &self.thirds
     }
 }
 
 impl<R: Real> Part<R> {
-    /// Evaluates the part, whose terms are the first of `terms`, and returns those after it; were they too few, it
-    /// would keep its value.
+    /// The value of the part, whose records are the first of `records`, and those after it; its constant, were they too
+    /// few.
     #[inline(always)]
-    pub(crate) fn evaluate<'t, const N: usize>(
-        &mut self,
-        terms: &'t [CompiledTerm<R>],
+    pub(crate) fn evaluate<'r, const N: usize>(
+        &self,
+        records: &'r [Record<R>],
+        thirds: &[u16],
         window: Window<'_, R, N>,
-    ) -> &'t [CompiledTerm<R>] {
-        if self.is_empty {
-            return terms;
-        }
+    ) -> (R, &'r [Record<R>]) {
         let mut sum = self.start;
-        let Some((linear, mut rest)) = terms.split_at_checked(usize::from(self.n_linear)) else {
-            return terms;
+        let Some((linear, rest)) = records.split_at_checked(usize::from(self.n_linear)) else {
+            cold_path();
+            return (sum, records);
         };
-        // four at a time: most terms are linear, and the loop itself would be a quarter of their cost
-        let (fours, left) = linear.as_chunks::<4>();
-        for [first, second, third, fourth] in fours {
+        // two at a time: most terms are linear, and the loop itself would be a quarter of their cost
+        let (pairs, last) = linear.as_chunks::<2>();
+        for [first, second] in pairs {
             sum = sum + first.linear(window);
             sum = sum + second.linear(window);
-            sum = sum + third.linear(window);
-            sum = sum + fourth.linear(window);
         }
-        for term in left {
-            sum = sum + term.linear(window);
+        if let [last] = last {
+            sum = sum + last.linear(window);
         }
-        if self.has_products {
-            (sum, rest) = self.products(sum, rest, window);
-        }
-        self.value = sum;
-        rest
+        if self.has_products { self.products(sum, rest, thirds, window) } else { (sum, rest) }
     }
 
-    /// `sum` and the terms with more than one factor, and the terms after them. A function of its own, so that its
+    /// `sum` and the terms with more than one factor, and the records after them. A function of its own, so that its
     /// loops have the registers to themselves.
     #[inline(never)]
-    fn products<'t, const N: usize>(
+    fn products<'r, const N: usize>(
         &self,
         mut sum: R,
-        terms: &'t [CompiledTerm<R>],
+        records: &'r [Record<R>],
+        thirds: &[u16],
         window: Window<'_, R, N>,
-    ) -> (R, &'t [CompiledTerm<R>]) {
-        let Some((quadratic, rest)) = terms.split_at_checked(usize::from(self.n_quadratic)) else {
-            return (sum, terms);
+    ) -> (R, &'r [Record<R>]) {
+        let Some((quadratic, rest)) = records.split_at_checked(usize::from(self.n_quadratic)) else {
+            return (sum, records);
         };
         for term in quadratic {
-            let [a, b, _] = term.places;
-            sum = sum + term.coefficient * window.at(a) * window.at(b);
+            sum = sum + term.quadratic(window);
         }
         let Some((cubic, rest)) = rest.split_at_checked(usize::from(self.n_cubic)) else {
             return (sum, rest);
         };
-        for term in cubic {
-            let [a, b, c] = term.places;
-            sum = sum + term.coefficient * window.at(a) * window.at(b) * window.at(c);
+        let thirds = thirds.get(usize::from(self.first_third)..).unwrap_or(&[]);
+        for (term, third) in cubic.iter().zip(thirds) {
+            sum = sum + term.quadratic(window) * window.at(*third);
         }
         (sum, rest)
     }

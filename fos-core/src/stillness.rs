@@ -44,10 +44,11 @@ impl<R: Real> StillnessLimits<R> {
     }
 }
 
-/// Sums of one triad over the window under way, taken from its first sample so that f32 keeps its digits.
+/// Sums of one triad over the window under way, taken from a value near its own so that f32 keeps its digits: while the
+/// unit is still the mean of the window before, else the first sample.
 #[derive(Debug, Clone, Copy)]
 struct Triad<R> {
-    first: [R; 3],
+    origin: [R; 3],
     sum: [R; 3],
     sum_of_squares: R,
     /// Mean of the last complete window.
@@ -56,29 +57,35 @@ struct Triad<R> {
 
 impl<R: Real> Triad<R> {
     const EMPTY: Self =
-        Self { first: [R::ZERO; 3], sum: [R::ZERO; 3], sum_of_squares: R::ZERO, mean: [R::ZERO; 3] };
+        Self { origin: [R::ZERO; 3], sum: [R::ZERO; 3], sum_of_squares: R::ZERO, mean: [R::ZERO; 3] };
 
-    fn begin(&mut self, value: [R; 3]) {
-        (self.first, self.sum, self.sum_of_squares) = (value, [R::ZERO; 3], R::ZERO);
+    fn begin(&mut self, origin: [R; 3]) {
+        (self.origin, self.sum, self.sum_of_squares) = (origin, [R::ZERO; 3], R::ZERO);
     }
 
+    /// How far a value is from the origin, and the square of it.
     // axis after axis, not a loop: it runs with every sample
     #[inline(always)]
-    fn add(&mut self, [x, y, z]: [R; 3]) {
-        let [first_x, first_y, first_z] = self.first;
-        let (x, y, z) = (x - first_x, y - first_y, z - first_z);
+    fn deviation(&self, [x, y, z]: [R; 3]) -> ([R; 3], R) {
+        let [origin_x, origin_y, origin_z] = self.origin;
+        let (x, y, z) = (x - origin_x, y - origin_y, z - origin_z);
+        ([x, y, z], x * x + y * y + z * z)
+    }
+
+    #[inline(always)]
+    fn add(&mut self, ([x, y, z], square): ([R; 3], R)) {
         let [sum_x, sum_y, sum_z] = self.sum;
         self.sum = [sum_x + x, sum_y + y, sum_z + z];
-        self.sum_of_squares = self.sum_of_squares + (x * x + y * y + z * z);
+        self.sum_of_squares = self.sum_of_squares + square;
     }
 
     /// Ends the window; its variance, and the square of how far its mean is from that of the window before.
     fn end(&mut self, per_window: R) -> (R, R) {
         let (mut square_of_mean, mut shift) = (R::ZERO, R::ZERO);
-        for ((sum, first), mean) in self.sum.iter().zip(self.first).zip(self.mean.iter_mut()) {
+        for ((sum, origin), mean) in self.sum.iter().zip(self.origin).zip(self.mean.iter_mut()) {
             let deviation = *sum * per_window;
             square_of_mean = square_of_mean + deviation * deviation;
-            let now = first + deviation;
+            let now = origin + deviation;
             shift = shift + (now - *mean) * (now - *mean);
             *mean = now;
         }
@@ -97,6 +104,8 @@ pub struct StillnessDetector<R> {
     filled: u16,
     quiet_windows: u8,
     still: bool,
+    /// Furthest that a sample may be from the origin of the window, squared: of accelerometers, of gyros.
+    jump: [R; 2],
 }
 
 impl<R: Real> StillnessDetector<R> {
@@ -115,6 +124,7 @@ impl<R: Real> StillnessDetector<R> {
             filled: 0,
             quiet_windows: 0,
             still: false,
+            jump: [R::MAX; 2],
         })
     }
 
@@ -122,15 +132,22 @@ impl<R: Real> StillnessDetector<R> {
     ///
     /// A value that is not finite means moving, and starts the window anew.
     pub fn update(&mut self, accel: [R; 3], gyro: [R; 3]) -> bool {
-        // one sum tells whether all are finite: they may be too large for it, but then they are no rest
-        let [ax, ay, az] = accel;
-        let [gx, gy, gz] = gyro;
-        if !(ax + ay + az + gx + gy + gz).is_finite() || self.jumped(accel, gyro) {
-            return self.disturbed();
-        }
+        let ([ax, ay, az], [gx, gy, gz]) = (accel, gyro);
+        self.update_six(&[ax, ay, az, gx, gy, gz])
+    }
+
+    /// The same: specific force x, y, z, then rate x, y, z.
+    pub fn update_six(&mut self, measured: &[R; 6]) -> bool {
+        let [ax, ay, az, gx, gy, gz] = *measured;
+        let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
         if self.filled == 0 {
-            self.accel.begin(accel);
-            self.gyro.begin(gyro);
+            self.begin_window(accel, gyro);
+        }
+        let (accel, gyro) = (self.accel.deviation(accel), self.gyro.deviation(gyro));
+        let [accel_limit, gyro_limit] = self.jump;
+        // what is not finite is below no limit
+        if !(accel.1 <= accel_limit && gyro.1 <= gyro_limit) {
+            return self.disturbed();
         }
         self.accel.add(accel);
         self.gyro.add(gyro);
@@ -140,6 +157,22 @@ impl<R: Real> StillnessDetector<R> {
             self.end_window();
         }
         self.still
+    }
+
+    /// While the unit is still a window is taken from the mean of the one before, and a sample too far from that ends the
+    /// stillness; else from its first sample, and only what is not finite ends it.
+    #[inline(never)]
+    fn begin_window(&mut self, accel: [R; 3], gyro: [R; 3]) {
+        if self.still {
+            self.accel.begin(self.accel.mean);
+            self.gyro.begin(self.gyro.mean);
+            let limit = R::from_f64(JUMP * JUMP);
+            self.jump = [limit * self.limits.accel_variance, limit * self.limits.gyro_variance];
+        } else {
+            self.accel.begin(accel);
+            self.gyro.begin(gyro);
+            self.jump = [R::MAX; 2];
+        }
     }
 
     /// Samples are missing: nothing is known of the time between.
@@ -166,13 +199,6 @@ impl<R: Real> StillnessDetector<R> {
             (true, true) => self.quiet_windows.saturating_add(1),
         };
         self.still = self.quiet_windows >= QUIET_WINDOWS;
-    }
-
-    fn jumped(&self, accel: [R; 3], gyro: [R; 3]) -> bool {
-        let limit = R::from_f64(JUMP * JUMP);
-        self.still
-            && (distance_squared(accel, self.accel.mean) > limit * self.limits.accel_variance
-                || distance_squared(gyro, self.gyro.mean) > limit * self.limits.gyro_variance)
     }
 }
 

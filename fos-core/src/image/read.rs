@@ -3,9 +3,10 @@
 use serde::Deserialize;
 
 use super::{AxisHead, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
-use crate::predictor::Building;
+use crate::evaluator::Building;
 use crate::{
-    AxisParameters, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Real, StillnessLimits, Term,
+    AxisParameters, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Real,
+    StillnessLimits, Term,
 };
 
 /// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
@@ -175,9 +176,30 @@ impl<'a> Image<'a> {
     where
         R: Real,
     {
-        let loaded = self.fill(predictor);
+        self.load_evaluator(predictor.begin())
+    }
+
+    /// The same for an evaluator.
+    ///
+    /// # Errors
+    ///
+    /// As [`predictor`](Self::predictor); it is then without a model.
+    pub fn load_evaluator<
+        R,
+        const AXES: usize,
+        const INPUTS: usize,
+        const TERMS: usize,
+        const HISTORY: usize,
+    >(
+        &self,
+        evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
+    ) -> Result<(), ImageError>
+    where
+        R: Real,
+    {
+        let loaded = self.fill(evaluator);
         if loaded.is_err() {
-            predictor.clear();
+            evaluator.clear();
         }
         loaded
     }
@@ -186,12 +208,12 @@ impl<'a> Image<'a> {
     #[inline(never)]
     fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
-        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     ) -> Result<(), ImageError>
     where
         R: Real,
     {
-        predictor.begin(Building {
+        evaluator.begin(Building {
             period_s: self.head.period_s,
             n_quantities: usize::from(self.head.n_quantities),
             n_inputs: usize::from(self.head.n_inputs),
@@ -201,11 +223,11 @@ impl<'a> Image<'a> {
             limits.check()?;
         }
         for input in self.inputs() {
-            predictor.add_input(&input.convert())?;
+            evaluator.add_input(&input.convert())?;
         }
         for axis in self.axes() {
             let convert = |term: Term<f32>| term.convert();
-            predictor.add_axis(
+            evaluator.add_axis(
                 &axis.parameters.convert(),
                 axis.physical.map(convert),
                 axis.stochastic.map(convert),
