@@ -74,12 +74,68 @@ fuzz_target!(|bytes: &[u8]| {
     // SAFETY: the memory is as large as said
     let made = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &scales, &mut hub) };
     assert_eq!(made, fos_status::Ok);
+    let mut streams_memory = vec![MaybeUninit::<u64>::uninit(); fos_streams_size().div_ceil(8)];
+    let periods = fos_stream_periods { gyro_ns: 5_000_000, accel_ns: 10_000_000, temperature_ns: 1_000_000_000 };
+    let (size, mut streams) = (8 * streams_memory.len(), null_mut());
+    // SAFETY: the memory is as large as said
+    let made = unsafe { fos_streams_init(streams_memory.as_mut_ptr().cast(), size, &periods, &mut streams) };
+    assert_eq!(made, fos_status::Ok);
     while !numbers.0.is_empty() {
         // SAFETY: what is neither NULL nor misaligned leads to memory of the size that is said; a hub is only used
-        // after a good fos_hub_init
-        unsafe { call(&mut numbers, &mut memory, &mut scales, hub, &images) };
+        // after a good fos_hub_init, and so are streams
+        unsafe {
+            if numbers.0[0] >= 192 {
+                numbers.byte();
+                call_streams(&mut numbers, hub, streams);
+            } else {
+                call(&mut numbers, &mut memory, &mut scales, hub, &images);
+            }
+        }
     }
 });
+
+/// # Safety
+///
+/// `hub` is a hub, `good` are streams.
+unsafe fn call_streams(numbers: &mut Numbers<'_>, hub: *mut fos_hub, good: *mut fos_streams) {
+    let streams = numbers.pointer(good);
+    let stamp_ns = match numbers.byte() {
+        0 => i64::from_le_bytes(numbers.bytes()),
+        n => i64::from(n) * 1_000_000 + i64::from(u16::from_le_bytes(numbers.bytes())) * 100_000_000,
+    };
+    let value = Box::new([numbers.float(), numbers.float(), numbers.float()]);
+    let place = numbers.pointer(value.as_ptr().cast_mut());
+    let hold_taken = |status: fos_status| {
+        hold(status, &[wrong_with(streams), wrong_with(place)], &[]);
+        assert!(status != fos_status::Ok || value.iter().all(|value| value.is_finite()));
+    };
+    // SAFETY: as the caller promised
+    unsafe {
+        match numbers.byte() % 4 {
+            0 => hold_taken(fos_streams_gyro(streams, stamp_ns, place)),
+            1 => hold_taken(fos_streams_accel(streams, stamp_ns, place)),
+            2 => hold(fos_streams_temperature(streams, stamp_ns, value[0]), &[wrong_with(streams)], &[]),
+            _ => {
+                let [gyro_ns, accel_ns, temperature_ns] = [numbers.bytes(), numbers.bytes(), numbers.bytes()]
+                    .map(|bytes: [u8; 4]| u64::from(u32::from_le_bytes(bytes)));
+                let periods = fos_stream_periods { gyro_ns, accel_ns, temperature_ns };
+                let status = fos_streams_set_periods(streams, &periods);
+                hold(status, &[wrong_with(streams)], &[fos_status::Argument]);
+            }
+        }
+        let (mut sample, mut stamp_ns) = (MaybeUninit::<fos_si_sample>::uninit(), 0);
+        let next = if numbers.byte() < 16 { fos_streams_flush } else { fos_streams_next };
+        while next(streams, sample.as_mut_ptr(), &mut stamp_ns) == fos_status::Ok {
+            let mut si = MaybeUninit::<fos_si_output>::uninit();
+            assert_eq!(fos_hub_update_si(hub, sample.as_ptr(), si.as_mut_ptr()), fos_status::Ok);
+            let si = si.assume_init();
+            for axis in 0..FOS_AXES {
+                let output = &si.output;
+                assert!(output.corrected[axis].is_finite() || output.validity[axis] != FOS_VALIDITY_VALID);
+            }
+        }
+    }
+}
 
 /// # Safety
 ///

@@ -114,12 +114,12 @@ fuzz_target!(|bytes: &[u8]| {
                     faults: Faults::from_bits_truncate(faults),
                 };
                 let output = *hub.update(&raw);
-                assert!(output.corrected.iter().all(|value| value.is_finite()));
+                assert!(output.corrected().iter().all(|value| value.is_finite()));
                 ticks = ticks.wrapping_add(raw.skipped.saturating_add(1));
                 assert_eq!(output.tick, ticks.wrapping_sub(1));
                 let mut faults = raw.faults;
                 faults.set(Faults::GAP, faults.contains(Faults::GAP) || skipped > 0);
-                let saturated = output.validity.iter().any(|validity| validity.contains(Validity::SATURATED));
+                let saturated = output.validity().iter().any(|validity| validity.contains(Validity::SATURATED));
                 faults.set(Faults::SATURATED, faults.contains(Faults::SATURATED) || saturated);
                 // whether the clock is off is not followed here
                 assert_eq!(output.faults - Faults::RATE, faults - Faults::RATE);
@@ -130,12 +130,12 @@ fuzz_target!(|bytes: &[u8]| {
                     validity |=
                         if raw.faults.contains(Faults::STUCK) { Validity::STUCK } else { Validity::VALID };
                     assert_eq!(
-                        output.corrected[axis].to_bits(),
+                        output.corrected()[axis].to_bits(),
                         correction.corrected.to_bits(),
                         "axis {axis}"
                     );
-                    assert_eq!(output.validity[axis], validity, "axis {axis}");
-                    let innovation = Some(output.innovation[axis]).filter(|value| !value.is_nan());
+                    assert_eq!(output.validity()[axis], validity, "axis {axis}");
+                    let innovation = Some(output.innovation()[axis]).filter(|value| !value.is_nan());
                     assert_eq!(innovation, correction.innovation, "axis {axis}");
                 }
             }

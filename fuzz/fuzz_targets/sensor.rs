@@ -137,7 +137,7 @@ fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
         assert!(chip.borrow().transfers - transfers <= TRANSFERS_A_POLL, "a poll has no end");
         for sample in &samples {
             let output = hub.update(sample);
-            assert!(output.corrected.iter().all(|value| value.is_finite()));
+            assert!(output.corrected().iter().all(|value| value.is_finite()));
         }
         if !samples.is_empty() && !source.has_more() {
             hub.clock(now_us);

@@ -13,11 +13,13 @@ pub(crate) fn command_lines<'a>(
     axes: impl IntoIterator<Item = (&'a str, Option<&'a Refinement>)>,
 ) -> Vec<String> {
     let path = |log: &Recording| quoted(&log.paths());
-    let LoadOptions { columns, rate_hz, strict: _, keep_moved } = &logs.read;
+    let LoadOptions { columns, rate_hz, format, topic, strict: _, keep_moved } = &logs.read;
     let maps: String = columns.specs().iter().map(|map| format!(" --map {}", quoted(map))).collect();
     let rate = rate_hz.map_or_else(String::new, |rate| format!(" --rate {rate}"));
     let moved = if *keep_moved { " --keep-moved" } else { "" };
-    let read = format!("{maps}{rate}{moved}");
+    let format = format.map_or_else(String::new, |format| format!(" --format {}", format.id()));
+    let topic = topic.as_ref().map_or_else(String::new, |topic| format!(" --topic {}", quoted(topic)));
+    let read = format!("{maps}{format}{topic}{rate}{moved}");
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
     let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));

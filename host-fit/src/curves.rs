@@ -8,7 +8,7 @@ use std::ops::Range;
 use fos_data::recording::{Recording, pieces};
 use fos_diagnose::compare::{AxisComparison, Comparison};
 use fos_fit::evaluate::{AxisTrace, Trace};
-use fos_fit::signal::allan::{AllanPoint, allan_deviation, averaging_times};
+use fos_fit::signal::allan::{AllanPoint, TAUS_PER_DECADE, allan_deviation, averaging_times};
 use fos_fit::signal::autocorrelation::{Autocorrelation, autocorrelation};
 use fos_fit::signal::blocks::{Envelope, envelope};
 use fos_fit::signal::spectrum::{Spectrum, segment_length_for, welch};
@@ -27,9 +27,6 @@ const MAX_LAG: usize = 200;
 
 /// Bands per decade that a spectrum is smoothed to.
 const BANDS_PER_DECADE: usize = 40;
-
-/// Averaging times per decade.
-const TAUS_PER_DECADE: usize = 8;
 
 /// One axis over a log, or over a part of it.
 #[derive(Debug, Clone, PartialEq)]

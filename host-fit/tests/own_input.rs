@@ -39,7 +39,13 @@ const JUDGE: (&str, &str) = ("judge", "later.parquet");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
 
-const LINES: [Line; 18] = [
+const LINES: [Line; 26] = [
+    Line {
+        output: "output",
+        at: "out.csv",
+        words: "convert {log} --map-file {map_file} -o out.csv",
+        inputs: &[LOG, MAP],
+    },
     Line {
         output: "figures",
         at: "figures/gx_rads_autocorrelation.svg",
@@ -88,9 +94,66 @@ const LINES: [Line; 18] = [
         words: "calibrate --cases 1 --effect {effects} --outcomes out.json",
         inputs: &[EFFECTS],
     },
-    Line { output: "image", at: "out", words: "export {study} --image out", inputs: &[UNIT] },
-    Line { output: "rust", at: "out", words: "export {study} --rust out", inputs: &[UNIT] },
-    Line { output: "c", at: "out.h", words: "export {study} --c out.h", inputs: &[UNIT] },
+    Line {
+        output: "image",
+        at: "out",
+        words: "export {study} --image out --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "rust",
+        at: "out",
+        words: "export {study} --rust out --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "c",
+        at: "out.h",
+        words: "export {study} --c out.h --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "px4",
+        at: "out",
+        words: "export {study} --px4 out --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "ardupilot",
+        at: "out",
+        words: "export {study} --ardupilot out --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "csv",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --axis gx --csv out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "svg",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --axis gx --svg out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "imu_yaml",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --imu-yaml out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "orb_slam3",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --orb-slam3 out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "vins",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --vins out",
+        inputs: &[LOG, MAP],
+    },
     Line {
         output: "output",
         at: "out.csv",

@@ -186,11 +186,11 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
     let outputs = on_a_hub(&bad, &columns);
     let turned_into = outputs.iter().map(|output| norm(output.accel())).fold(f32::INFINITY, f32::min);
     for output in &outputs {
-        for validity in &output.validity[..3] {
+        for validity in &output.validity()[..3] {
             // nothing else speaks against it
             assert_eq!(*validity, Validity::AWAY_FROM_GRAVITY);
         }
-        assert!(output.validity[3..].iter().all(|validity| validity.is_valid()));
+        assert!(output.validity()[3..].iter().all(|validity| validity.is_valid()));
     }
 
     // a sound model: in the pose of its fit, and in the other
@@ -198,7 +198,7 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
     let (gravity, _) = replayed(&sound, &two);
     assert_eq!(gravity.rests_away, 0, "{gravity:?}");
     for output in on_a_hub(&sound, &columns) {
-        assert!(!output.validity.iter().any(|validity| validity.contains(Validity::AWAY_FROM_GRAVITY)));
+        assert!(!output.validity().iter().any(|validity| validity.contains(Validity::AWAY_FROM_GRAVITY)));
     }
 
     let Simulated { held, rigs, effects } = simulated_logs();

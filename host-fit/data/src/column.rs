@@ -21,6 +21,9 @@ pub const ACCELEROMETERS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 /// The gyros, x, y, z.
 pub const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 
+/// The magnetometers, x, y, z.
+pub const MAGNETOMETERS: [&str; 3] = ["mag_x_ut", "mag_y_ut", "mag_z_ut"];
+
 /// The inertial channels, in their order everywhere.
 pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 

@@ -3,13 +3,13 @@
 //! Without a reference an accelerometer at rest is held against a constant: gravity in one pose. In two, the mean of
 //! both is the true value of neither, and what a model would call the error is the difference.
 
-use crate::column::ACCELEROMETERS;
+use crate::column::{ACCELEROMETERS, Column};
 use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
-use crate::recording::Recording;
-use crate::statistics::{mean, median, median_of};
+use crate::recording::{Recording, Reference};
+use crate::statistics::{MAD_TO_SD, finite_median, mean, median};
 
 /// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias
 /// moves so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told
@@ -115,6 +115,12 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
     turns
 }
 
+/// Whether a column shows a level that is nobody's to say: that of an accelerometer without a reference holds gravity, in
+/// each pose another part of it.
+pub fn has_unknown_level(column: &str, reference: &Reference) -> bool {
+    *reference == Reference::Constant && Column::named(column).is_specific_force()
+}
+
 /// The places `within` a range of each level: from the begin to the first turn, from that to the next, ….
 pub fn levels_between(turns: &[usize], within: Range<usize>) -> Vec<Range<usize>> {
     let turns = || turns.iter().copied().filter(|turn| *turn > within.start && *turn < within.end);
@@ -184,17 +190,12 @@ fn is_far(recording: &Recording, before: &Range<usize>, after: &Range<usize>) ->
 /// Variance of noise by the changes from one value to the next.
 fn noise(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    (1.4826 * median(&mut steps)).powi(2) / 2.0
+    (MAD_TO_SD * median(&mut steps)).powi(2) / 2.0
 }
 
 fn is_other(one: &[f64], other: &[f64]) -> bool {
     let squares = one.iter().zip(other).map(|(a, b)| (a - b).powi(2));
     squares.sum::<f64>().sqrt() > OTHER_POSE_MPS2
-}
-
-/// The median of what is finite, which a few wild values do not move.
-fn finite_median(values: &[f64]) -> Option<f64> {
-    median_of(values.iter().copied().filter(|value| value.is_finite()))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::statistics::median;
+use crate::statistics::{MAD_TO_SD, median};
 
 /// Values on either side that a value is held against: so many in a row, at most, can be a spike.
 const REACH: usize = 5;
@@ -22,9 +22,6 @@ const AROUND: usize = 25;
 
 /// More than this share of the rows are no spikes: the noise comes and goes.
 const MOST: f64 = 1e-3;
-
-/// MAD of a normal distribution in standard deviations.
-const MAD_TO_SD: f64 = 1.4826;
 
 /// Spikes of a series.
 #[derive(Debug, Clone, PartialEq)]

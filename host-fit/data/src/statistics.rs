@@ -40,6 +40,14 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// Median absolute deviation of a normal distribution, in standard deviations: times it one becomes the other.
+pub const MAD_TO_SD: f64 = 1.4826;
+
+/// Median of what is finite, which a few wild values do not move; `None` of nothing.
+pub fn finite_median(values: &[f64]) -> Option<f64> {
+    median_of(values.iter().copied().filter(|value| value.is_finite()))
+}
+
 /// The same of values that come one by one; `None` of none.
 pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().collect();

@@ -94,16 +94,24 @@ impl Affine {
         Affine { scale: self.scale * next.scale, offset: self.offset * next.scale + next.offset }
     }
 
-    /// Converts all `values` in place.
+    /// Converts all `values` in place. A scale that is one over a whole number divides by it, which rounds once: a stamp
+    /// in µs, in ns and as a decimal of seconds is the same number.
     pub(crate) fn apply(self, values: &mut [f64]) {
-        if self != Affine::IDENTITY {
-            values.iter_mut().for_each(|value| *value = self.scale * *value + self.offset);
+        let divisor = (1.0 / self.scale).round();
+        match self {
+            Affine::IDENTITY => {}
+            Affine { scale, offset } if 1.0 / divisor == scale => {
+                values.iter_mut().for_each(|value| *value = *value / divisor + offset);
+            }
+            Affine { scale, offset } => {
+                values.iter_mut().for_each(|value| *value = scale * *value + offset);
+            }
         }
     }
 }
 
 /// Standard gravity, m/s² (BIPM, SI Brochure, 9th edition; exact by definition).
-const STANDARD_GRAVITY: f64 = 9.80665;
+pub(crate) const STANDARD_GRAVITY: f64 = 9.80665;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// Spellings of a unit met in logs, the SI unit it converts to, and `scale`, `offset` of the conversion.
@@ -128,6 +136,7 @@ const KNOWN: &[(&[&str], Unit, f64, f64)] = &[
     (&["uT", "µT"], Unit::Microtesla, 1.0, 0.0),
     (&["mT"], Unit::Microtesla, 1e3, 0.0),
     (&["gauss", "Gauss"], Unit::Microtesla, 100.0, 0.0),
+    (&["mgauss"], Unit::Microtesla, 0.1, 0.0),
     (&["Pa"], Unit::Pascal, 1.0, 0.0),
     (&["%"], Unit::Percent, 1.0, 0.0),
 ];
@@ -178,6 +187,16 @@ mod tests {
         ] {
             // a few roundings of a 53-bit number
             assert!((convert(x, unit) - expected).abs() <= 1e-12 * expected.abs().max(10.0), "{x} {unit}");
+        }
+    }
+
+    #[test]
+    fn a_stamp_is_the_same_number_in_every_unit() {
+        for (text, us) in
+            [("0.3", 300_000.0), ("12.345678", 12_345_678.0), ("86399.999999", 86_399_999_999.0)]
+        {
+            let seconds: f64 = text.parse().unwrap();
+            assert_eq!([convert(us, "us"), convert(us * 1000.0, "ns")], [seconds, seconds], "{text}");
         }
     }
 

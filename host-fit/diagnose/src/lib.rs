@@ -11,3 +11,4 @@ pub mod effects;
 pub mod physical;
 pub mod refine;
 pub mod study;
+pub mod thermal;

@@ -14,3 +14,4 @@ mod parameters;
 pub mod playback;
 pub mod series;
 pub mod signal;
+pub mod thermal;

@@ -113,27 +113,25 @@ impl<'a> Playback<'a> {
     /// them: turned about one of them that one feels the same gravity.
     fn leave_out_other_poses(&mut self, model: &UnitModel) {
         let n_rows = self.still.len();
-        let is_gated = |place: &usize| {
-            let is_own = matches!(self.reference[*place], Reference::Constant(_));
-            is_own && matches!(model.axes[*place].parameters.axis, Axis::Ax | Axis::Ay | Axis::Az)
-        };
-        let gated: Vec<usize> = (0..model.axes.len()).filter(is_gated).collect();
+        let gated = model.axes.iter().zip(&self.reference).map(gated).enumerate();
+        let gated: Vec<(usize, AxisParameters<f64>)> =
+            gated.filter_map(|(place, parameters)| Some((place, parameters?))).collect();
         if gated.is_empty() {
             return;
         }
-        let is_off = |place: usize, stretch: &Range<usize>| {
-            let AxisParameters { reference, offset, scale, .. } = model.axes[place].parameters;
-            let finite = || self.measured[place][stretch.clone()].iter().filter(|value| value.is_finite());
+        let is_off = |(place, parameters): &(usize, AxisParameters<f64>), stretch: &Range<usize>| {
+            let AxisParameters { reference, offset, scale, .. } = parameters;
+            let finite = || self.measured[*place][stretch.clone()].iter().filter(|value| value.is_finite());
             let mean = finite().sum::<f64>() / finite().count() as f64;
             (mean - reference - offset).abs() > OTHER_POSE * scale
         };
-        let is_other = |stretch: &Range<usize>| gated.iter().any(|place| is_off(*place, stretch));
+        let is_other = |stretch: &Range<usize>| gated.iter().any(|axis| is_off(axis, stretch));
         let other: Vec<Range<usize>> = self.still_stretches(0..n_rows).into_iter().filter(is_other).collect();
         if other.is_empty() {
             return;
         }
-        for place in gated {
-            let mut values = vec![model.axes[place].parameters.reference; n_rows];
+        for (place, parameters) in gated {
+            let mut values = vec![parameters.reference; n_rows];
             other.iter().for_each(|stretch| values[stretch.clone()].fill(f64::NAN));
             self.reference[place] = Reference::Pose(values);
         }

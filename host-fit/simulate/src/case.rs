@@ -4,14 +4,16 @@ use serde::Serialize;
 
 use super::case_meta::meta;
 use super::coloured::AxisNoise;
-use super::disturbance::{self, Disturbed, Motion};
+use super::disturbance::{self, Disturbance, Disturbed, Motion};
 use super::draft::{Draft, FIELD, draft};
 use super::plan::{CasePlan, PlanError};
 use super::planting::{self, Planted};
 use super::random::{Stream, random};
 use super::recorder::{self, Faults};
 use super::regressors::NamedSeries;
+use super::streams::split;
 use fos_data::case::CaseMeta;
+use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 
 /// The logs of a case and the truth behind them.
 #[derive(Debug, Clone)]
@@ -66,6 +68,31 @@ pub struct LogTruth {
     pub motion: Vec<f64>,
     /// The regressors of all planted effects; `planted.k.name`, k counting from 0.
     pub regressors: Vec<NamedSeries>,
+}
+
+impl SimulatedCase {
+    /// Its logs as a reader would have them: baseline, field, evaluation. Of streams with clocks of their own they are
+    /// joined.
+    ///
+    /// # Errors
+    /// A log is none, which does not happen to one that was simulated.
+    pub fn recordings(&self) -> Result<[Recording; 3], RecordingError> {
+        let read = |name: &str, columns: &[NamedSeries], log: u64| {
+            let options = LoadOptions { rate_hz: Some(self.meta.nominal_rate_hz), ..LoadOptions::default() };
+            let source = Source::made_by(name);
+            match self.truth.plan.disturbance {
+                Disturbance::Streams => {
+                    Recording::from_streams(source, split(columns, (self.truth.plan.seed, log)), &options)
+                }
+                _ => Recording::from_columns(source, columns.to_vec(), &options),
+            }
+        };
+        Ok([
+            read("baseline", &self.baseline, BASELINE)?,
+            read("field", &self.field, FIELD)?,
+            read("eval", &self.eval, EVAL)?,
+        ])
+    }
 }
 
 const BASELINE: u64 = 0;

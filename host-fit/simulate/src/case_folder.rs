@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::case::{LogTruth, SimulatedCase};
+use super::disturbance::Disturbance;
 use super::regressors::NamedSeries;
 use fos_data::file::{FileError, make_folder, write_atomically};
-use fos_data::recording::{RecordingError, write_columns};
+use fos_data::recording::{Recording, RecordingError, write_columns};
 
 /// A case folder that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -40,8 +41,17 @@ impl SimulatedCase {
         if let Some(name) = folder.file_name() {
             meta.case = name.to_string_lossy().into_owned();
         }
-        for (name, columns) in [("baseline", &self.baseline), ("field", &self.field), ("eval", &self.eval)] {
-            write(folder, name, columns.iter())?;
+        if self.truth.plan.disturbance == Disturbance::Streams {
+            // no table holds streams: it is written as they are joined
+            for (name, joined) in ["baseline", "field", "eval"].into_iter().zip(self.recordings()?) {
+                write(folder, name, columns_of(&joined).iter())?;
+            }
+        } else {
+            for (name, columns) in
+                [("baseline", &self.baseline), ("field", &self.field), ("eval", &self.eval)]
+            {
+                write(folder, name, columns.iter())?;
+            }
         }
         for (name, truth) in [("truth_field", &self.truth.field), ("truth_eval", &self.truth.eval)] {
             let LogTruth { error, motion, regressors } = truth;
@@ -55,6 +65,14 @@ impl SimulatedCase {
         // last: a folder with a meta.json is whole
         json(folder.join("meta.json"), &meta)
     }
+}
+
+/// Its columns as a log has them.
+fn columns_of(recording: &Recording) -> Vec<NamedSeries> {
+    let channels = recording.channels().iter().map(|channel| (channel.name.clone(), channel.values.to_vec()));
+    let flag = |still: &bool| f64::from(u8::from(*still));
+    let still = recording.still.iter().map(|still| ("still".to_owned(), still.iter().map(flag).collect()));
+    std::iter::once(("t_s".to_owned(), recording.time_s.clone())).chain(channels).chain(still).collect()
 }
 
 fn write<'a>(

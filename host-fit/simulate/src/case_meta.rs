@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::part::Part;
-use super::plan::{CasePlan, NOMINAL_RATE_HZ};
+use super::plan::CasePlan;
 use fos_data::case::{CaseFiles, CaseMeta, DataSheetFigures, SCHEMA};
 
 /// Tells nothing of what is planted.
@@ -13,7 +13,7 @@ pub(super) fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
         target: plan.target.column().to_owned(),
         device: format!("{}-like", part.name),
         setup: plan.setup.words().to_owned(),
-        nominal_rate_hz: NOMINAL_RATE_HZ,
+        nominal_rate_hz: plan.nominal_rate_hz(),
         accel_full_scale_mps2: Some(part.full_scale(Axis::Ax)),
         gyro_full_scale_rads: Some(part.full_scale(Axis::Gx)),
         accel_lsb_mps2: Some(part.lsb(Axis::Ax)),

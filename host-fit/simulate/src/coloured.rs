@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::random::{Random, between, chance, normal};
+use super::random::{Random, Stream, between, chance, normal, random};
 
 /// Shortest and longest time constant of the Gauss-Markov processes that make the flicker, s.
 const FLICKER_TAUS_S: [f64; 2] = [0.05, 4000.0];
@@ -129,6 +129,11 @@ impl AxisNoise {
     /// The same of the fast noise and rounding alone, at `cycles` per sample.
     pub fn fast_density(&self, cycles: f64, lsb: f64) -> f64 {
         self.white * self.white * self.colour.density(cycles) + lsb * lsb / 12.0
+    }
+
+    /// `n` samples from a seed.
+    pub fn simulate(&self, n: usize, seed: u64) -> Vec<f64> {
+        self.series(n, &mut random(seed, Stream::Noise(0, 0)))
     }
 
     /// `n` samples, the stationary parts stationary from the first, the random walk from zero.

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::disturbance::Character;
 use super::effect::Effect;
 use super::part::{Part, true_rate};
-use super::plan::{CasePlan, Kind, NOMINAL_RATE_HZ, PlanError};
+use super::plan::{CasePlan, Kind, PlanError};
 use super::plant::Plant;
 use super::random::{Stream, chance, random};
 use super::recorder::{Logged, Unit};
@@ -45,7 +45,7 @@ pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
     }
     let effects = || plan.planted.iter().map(|plant| plant.effect);
     let random_unit = &mut random(plan.seed, Stream::Unit);
-    let rate_hz = true_rate(NOMINAL_RATE_HZ, random_unit);
+    let rate_hz = true_rate(plan.nominal_rate_hz(), random_unit);
     let unit = Unit {
         part,
         noise: Axis::ALL.map(|axis| part.draw_noise(axis, rate_hz, random_unit)),

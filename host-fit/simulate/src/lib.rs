@@ -11,6 +11,7 @@
 //! | `disturbance` | what the world does beside: knocks, hands, motors, wild samples, the part's filter |
 //! | `plant`, `planting`, `strength`, `rivals` | what is planted; how large it is in the noise |
 //! | `plan`, `recorder`, `case`, `case_meta`, `case_folder` | what to simulate; what is logged; a whole case |
+//! | `streams` | the same log as sensors with clocks of their own would have given it |
 //! | `suite` | many cases, to measure rates |
 
 #![forbid(unsafe_code)]
@@ -40,6 +41,7 @@ mod rivals;
 mod setup;
 mod shape;
 mod story;
+mod streams;
 mod strength;
 mod suite;
 mod thermal;

@@ -103,7 +103,7 @@ pub(super) fn pose(world: &mut World, field_ut: Option<[f64; 3]>, n: usize, rand
 
 /// Magnets are put near the unit and taken away, every 30 to 120 s: up to some 600 µT.
 pub(super) fn add_magnets(world: &mut World, random: &mut Random) {
-    let duration_s = world.len() as f64 * world.period_s;
+    let duration_s = world.duration_s();
     for field in &mut world.field_ut {
         let mut t = 0.0;
         let mut points = vec![(0.0, 0.0)];

@@ -8,8 +8,9 @@ use super::effect::Effect;
 use super::part::PARTS;
 use super::plant::Plant;
 use super::setup::{Path, Setup};
+use super::streams;
 
-/// Nominal sample rate, Hz.
+/// Nominal sample rate of a joint log, Hz.
 pub const NOMINAL_RATE_HZ: f64 = 200.0;
 
 /// How long the logs are, s.
@@ -116,6 +117,14 @@ impl CasePlan {
             durations: Durations::default(),
             kind: Kind::Nothing,
             disturbance: Disturbance::Clean,
+        }
+    }
+
+    /// Nominal rate of its logs, Hz.
+    pub fn nominal_rate_hz(&self) -> f64 {
+        match self.disturbance {
+            Disturbance::Streams => streams::RATE_HZ,
+            _ => NOMINAL_RATE_HZ,
         }
     }
 }

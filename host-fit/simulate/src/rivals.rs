@@ -47,7 +47,7 @@ impl Rivals {
             if description.band != Band::Slow || !shown || !effect.suits(setup, target) {
                 continue;
             }
-            for parameter in grid(effect, world.len() as f64 * world.period_s) {
+            for parameter in grid(effect, world.duration_s()) {
                 all.push((effect, parameter, white(regressors(effect, parameter, &world, target, &anchor))));
             }
         }

@@ -37,6 +37,11 @@ impl World {
         self.temp_c.len()
     }
 
+    /// How long it lasts, s.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.len() as f64 * self.period_s
+    }
+
     /// True value of an axis, in its unit.
     pub(super) fn truth(&self, axis: Axis) -> &[f64] {
         let vector = if axis.is_gyro() { &self.rate_rads } else { &self.force_mps2 };

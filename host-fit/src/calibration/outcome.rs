@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::error::CalibrationError;
 use fos_data::case::CaseMeta;
 use fos_data::column::AXES;
-use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::recording::Recording;
 use fos_diagnose::case::question_of_logs;
 use fos_diagnose::detect::{DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Verdict, correction, diagnose};
 use fos_diagnose::effects::Library;
@@ -103,15 +103,9 @@ pub fn examine(
     library: &Library,
 ) -> Result<Outcome, CalibrationError> {
     let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
-    let SimulatedCase { meta, baseline, field, eval, truth } = simulated;
     let failed = |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
-    let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
-    let recording = |name: &str, columns| {
-        Recording::from_columns(Source::made_by(name), columns, &options)
-            .map_err(|error| failed(error.into()))
-    };
-    let (field, eval) = (recording("field", field)?, recording("eval", eval)?);
-    let baseline = recording("baseline", baseline)?;
+    let [baseline, field, eval] = simulated.recordings().map_err(|error| failed(error.into()))?;
+    let SimulatedCase { meta, truth, .. } = simulated;
     let start = std::time::Instant::now();
     let answer =
         diagnose(&question_of_logs(&meta, &field, Some(&baseline), Some(&eval), library)).map_err(failed)?;

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::output::Failure;
 use fos_data::disturbance;
-use fos_data::recording::{ColumnMap, LoadOptions, Recording, load};
+use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, load};
 use fos_data::stillness::Stillness;
 use fos_diagnose::effects::{EffectError, Library};
 
@@ -58,6 +58,12 @@ pub(super) struct Reading {
     /// The same, from a TOML file
     #[arg(long, value_name = "FILE")]
     pub(super) map_file: Option<PathBuf>,
+    /// The format of the log, where it is not found by the content; `host-fit formats` lists them
+    #[arg(long)]
+    pub(super) format: Option<Format>,
+    /// Which sensor, where a log has several: the number of an instance, the name of a topic
+    #[arg(long, value_name = "NAME")]
+    pub(super) topic: Option<String>,
     /// Nominal sample rate, Hz; needed if the log has no time stamps
     #[arg(long, value_name = "HZ")]
     pub(super) rate: Option<f64>,
@@ -84,7 +90,14 @@ impl Reading {
         for spec in &self.map {
             columns.add(spec)?;
         }
-        Ok(LoadOptions { columns, rate_hz: self.rate, strict: self.strict, keep_moved: self.keep_moved })
+        Ok(LoadOptions {
+            columns,
+            rate_hz: self.rate,
+            format: self.format,
+            topic: self.topic.clone(),
+            strict: self.strict,
+            keep_moved: self.keep_moved,
+        })
     }
 
     /// The same; which columns and what rate, where they are not given, is as it was `before`.
@@ -93,6 +106,8 @@ impl Reading {
         Ok(LoadOptions {
             columns: if given.columns.is_empty() { before.columns.clone() } else { given.columns },
             rate_hz: given.rate_hz.or(before.rate_hz),
+            format: given.format.or(before.format),
+            topic: given.topic.or_else(|| before.topic.clone()),
             strict: given.strict,
             keep_moved: given.keep_moved || before.keep_moved,
         })
@@ -132,8 +147,10 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
     let rate = &recording.rate;
     let missing = recording.samples_missing();
+    let read_as = recording.sources.iter().filter_map(|source| source.read_as.as_ref());
+    let read_as: String = read_as.map(|read_as| format!("\n  {read_as}")).collect();
     format!(
-        "{}: {} rows in {:.1} s, {} segments, {missing} samples missing\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
+        "{}: {} rows in {:.1} s, {} segments, {missing} samples missing{read_as}\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
         recording.paths(),
         recording.n_rows(),
         recording.duration_s(),
@@ -146,14 +163,11 @@ pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
 }
 
 fn quality(recording: &Recording, stillness: &Stillness) -> String {
-    let mut report = recording.quality.to_string();
-    for oddity in recording.oddities(&stillness.still) {
-        let line = if report.is_empty() { "" } else { "\n" };
-        report += &format!("{line}caution: {oddity}");
-    }
-    for told in disturbance::told(recording, &stillness.disturbances) {
-        let line = if report.is_empty() { "" } else { "\n" };
-        report += &format!("{line}moved: {told}");
-    }
-    if report.is_empty() { String::new() } else { format!("\n  {}", report.replace('\n', "\n  ")) }
+    let quality = recording.quality.to_string();
+    let oddities =
+        recording.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
+    let told = disturbance::told(recording, &stillness.disturbances).into_iter();
+    let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
+    let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);
+    lines.chain(told.map(|told| format!("moved: {told}"))).map(|line| format!("\n  {line}")).collect()
 }

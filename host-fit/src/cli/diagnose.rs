@@ -7,7 +7,9 @@ use clap::Args;
 
 use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
-use super::output::{Failure, number, print_json, print_line, print_verdict, spinner, table, with_flags};
+use super::output::{
+    Failure, number, print_json, print_line, print_verdict, print_warning, spinner, table, with_flags,
+};
 use super::refinement::{LogArguments, column_of, read_logs};
 use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::Library;
@@ -16,13 +18,13 @@ use fos_diagnose::study::Study;
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: host-fit diagnose unit.json --from field.parquet --axis gx"
+    after_help = "Example: host-fit diagnose flight.ulg\nExample: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: host-fit diagnose unit.json --from field.parquet --axis gx"
 )]
 pub(super) struct Diagnose {
     /// The log to explain; or a study (.json), whose model is taken off first
     #[arg(value_name = "LOG|STUDY")]
     of: PathBuf,
-    /// gx, a column, or several with commas; needed unless a study has one axis
+    /// gx, a column, or several with commas; all axes of a log if not given, needed for a study of several
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
@@ -44,33 +46,32 @@ impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = library(&self.effects)?;
         let spinner = spinner("looking for what is missing");
-        let answers = match self.of.extension().is_some_and(|extension| extension == "json") {
-            true => vec![self.of_study(&library)?],
+        let (answers, read_as) = match self.of.extension().is_some_and(|extension| extension == "json") {
+            true => (vec![self.of_study(&library)?], Vec::new()),
             false => self.of_log(&library)?,
         };
         spinner.finish_and_clear();
         if self.json {
             return print_json(&answers);
         }
+        read_as.iter().for_each(|line| print_line!("{line}"));
         answers.iter().for_each(print_diagnosis);
         Ok(())
     }
 
-    fn of_log(&self, library: &Library) -> Result<Vec<Diagnosis>, Failure> {
+    /// Of every axis that was asked for; and as what the log was read, if it is not in the log format.
+    fn of_log(&self, library: &Library) -> Result<(Vec<Diagnosis>, Vec<String>), Failure> {
         if self.logs.from.is_some() {
             return Err(
                 "--from goes with a study\nhelp: `host-fit diagnose STUDY --from LOG`, or the log alone"
                     .into(),
             );
         }
-        let Some(axis) = &self.axis else {
-            return Err("which axis?\nhelp: name it with --axis, as --axis gx".into());
-        };
         let field = self.reading.read(&self.of)?;
         let quiet = self.logs.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
         let judged = self.logs.judge.as_ref().map(|path| self.reading.read(path)).transpose()?;
-        let axes = super::arguments::axes(&field, axis)?;
-        let of_axis = |axis: &String| {
+        let axes = super::arguments::axes(&field, self.axis.as_deref().unwrap_or("all"))?;
+        let of_axis = |axis: &String| -> Result<Diagnosis, Failure> {
             let diagnosis = diagnose(&Question {
                 field: &field,
                 quiet: quiet.as_ref(),
@@ -87,7 +88,25 @@ impl Diagnose {
                 None => diagnosis,
             })
         };
-        axes.iter().map(of_axis).collect()
+        let mut answers = Vec::new();
+        let mut refused = Vec::new();
+        for axis in &axes {
+            match of_axis(axis) {
+                Ok(answer) => answers.push(answer),
+                // an axis that nobody asked for, as one that is stuck, does not keep the others from being explained
+                Err(error) if self.axis.is_none() => refused.push(error),
+                Err(error) => return Err(error),
+            }
+        }
+        if answers.is_empty() && !refused.is_empty() {
+            return Err(refused.swap_remove(0));
+        }
+        refused.iter().for_each(|error| print_warning(&format!("left out: {error}")));
+        let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
+        let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
+        let joined = field.alignment.as_ref().map_or_else(String::new, ToString::to_string);
+        said.extend(joined.lines().map(|line| format!("  {line}")));
+        Ok((answers, said))
     }
 
     fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {

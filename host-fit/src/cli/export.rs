@@ -7,19 +7,26 @@ use fos_core::FittedOn;
 use fos_embedded::hub::{PERIOD_TOLERANCE, is_given};
 
 use super::arguments::OutputFile;
-use super::output::{Failure, Written, number, print_line, print_warning, print_written};
+use super::output::{Failure, Written, number, print_json, print_line, print_warning, print_written};
+use super::temperature_tables::TableArguments;
 use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
 use fos_diagnose::study::Study;
 use fos_fit::model::UnitModel;
 
-/// Write the model of a study as an image, as Rust source, as a C header
+/// Write the model of a study as an image, as Rust source, as a C header; temperature tables for autopilots
 ///
 /// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs
 /// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h. Says which hubs refuse
 /// the model, and what the one that takes it must be set up for.
+///
+/// The tables for PX4 and ArduPilot are cubics of the temperature, which is all that these correct by: fitted to the log
+/// of the study anew, and judged beside the study itself.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h")]
+#[command(
+    after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
+    host-fit export unit.json --px4 unit.params --ardupilot unit.parm --judge later.parquet"
+)]
 pub(super) struct Export {
     /// The study
     study: PathBuf,
@@ -35,6 +42,8 @@ pub(super) struct Export {
     /// Name of the sensor, stored in the image
     #[arg(long, default_value = "")]
     sensor: String,
+    #[command(flatten)]
+    tables: TableArguments,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
@@ -42,9 +51,11 @@ pub(super) struct Export {
 
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if self.image.is_none() && self.rust.is_none() && self.c.is_none() {
-            return Err("nothing to write\nhelp: give --image FILE, --rust FILE, --c FILE, or several".into());
+        let has_model = self.image.is_some() || self.rust.is_some() || self.c.is_some();
+        if !has_model && !self.tables.are_given() {
+            return Err("nothing to write\nhelp: give --image FILE, --rust FILE, --c FILE, --px4 FILE, --ardupilot FILE, or several".into());
         }
+        self.tables.check()?;
         let study = Study::read(&self.study)?;
         let (model, provenance) = (&study.model, study.provenance());
         // what cannot be written is said before anything is
@@ -59,6 +70,7 @@ impl Export {
             }
             None => None,
         };
+        let tables = self.tables.fit(&study, &self.study)?;
         let mut written = Vec::new();
         let mut note = |path: &Path, what: String| {
             written.push(Written { path: path.display().to_string(), what });
@@ -76,7 +88,22 @@ impl Export {
             write_atomically(path, source.as_bytes())?;
             note(path, format!("C header, {terms} terms"));
         }
-        print_written(&written, self.json)?;
+        if let Some(tables) = &tables {
+            self.tables.write(tables, &mut written)?;
+        }
+        match (&tables, self.json) {
+            (Some(tables), true) => {
+                print_json(&serde_json::json!({ "written": written, "temperature": tables.as_json() }))?;
+            }
+            (Some(tables), false) => {
+                print_written(&written, false)?;
+                tables.print();
+            }
+            (None, json) => print_written(&written, json)?,
+        }
+        if !has_model {
+            return Ok(());
+        }
         match Refusal::of(model) {
             // Rust source comes with a hub that has the room
             Some(Refusal::TooLargeForC(_)) if self.image.is_none() => {}

@@ -8,6 +8,7 @@ mod calibrate;
 mod compare;
 mod comparison_summary;
 mod completions;
+mod convert;
 mod demo;
 mod diagnose;
 mod effects;
@@ -15,9 +16,11 @@ mod error_table;
 mod export;
 pub mod files;
 mod fit;
+mod formats;
 mod history;
 mod inspect;
 mod man;
+mod noise;
 mod numbers;
 mod output;
 mod physical_terms;
@@ -29,6 +32,7 @@ mod serve;
 mod simulate;
 mod simulate_case;
 mod table;
+mod temperature_tables;
 mod undo;
 mod world;
 
@@ -52,6 +56,7 @@ struct Cli {
 enum Command {
     Demo(demo::Demo),
     Simulate(simulate::Simulate),
+    Noise(noise::Noise),
     Table(table::Table),
     Fit(fit::Fit),
     Compare(compare::Compare),
@@ -60,6 +65,8 @@ enum Command {
     Undo(undo::Undo),
     History(history::History),
     Effects(effects::Effects),
+    Formats(formats::Formats),
+    Convert(convert::Convert),
     Batch(batch::Batch),
     Calibrate(calibrate::Calibrate),
     Export(export::Export),
@@ -109,6 +116,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Noise(command) => command.run(),
         Command::Table(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
@@ -117,6 +125,8 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Undo(command) => command.run(),
         Command::History(command) => command.run(),
         Command::Effects(command) => command.run(),
+        Command::Formats(command) => command.run(),
+        Command::Convert(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Export(command) => command.run(),

@@ -30,7 +30,7 @@ pub(super) struct Report {
     output: OutputFile,
     /// Its form; by default what its name ends in
     #[arg(long)]
-    format: Option<Format>,
+    form: Option<Form>,
     #[command(flatten)]
     reading: Reading,
     /// Print the content as JSON and write nothing
@@ -39,7 +39,7 @@ pub(super) struct Report {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum Form {
     /// One page that needs no network
     Html,
     /// Text
@@ -66,8 +66,8 @@ impl Report {
             return print_json(&content);
         }
         let ending = self.output.extension().is_some_and(|ending| ending == "md");
-        let text = match self.format {
-            Some(Format::Md) => markdown(&content)?,
+        let text = match self.form {
+            Some(Form::Md) => markdown(&content)?,
             None if ending => markdown(&content)?,
             _ => html(&content)?,
         };

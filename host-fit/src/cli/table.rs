@@ -20,7 +20,7 @@ use fos_fit::signal::wavelet::Denoising;
     after_help = "Example: host-fit simulate hour.parquet --band-limited --minutes 60 && host-fit table hour.parquet --axis ay,gy"
 )]
 pub(super) struct Table {
-    /// The log: CSV, gzip'd CSV or Parquet
+    /// The log, in any format that `host-fit formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]

@@ -17,6 +17,7 @@ pub mod dependence;
 mod draw;
 pub mod evidence;
 mod file;
+pub mod noise;
 mod round_joins;
 mod scale;
 mod shading;

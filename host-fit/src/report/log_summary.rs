@@ -38,7 +38,7 @@ pub struct LogSummary {
     pub still_known_by: KnownBy,
     /// Its channels.
     pub columns: Vec<ColumnSummary>,
-    /// What was wrong with it, a line each.
+    /// As what it was read, how its streams were joined, and what was wrong with it, a line each.
     pub quality: Vec<String>,
     /// Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time.
     pub moved: Shading,
@@ -87,7 +87,10 @@ impl LogSummary {
         let column =
             |name: &String| ColumnSummary { name: name.clone(), unit: Column::named(name).unit().label() };
         let quality = log.quality.to_string();
-        let quality = quality.lines().map(str::to_owned);
+        let joined = log.alignment.as_ref().map_or_else(String::new, ToString::to_string);
+        let read_as =
+            log.sources.iter().filter_map(|source| source.read_as.as_ref()).map(ToString::to_string);
+        let quality = read_as.chain(joined.lines().chain(quality.lines()).map(str::to_owned));
         let told =
             disturbance::told(log, &stillness.disturbances).into_iter().map(|told| format!("moved: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));

@@ -99,7 +99,7 @@ pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wante
             desk.folders.permitted(path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
         }
         let columns = ColumnMap::from_specs(wanted.columns).map_err(|why| wrong(why.to_string()))?;
-        let read = LoadOptions { columns, rate_hz: wanted.rate_hz, strict: false, keep_moved: false };
+        let read = LoadOptions { columns, rate_hz: wanted.rate_hz, ..LoadOptions::default() };
         desk.open(Open::Logs { field, quiet: wanted.quiet, judged: wanted.judged, read })
     };
     Ok(Json(json!({ "id": id.map_err(not_now)? })))

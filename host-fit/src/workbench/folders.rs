@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use fos_data::file::{FileError, make_folder};
+use fos_data::recording::may_be_log;
 
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;
@@ -126,9 +127,7 @@ fn list(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
         }
         if kind.is_dir() && depth < DEEPEST && name != "target" && name != "node_modules" {
             list(&path, depth + 1, found);
-        } else if kind.is_file()
-            && [".csv", ".csv.gz", ".parquet"].iter().any(|ending| name.ends_with(ending))
-        {
+        } else if kind.is_file() && may_be_log(&name) {
             let bytes = entry.metadata().map_or(0, |metadata| metadata.len());
             let path = path.strip_prefix(".").unwrap_or(&path).display().to_string();
             found.push(Listed { path, bytes });

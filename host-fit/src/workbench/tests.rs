@@ -282,6 +282,61 @@ async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
 }
 
 #[tokio::test]
+async fn logs_of_others_are_listed_taken_looked_into_and_read_as_what_they_are() {
+    use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
+
+    let bench = Bench::new();
+    let flight = Flight::new(3000, 5000, 7);
+    let text = |wanted: &str| TEXTS.iter().find(|(_, name, _)| *name == wanted).unwrap().2(&flight);
+    let files = [
+        ("LOG.BIN", dataflash(&flight, &[], true), "read as ArduPilot DataFlash"),
+        ("a.mcap", mcap(&flight), "read as MCAP"),
+        ("a.bag", bag(&flight, Chunks::Some), "read as ROS 1 bag"),
+        ("android.zip", text("android.zip"), "read as Sensor Logger"),
+        ("gnss_log.txt", text("gnss_log.txt"), "read as GnssLogger"),
+        ("st.tsv", text("st.tsv"), "read as ST Unicleo"),
+        ("flight.ulg", ulog(&flight, Rate::Decimated), "read as PX4 ULog: sensor_combined"),
+    ];
+    for (name, bytes, says) in files {
+        std::fs::write(bench.logs().join(name), &bytes).unwrap();
+        let (_, listed) = bench.get("/api/logs").await;
+        assert!(listed.to_string().contains(name), "{listed}");
+        // dropped on the page
+        let request = page("POST", &format!("/api/uploads?name={name}")).body(Body::from(bytes));
+        let (status, answer) = read(bench.ask(request.unwrap()).await).await;
+        assert_eq!(status, StatusCode::OK, "{answer}");
+        let path = answer["path"].as_str().unwrap();
+        let (status, preview) = bench.post("/api/preview", json!({ "path": path })).await;
+        assert_eq!(status, StatusCode::OK, "{preview}");
+        let columns = preview["columns"].as_array().unwrap();
+        for channel in ["t_s", "ax_mps2", "gz_rads"] {
+            let found = columns.iter().find(|column| column["target"] == channel);
+            // nothing is left to be chosen
+            let found = found.unwrap_or_else(|| panic!("{name}: no {channel} in {preview}"));
+            assert_eq!((&found["sure"], &found["spec"]), (&json!(true), &Value::Null), "{name}: {found}");
+        }
+        let (_, opened) = bench.post("/api/studies", json!({ "field": path })).await;
+        let state = bench.settled(opened["id"].as_u64().unwrap()).await;
+        assert_eq!(state["error"], Value::Null, "{name}: {}", state["error"]);
+        let remarks = state["logs"]["field"]["quality"].to_string();
+        assert!(remarks.contains(says), "{name}: {remarks}");
+        if name == "flight.ulg" {
+            assert!(
+                remarks.contains("rows are the samples of") && remarks.contains("interpolated"),
+                "{remarks}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_page_offers_what_may_be_a_log() {
+    let page = include_str!("page/openpanel.js");
+    let accepted = format!("accept: \"{}\"", fos_data::recording::LOG_ENDINGS.join(","));
+    assert!(page.contains(&accepted), "{accepted}");
+}
+
+#[tokio::test]
 async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     let bench = Bench::new();
     let log = bench.logs().join(format!("{HOSTILE}.csv"));

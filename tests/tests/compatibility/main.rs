@@ -116,7 +116,7 @@ fn what_is_written_today_is_written_as_it_was() {
 fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
     // `reference`: answers computed by others, with a README of its own
     let mut known: Vec<PathBuf> =
-        ["README.md", "c_api_v1.h", "reference"].map(|name| folder().join(name)).into();
+        ["README.md", "c_api_v1.h", "c_api_v2.h", "reference"].map(|name| folder().join(name)).into();
     for format in FORMATS {
         for version in &fixtures()[format.name] {
             let path = file_of(format, *version);
@@ -220,27 +220,62 @@ fn declarations(header: &str) -> Vec<String> {
     declarations.iter().map(|words| words.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
 }
 
+const C_VERSION: &str = "#define FOS_API_VERSION ";
+
+/// Whether what was declared then is declared today: word for word, or an enumeration with more at its end.
+fn is_declared(then: &str, today: &[String]) -> bool {
+    let body = |declaration: &str| -> Option<(String, String)> {
+        let (body, rest) = declaration.strip_prefix("enum ")?.split_once(" };")?;
+        Some((body.to_owned(), rest.to_owned()))
+    };
+    let has_grown = |today: &str| match (body(then), body(today)) {
+        (Some((then, rest)), Some((today, same))) => today.starts_with(&then) && rest == same,
+        _ => false,
+    };
+    today.iter().any(|today| today == then || has_grown(today))
+}
+
 #[test]
 fn what_a_program_in_c_was_compiled_with_is_still_declared() {
     let header = |path: &Path| String::from_utf8(read(path)).expect("UTF-8");
     let today = header(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../fos-embedded/include/fos.h"));
     let today = declarations(&today);
-    let version = today.iter().find_map(|line| line.strip_prefix("#define FOS_API_VERSION "));
-    let version = version.expect("the header says its version").trim();
-    let path = folder().join(format!("c_api_v{version}.h"));
-    let then = declarations(&header(&path));
-    assert!(then.len() > 40, "{} declarations", then.len());
-    let missing = |today: &[String]| -> Vec<String> {
-        then.iter().filter(|declaration| !today.contains(declaration)).cloned().collect()
-    };
-    assert_eq!(missing(&today), [""; 0], "gone or changed, with the version of the interface left as it was");
-    println!("| C interface | {version} | {version} | {} declarations |", then.len());
-    // the counter-check: any one of them that is changed is missed
-    for place in 0..today.len() {
-        let mut changed = today.clone();
-        changed[place].insert(0, 'x');
-        let only_one = today.iter().filter(|declaration| **declaration == today[place]).count() == 1;
-        let must_be_missed = only_one && then.contains(&today[place]);
-        assert_eq!(missing(&changed).len(), usize::from(must_be_missed), "{}", today[place]);
+    let newest = today.iter().find_map(|line| line.strip_prefix(C_VERSION));
+    let newest: u32 =
+        newest.and_then(|version| version.trim().parse().ok()).expect("the header says its version");
+    for version in 1..=newest {
+        let mut then = declarations(&header(&folder().join(format!("c_api_v{version}.h"))));
+        assert!(then.contains(&format!("{C_VERSION}{version}")), "its own version");
+        then.retain(|declaration| version == newest || !declaration.starts_with(C_VERSION));
+        assert!(then.len() > 40, "{} declarations", then.len());
+        let missing = |today: &[String]| -> Vec<String> {
+            then.iter().filter(|declaration| !is_declared(declaration, today)).cloned().collect()
+        };
+        assert_eq!(missing(&today), [""; 0], "of version {version}: gone or changed");
+        println!("| C interface | {version} | {newest} | {} declarations |", then.len());
+        // the counter-check: any one of them that is changed is missed
+        for place in 0..today.len() {
+            let mut changed = today.clone();
+            changed[place].insert(0, 'x');
+            let only_one = today.iter().filter(|declaration| **declaration == today[place]).count() == 1;
+            let held = |declaration: &String| is_declared(declaration, &today[place..=place]);
+            let must_be_missed = only_one && then.iter().any(held);
+            assert_eq!(missing(&changed).len(), usize::from(must_be_missed), "{}", today[place]);
+        }
+    }
+}
+
+#[test]
+fn an_enumeration_may_grow_at_its_end_alone() {
+    let then = "enum status { A = 0, B = 1, };";
+    for (today, held) in [
+        (then, true),
+        ("enum status { A = 0, B = 1, C = 2, };", true),
+        ("enum status { A = 0, C = 1, B = 2, };", false),
+        ("enum status { A = 0, };", false),
+        ("enum state { A = 0, B = 1, };", false),
+        ("enum status { A = 0, B = 1, }; #endif", false),
+    ] {
+        assert_eq!(is_declared(then, &[today.to_owned()]), held, "{today}");
     }
 }

@@ -11,9 +11,9 @@ use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::LogSources;
 use fos_diagnose::study::Study;
 use fos_embedded::blocking::poll_once;
-use fos_embedded::hub::{Hub, Motion};
+use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
-use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode};
+use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode};
 use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
 use fos_fit::export::current;
 use fos_fit::fit::{FitOptions, fit_axis};
@@ -45,7 +45,11 @@ fn write_the_fixtures_of_new_versions() {
     let version = declarations.iter().find_map(|line| line.strip_prefix("#define FOS_API_VERSION "));
     let path = folder().join(format!("c_api_v{}.h", version.expect("a version").trim()));
     if !path.exists() {
-        fs::write(path, declarations.join("\n")).expect("written");
+        // the head is a comment of its own form
+        let (_, code) = header.split_once("*/").expect("the head ends");
+        let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        fs::write(path, code.map(|line| format!("{line}\n")).collect::<String>().trim_start())
+            .expect("written");
     }
 }
 
@@ -161,7 +165,9 @@ pub(crate) fn telemetry() -> Vec<u8> {
         let record = HubLogRecord::decode(bytes, &mut given).expect("a record");
         let output = *record.step(&mut hub);
         if place != 20 {
-            recorder.sample(&start, SampleFrame::new(&output, &hub.logged())).expect("sent");
+            recorder
+                .sample(&start, Snapshot::<MAX_LOGGED>::new(&output, &hub.logged()).frame())
+                .expect("sent");
         }
     }
     recorder.release().0

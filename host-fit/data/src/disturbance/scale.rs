@@ -1,7 +1,7 @@
 //! The energy of one axis on one time scale: second differences of block means, which no level and no steady drift
 //! moves.
 
-use crate::statistics::median;
+use crate::statistics::{MAD_TO_SD, finite_median};
 
 /// Blocks of a window: enough for its energy to be known to a third.
 const WINDOW_BLOCKS: usize = 8;
@@ -67,8 +67,7 @@ pub(super) fn local_level(log_energy: &[f64], piece: usize) -> Vec<f64> {
 
 /// Median of what is known; NaN of nothing.
 pub(super) fn median_of_known(values: &[f64]) -> f64 {
-    let mut known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    if known.is_empty() { f64::NAN } else { median(&mut known) }
+    finite_median(values).unwrap_or(f64::NAN)
 }
 
 /// Scatter below this is that of too few values.
@@ -78,6 +77,6 @@ const LEAST_SCATTER: f64 = 0.1;
 pub(super) fn excess(log_energy: &[f64], level: &[f64]) -> Vec<f64> {
     let above: Vec<f64> = log_energy.iter().zip(level).map(|(energy, level)| energy - level).collect();
     let off: Vec<f64> = above.iter().map(|above| above.abs()).collect();
-    let scatter = (1.4826 * median_of_known(&off)).max(LEAST_SCATTER);
+    let scatter = (MAD_TO_SD * median_of_known(&off)).max(LEAST_SCATTER);
     above.into_iter().map(|above| if above.is_finite() { above / scatter } else { 0.0 }).collect()
 }

@@ -6,18 +6,22 @@
 //! A line ends in LF or CRLF; in CR, as of old, in a text that has no LF. A line is at most a megabyte long: what is
 //! longer, an open quotation mark in a library say, is refused before it takes memory.
 //!
-//! The separator is the one the header has most of: comma, semicolon or tab. Blank lines and lines that start
-//! with `#` are passed over. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.
+//! The header is the first line, or where titles stand before it, the line above the first row of numbers (`header`).
+//! The separator is the one the header has most of: comma, semicolon or tab; beside the others a comma in a number is
+//! the decimal one. Blank lines and lines that start with `#` are passed over. Empty cells, `NA`, `null` and `none` are
+//! empty; `true` and `false` are 1 and 0.
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
+use super::cell::{Cell, for_each_cell, parse_cell};
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
+use super::header::{self, Header, not_a_log};
 use super::other_format;
 use super::quality::{BadRow, Place, Problem};
-use super::table::{Column, Skipped, Table, check_names, column_name, must_be_numeric};
+use super::table::{Column, Skipped, Table, must_be_numeric};
 use crate::file::FileError;
 use crate::interrupt;
 
@@ -46,17 +50,17 @@ pub(super) fn read(
 ) -> Result<Table, RecordingError> {
     let mut lines = Lines::begin(input, path, is_packed)?;
     let mut line = Vec::new();
-    if !lines.next(&mut line)? {
-        return Err(not_a_log(path, "the file is empty".into()));
-    }
-    let header = Header::parse(path, &line)?;
 
-    // the first rows are kept as text, to see which columns are text
+    // the first lines are kept as text, to see which one is the header and which columns are text
     let (mut first_lines, mut kept) = (Vec::new(), 0);
     while first_lines.len() < ROWS_TO_CLASSIFY && kept < BYTES_TO_CLASSIFY && lines.next(&mut line)? {
         kept += line.len();
         first_lines.push((lines.number, line.clone()));
     }
+    if first_lines.is_empty() {
+        return Err(not_a_log(path, "the file is empty".into()));
+    }
+    let header = header::take(path, lines.comment.take(), &mut first_lines)?;
     let mut parser = Parser::new(path, map, &header, &first_lines)?;
     let mut take = |number, line: &[u8]| match parser.take(number, line) {
         Ok(()) => Ok(()),
@@ -76,10 +80,6 @@ pub(super) fn read(
     parser.finish()
 }
 
-fn not_a_log(path: &Path, problem: String) -> RecordingError {
-    RecordingError::NotALog { path: path.to_owned(), problem }
-}
-
 /// Lines that may hold data, without their ends.
 struct Lines<'a, R> {
     /// What was looked at to see how lines end, and the rest.
@@ -88,6 +88,9 @@ struct Lines<'a, R> {
     end: u8,
     /// Number of the line last read, from 1.
     number: u64,
+    /// The comment above the first line that is none: some programs write their header so.
+    comment: Option<Vec<u8>>,
+    has_line: bool,
     path: &'a Path,
     is_packed: bool,
 }
@@ -101,7 +104,8 @@ impl<'a, R: BufRead> Lines<'a, R> {
         if let Some((is, help)) = other_format::known_text(&begin) {
             return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
         }
-        let lines = Self { input: io::Cursor::new(begin).chain(input), end, number: 0, path, is_packed };
+        let input = io::Cursor::new(begin).chain(input);
+        let lines = Self { input, end, number: 0, comment: None, has_line: false, path, is_packed };
         match read {
             Ok(_) => Ok(lines),
             Err(error) => Err(lines.failed(error)),
@@ -142,84 +146,20 @@ impl<'a, R: BufRead> Lines<'a, R> {
                 line.pop();
             }
             if !line.is_empty() && line[0] != b'#' {
+                self.has_line = true;
                 return Ok(true);
+            }
+            if !line.is_empty() && !self.has_line {
+                self.comment = Some(line[1..].to_vec());
             }
         }
     }
 }
 
 /// Whether what is packed is damaged; else the system did not deliver it.
-fn is_damage(error: &io::Error) -> bool {
+pub(super) fn is_damage(error: &io::Error) -> bool {
     use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
     matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof)
-}
-
-/// Names of the columns, and what stands between them.
-struct Header {
-    names: Vec<String>,
-    separator: u8,
-}
-
-impl Header {
-    fn parse(path: &Path, line: &[u8]) -> Result<Header, RecordingError> {
-        let count = |separator: u8| line.iter().filter(|&&byte| byte == separator).count();
-        let separator = [b'\t', b';', b','].into_iter().max_by_key(|&s| count(s)).unwrap_or(b',');
-        let mut names = Vec::new();
-        for_each_cell(line, separator, |i, cell| {
-            names.push(column_name(&String::from_utf8_lossy(cell), i));
-        });
-        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            let problem = "the first line holds numbers where the names of the columns should be";
-            return Err(not_a_log(path, problem.into()));
-        }
-        check_names(path, &names)?;
-        Ok(Header { names, separator })
-    }
-}
-
-/// Hands every cell of a line to `take` with its index, without spaces around it; returns how many there are.
-fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) -> usize {
-    let mut n = 0;
-    if line.contains(&b'"') {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(separator).from_reader(line);
-        let mut record = csv::ByteRecord::new();
-        if let Ok(true) = reader.read_byte_record(&mut record) {
-            for cell in &record {
-                take(n, cell.trim_ascii());
-                n += 1;
-            }
-        }
-    } else {
-        for cell in line.split(|&byte| byte == separator) {
-            take(n, cell.trim_ascii());
-            n += 1;
-        }
-    }
-    n
-}
-
-/// What a cell says.
-enum Cell {
-    Number(f64),
-    Empty,
-    Text,
-}
-
-fn parse_cell(cell: &[u8]) -> Cell {
-    if cell.is_empty() {
-        return Cell::Empty;
-    }
-    let Ok(text) = std::str::from_utf8(cell) else { return Cell::Text };
-    if let Ok(number) = text.parse() {
-        return Cell::Number(number);
-    }
-    let is = |word: &str| text.eq_ignore_ascii_case(word);
-    match () {
-        () if is("true") => Cell::Number(1.0),
-        () if is("false") => Cell::Number(0.0),
-        () if is("na") || is("null") || is("none") => Cell::Empty,
-        () => Cell::Text,
-    }
 }
 
 /// What is done with the cells of a column.
@@ -238,6 +178,7 @@ enum Kind {
 /// Turns lines into rows of a table.
 struct Parser<'a> {
     separator: u8,
+    decimal_comma: bool,
     names: &'a [String],
     kinds: Vec<Kind>,
     labels: HashMap<Vec<u8>, f64>,
@@ -263,7 +204,7 @@ impl<'a> Parser<'a> {
         let names = header.names.as_slice();
         let (mut numbers, mut texts) = (vec![0_u32; names.len()], vec![0_u32; names.len()]);
         for (_, line) in first_lines {
-            for_each_cell(line, header.separator, |i, cell| match parse_cell(cell) {
+            for_each_cell(line, header.separator, |i, cell| match parse_cell(cell, header.decimal_comma) {
                 Cell::Number(_) if i < names.len() => numbers[i] += 1,
                 Cell::Text if i < names.len() => texts[i] += 1,
                 _ => {}
@@ -304,6 +245,7 @@ impl<'a> Parser<'a> {
         let n = table.columns.len();
         Ok(Parser {
             separator: header.separator,
+            decimal_comma: header.decimal_comma,
             names,
             kinds,
             labels: HashMap::new(),
@@ -329,38 +271,39 @@ impl<'a> Parser<'a> {
                 extra_is_empty = cell.is_empty();
                 return;
             };
-            let (column, value) = match (kind, parse_cell_unless(kind == Kind::LeftOut, cell)) {
-                (Kind::LeftOut, _) => return,
-                (Kind::Labels(column), Cell::Number(_) | Cell::Text) => {
-                    let next = self.labels.len() as f64;
-                    (column, *self.labels.entry(cell.to_vec()).or_insert(next))
-                }
-                (Kind::Numbers(column) | Kind::Labels(column) | Kind::Undecided(column), Cell::Empty) => {
-                    self.row_empty.push(column);
-                    (column, f64::NAN)
-                }
-                (Kind::Numbers(column), Cell::Number(value)) => (column, value),
-                (Kind::Undecided(column), Cell::Number(value)) => {
-                    self.kinds[i] = Kind::Numbers(column);
-                    (column, value)
-                }
-                (Kind::Undecided(column), Cell::Text) if !self.needed[i] => {
-                    // the first content after many empty cells: remarks, not measurements
-                    self.kinds[i] = Kind::LeftOut;
-                    self.table.quality.text_columns.push(names[i].clone());
-                    let place = Place::Line { line: number, cell: i as u64 + 1 };
-                    let row = || BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber);
-                    self.table.quality.first_text.get_or_insert_with(row);
-                    (column, f64::NAN)
-                }
-                (_, Cell::Text) => {
-                    let place = Place::Line { line: number, cell: i as u64 + 1 };
-                    problem.get_or_insert_with(|| {
-                        BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber)
-                    });
-                    return;
-                }
-            };
+            let (column, value) =
+                match (kind, parse_cell_unless(kind == Kind::LeftOut, cell, self.decimal_comma)) {
+                    (Kind::LeftOut, _) => return,
+                    (Kind::Labels(column), Cell::Number(_) | Cell::Text) => {
+                        let next = self.labels.len() as f64;
+                        (column, *self.labels.entry(cell.to_vec()).or_insert(next))
+                    }
+                    (Kind::Numbers(column) | Kind::Labels(column) | Kind::Undecided(column), Cell::Empty) => {
+                        self.row_empty.push(column);
+                        (column, f64::NAN)
+                    }
+                    (Kind::Numbers(column), Cell::Number(value)) => (column, value),
+                    (Kind::Undecided(column), Cell::Number(value)) => {
+                        self.kinds[i] = Kind::Numbers(column);
+                        (column, value)
+                    }
+                    (Kind::Undecided(column), Cell::Text) if !self.needed[i] => {
+                        // the first content after many empty cells: remarks, not measurements
+                        self.kinds[i] = Kind::LeftOut;
+                        self.table.quality.text_columns.push(names[i].clone());
+                        let place = Place::Line { line: number, cell: i as u64 + 1 };
+                        let row = || BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber);
+                        self.table.quality.first_text.get_or_insert_with(row);
+                        (column, f64::NAN)
+                    }
+                    (_, Cell::Text) => {
+                        let place = Place::Line { line: number, cell: i as u64 + 1 };
+                        problem.get_or_insert_with(|| {
+                            BadRow::new(place, Some(&names[i]), cell, Problem::NotANumber)
+                        });
+                        return;
+                    }
+                };
             self.row[column] = value;
         });
         // some loggers end every row with a separator
@@ -428,7 +371,7 @@ fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Optio
     lines.iter().find_map(|(line, text)| {
         let mut found = None;
         for_each_cell(text, header.separator, |i, cell| {
-            if i == column && matches!(parse_cell(cell), Cell::Text) {
+            if i == column && matches!(parse_cell(cell, header.decimal_comma), Cell::Text) {
                 let place = Place::Line { line: *line, cell: i as u64 + 1 };
                 let name = header.names[i].as_str();
                 found = Some(Box::new(BadRow::new(place, Some(name), cell, Problem::NotANumber)));
@@ -439,6 +382,6 @@ fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Optio
 }
 
 /// A cell that nobody looks at is not parsed.
-fn parse_cell_unless(left_out: bool, cell: &[u8]) -> Cell {
-    if left_out { Cell::Empty } else { parse_cell(cell) }
+fn parse_cell_unless(left_out: bool, cell: &[u8], decimal_comma: bool) -> Cell {
+    if left_out { Cell::Empty } else { parse_cell(cell, decimal_comma) }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::column_map::MapError;
+use super::format::Format;
 use super::quality::BadRow;
 use super::rate::RATES_HZ;
 use crate::file::FileError;
@@ -58,7 +59,7 @@ pub enum RecordingError {
         source: parquet::errors::ParquetError,
     },
     /// Not a table of text, nor anything else known.
-    #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet", path.display())]
+    #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet, or in a known format of others", path.display())]
     NotALog {
         /// As it was given.
         path: PathBuf,
@@ -74,6 +75,52 @@ pub enum RecordingError {
         is: String,
         /// How a log is made of it.
         help: &'static str,
+    },
+    /// Not of the format that it was said to be in.
+    #[error("{}: it is not of the format {format} ({}): there are {}\nhelp: leave the format out, so that it is found by the content, or name the columns in the column map", path.display(), format.id(), available.join(", "))]
+    NotOfFormat {
+        /// As it was given.
+        path: PathBuf,
+        /// The format.
+        format: Format,
+        /// The columns that it has.
+        available: Vec<String>,
+    },
+    /// Of a known format, and not readable as such.
+    #[error(
+        "{}{}: the {format} is damaged: {problem}\nhelp: if it was cut short while being written or copied, copy it again",
+        path.display(),
+        at.map_or_else(String::new, |at| format!(", byte {at}"))
+    )]
+    Damaged {
+        /// As it was given.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// Where, in bytes from the begin.
+        at: Option<u64>,
+        /// What is not as it should be.
+        problem: String,
+    },
+    /// A known format without what is needed.
+    #[error("{}: {format}: {problem}\nhelp: {help}", path.display())]
+    NoSensors {
+        /// As it was given.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// What is missing, and what is there.
+        problem: String,
+        /// What to record instead, or to choose.
+        help: String,
+    },
+    /// A folder or an archive with more logs than one.
+    #[error("{}: there is more than one log in it: {}\nhelp: unpack it, and give the logs one by one", path.display(), logs.join(", "))]
+    SeveralLogs {
+        /// As it was given.
+        path: PathBuf,
+        /// The logs.
+        logs: Vec<String>,
     },
     /// A channel without a single number.
     #[error(
@@ -165,9 +212,10 @@ pub enum RecordingError {
     },
     /// No time stamps, and no rate to stand in for them.
     #[error(
-        "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none",
+        "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none{}",
         path.display(),
-        suggest(closest, available)
+        suggest(closest, available),
+        perhaps_of(perhaps)
     )]
     NoTime {
         /// As it was given.
@@ -176,6 +224,8 @@ pub enum RecordingError {
         closest: Option<String>,
         /// The columns of the log.
         available: Vec<String>,
+        /// Entries of a column map that may be right.
+        perhaps: Vec<String>,
     },
     /// Time stamps that do not run forward.
     #[error(
@@ -257,8 +307,9 @@ pub enum RecordingError {
     },
     /// Not one of the inertial channels.
     #[error(
-        "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the column to take as the axis, or name the columns in the column map, as in gx_rads=gyro_x:dps",
-        left_out(text_columns, first.as_deref())
+        "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the column to take as the axis, or name the columns in the column map, as in gx_rads=gyro_x:dps{}",
+        left_out(text_columns, first.as_deref()),
+        perhaps_of(perhaps)
     )]
     NoAxes {
         /// As it was given.
@@ -267,6 +318,8 @@ pub enum RecordingError {
         text_columns: Vec<String>,
         /// The first text that was seen in one of them.
         first: Option<Box<BadRow>>,
+        /// Entries of a column map that may be right.
+        perhaps: Vec<String>,
     },
     /// Columns that do not have one length.
     #[error(
@@ -292,7 +345,15 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    #[cfg(not(all(feature = "gzip", feature = "parquet")))]
+    #[cfg(not(all(
+        feature = "gzip",
+        feature = "parquet",
+        feature = "zip",
+        feature = "ulog",
+        feature = "dataflash",
+        feature = "mcap",
+        feature = "bag"
+    )))]
     pub(super) fn not_built_in(path: &std::path::Path, feature: &'static str) -> Self {
         Self::NotBuiltIn { path: path.to_owned(), feature }
     }
@@ -302,6 +363,14 @@ impl RecordingError {
 fn suggest(closest: &Option<String>, available: &[String]) -> String {
     let meant = closest.as_ref().map_or(String::new(), |name| format!(" (did you mean \"{name}\"?)"));
     format!("{meant}; there are {}", available.join(", "))
+}
+
+/// Entries of a column map that may be right, to be checked by whoever knows the log.
+fn perhaps_of(entries: &[String]) -> String {
+    match entries {
+        [] => String::new(),
+        entries => format!("; by names and values it may be {}", entries.join(", ")),
+    }
 }
 
 fn left_out(text_columns: &[String], first: Option<&BadRow>) -> String {

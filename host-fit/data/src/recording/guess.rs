@@ -1,9 +1,8 @@
 //! Which channel a column seems to be, and in what unit: by its name, and where that leaves a choice, by its values.
 
-use crate::column::AXES;
-use crate::column::Column;
+use crate::column::{AXES, Column, MAGNETOMETERS};
 use crate::statistics::median_of;
-use crate::unit::parse_unit;
+use crate::unit::{STANDARD_GRAVITY, parse_unit};
 
 /// What a column seems to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,17 +66,16 @@ pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Vec<Option<Guess>> {
 fn is_standard(name: &str) -> bool {
     let column = Column::named(name);
     column.measured().unwrap_or(column).place().is_some()
-        || ["t_s", "still", "segment", "temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"]
-            .contains(&name)
+        || ["t_s", "still", "segment", "temp_c", "supply_v", "load_pct"].contains(&name)
+        || MAGNETOMETERS.contains(&name)
 }
 
 fn guess(name: &str, quantity: Quantity, values: &[f64], forces: &[&[f64]], rates: &[&[f64]]) -> Guess {
-    const LETTERS: [&str; 3] = ["x", "y", "z"];
     let target = match quantity {
         Quantity::Time => "t_s".to_owned(),
         Quantity::Force(axis) => AXES[axis].to_owned(),
         Quantity::Rate(axis) => AXES[3 + axis].to_owned(),
-        Quantity::Field(axis) => format!("mag_{}_ut", LETTERS[axis]),
+        Quantity::Field(axis) => MAGNETOMETERS[axis].to_owned(),
         Quantity::Temperature => "temp_c".to_owned(),
         Quantity::Voltage => "supply_v".to_owned(),
         Quantity::Load => "load_pct".to_owned(),
@@ -87,7 +85,8 @@ fn guess(name: &str, quantity: Quantity, values: &[f64], forces: &[&[f64]], rate
     }
     let by_values = match quantity {
         Quantity::Time => time_unit(values),
-        Quantity::Force(_) => force_unit(forces),
+        // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
+        Quantity::Force(_) => forces.try_into().ok().and_then(force_unit),
         Quantity::Rate(_) => rate_unit(rates),
         Quantity::Temperature => temperature_unit(values),
         Quantity::Voltage => Some(if typical(values) > 100.0 { "mV" } else { "V" }),
@@ -170,7 +169,7 @@ fn quantity(name: &str) -> Option<Quantity> {
 }
 
 /// A unit that stands in the name, in brackets or as its last words, if it is one of the target.
-fn unit_in(name: &str, target: &str) -> Option<&'static str> {
+pub(super) fn unit_in(name: &str, target: &str) -> Option<&'static str> {
     let bracketed = name.split_once(['(', '[']).map(|(_, rest)| rest.trim_end_matches([')', ']']).trim());
     let lower = name.to_lowercase();
     let words = words(name);
@@ -186,6 +185,7 @@ fn unit_in(name: &str, target: &str) -> Option<&'static str> {
             "m/s2" | "m/s^2" | "m/s²" | "m/s/s" | "mps2" | "ms2" => "m/s2",
             // an axis letter g is no unit: gyro names hold it
             "g" if lower.contains("acc") => "g",
+            "mgauss" | "mg" if target.starts_with("mag") => "mgauss",
             "mg" | "milli/g" => "mg",
             "rad/s" | "rads" | "rps" | "radps" => "rad/s",
             "deg/s" | "dps" | "°/s" | "degs" | "degps" => "dps",
@@ -231,14 +231,18 @@ fn time_unit(stamps: &[f64]) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
-/// The unit in which what a triad measures is about gravity.
-fn force_unit(triad: &[&[f64]]) -> Option<&'static str> {
+/// Gravity as a triad of accelerometers shows it, in their unit: what it measures most of the time; none of no rows.
+pub(super) fn gravity(triad: [&[f64]; 3]) -> Option<f64> {
     let rows = triad.iter().map(|values| values.len()).min()?;
     let norm = |row: usize| triad.iter().map(|values| values[row] * values[row]).sum::<f64>().sqrt();
-    let gravity = median((0..rows).map(norm).filter(|norm| norm.is_finite()).collect());
-    // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
-    let about = |one: f64| triad.len() == 3 && (0.7..1.4).contains(&(gravity / one));
-    [("m/s2", 9.80665), ("g", 1.0), ("mg", 1000.0)]
+    median_of((0..rows).map(norm).filter(|norm| norm.is_finite()))
+}
+
+/// The unit in which what a triad measures is about gravity.
+pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
+    let gravity = gravity(triad)?;
+    let about = |one: f64| (0.7..1.4).contains(&(gravity / one));
+    [("m/s2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)]
         .into_iter()
         .find(|(_, one)| about(*one))
         .map(|(unit, _)| unit)

@@ -69,6 +69,8 @@ impl Recording {
         };
         self.turns.extend(next.turns.iter().map(|turn| turn + rows));
         self.quality.add(next.quality);
+        // of the first: it says how, and later ones come from the same source
+        self.alignment = self.alignment.take().or(next.alignment);
         self.sources.extend(next.sources);
         Ok(())
     }

@@ -1,32 +1,23 @@
 //! From a file to a recording: find the format, read the table, give the columns their meaning.
 
 use crate::column::AXES;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
 
 use super::channel::Channel;
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
+use super::format::{self, Extent, Meaning, Opened};
 use super::grid::{Boundary, Grid, Mark, Segment};
-#[cfg(feature = "gzip")]
-use super::gzip::Members;
-#[cfg(feature = "parquet")]
-use super::parquet_file;
+use super::load_options::LoadOptions;
 use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
-use super::source::{Hashing, Source};
+use super::source::Source;
 use super::table::{Column, Skipped, Table, check_names};
-use super::{Recording, csv_file, failed_reads, gaps, other_format};
+use super::unusable::refuse_unusable;
+use super::{Recording, failed_reads, gaps, streams};
 use crate::closest::closest;
-use crate::file::{self, FileError};
 use crate::unit::Unit;
-
-/// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
-pub const MAX_UNUSABLE: f64 = 0.05;
 
 /// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
 /// clock of the log is coarse, and equal rows are equal measurements.
@@ -41,123 +32,57 @@ const MOST_BACKS: f64 = 0.02;
 /// to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
 const SAME_RATE: f64 = 0.07;
 
-/// Bytes read at once.
-const READ_BUFFER: usize = 1 << 18;
-
-/// How a log is read. The default suits a log with the columns of the log format.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
-#[serde(default)]
-pub struct LoadOptions {
-    /// Which column is which channel, in what unit.
-    #[cfg_attr(feature = "page-types", ts(as = "Vec<String>"))]
-    pub columns: ColumnMap,
-    /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "page-types", ts(optional))]
-    pub rate_hz: Option<f64>,
-    /// Refuse the first row that cannot be used, instead of skipping up to [`MAX_UNUSABLE`] of them. No study remembers
-    /// it: a log that was read once is read again, however strictly.
-    #[serde(skip)]
-    pub strict: bool,
-    /// Count the rows in which the unit was moved as any others, though it was meant to be at rest.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub keep_moved: bool,
-}
-
-fn is_false(value: &bool) -> bool {
-    !value
-}
-
-/// Reads a CSV, gzip'd CSV or Parquet file, told apart by their first bytes.
+/// Reads a log in any format that is known ([`KNOWN_FORMATS`](super::KNOWN_FORMATS)), told by its content.
 ///
 /// # Errors
 /// A file that cannot be read or is no log; see [`RecordingError`].
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = path.as_ref();
-    let (table, hashing) = table_of(path, options, Extent::Whole)?;
-    let source = hashing.finish(path).map_err(FileError::reading(path))?;
-    assemble(source, table, options)
+    let (opened, mut source) = format::open(path, options, Extent::Whole)?;
+    match opened {
+        Opened::Table(table) => {
+            let meaning = format::meaning(path, &table, options)?;
+            source.read_as.clone_from(&meaning.read_as);
+            match meaning.streams(&table) {
+                Some(streams) => {
+                    refuse_unusable(path, &table, options.strict)?;
+                    let mut recording = Recording::from_streams(source, streams, options)?;
+                    let of_table = table.quality;
+                    recording.quality.rows_in_file = of_table.rows_in_file;
+                    recording.quality.rows_unusable = of_table.rows_unusable;
+                    recording.quality.first_unusable = of_table.first_unusable;
+                    Ok(recording)
+                }
+                None => assemble(source, *table, &meaning, options),
+            }
+        }
+        Opened::Streams(streams, read_as) => {
+            source.read_as = Some(read_as);
+            Recording::from_streams(source, streams, options)
+        }
+    }
 }
 
-/// The columns at the begin of a log, before they mean anything.
+/// The columns at the begin of a log, and what they mean.
 ///
 /// # Errors
 /// As of [`load`].
-pub(super) fn begin(path: &Path) -> Result<Table, RecordingError> {
-    let (table, _) = table_of(path, &LoadOptions::default(), Extent::Begin)?;
-    refuse_unusable(path, &table, false)?;
-    Ok(table)
-}
-
-/// How much of a file is read.
-#[derive(Clone, Copy, PartialEq)]
-enum Extent {
-    Whole,
-    /// The first [`BEGIN_BYTES`] of text, or [`BEGIN_ROWS`] rows.
-    Begin,
-}
-
-/// What is read of a file to see what is in it.
-const BEGIN_BYTES: u64 = 1 << 18;
-#[cfg(feature = "parquet")]
-const BEGIN_ROWS: usize = 2000;
-
-fn table_of(
-    path: &Path,
-    options: &LoadOptions,
-    extent: Extent,
-) -> Result<(Table, Hashing<File>), RecordingError> {
-    let failed = || FileError::reading(path);
-    let mut file = file::open_to_seek(path)?;
-    let mut begin = [0; other_format::BEGIN];
-    let n = read_up_to(&mut file, &mut begin).map_err(failed())?;
-    let begin = &begin[..n];
-    if let Some((is, help)) = other_format::known(begin) {
-        return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
-    }
-    file.rewind().map_err(failed())?;
-    let mut hashing = Hashing::new(file.try_clone().map_err(failed())?);
-    let (map, strict) = (&options.columns, options.strict);
-    let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
-
-    let is_parquet = begin.starts_with(b"PAR1");
-    let is_packed = begin.starts_with(&[0x1f, 0x8b]);
-    #[cfg(not(feature = "parquet"))]
-    if is_parquet {
-        return Err(RecordingError::not_built_in(path, "parquet"));
-    }
-    #[cfg(not(feature = "gzip"))]
-    if is_packed {
-        return Err(RecordingError::not_built_in(path, "gzip"));
-    }
-    #[cfg(feature = "parquet")]
-    if is_parquet {
-        let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
-        if extent == Extent::Whole {
-            // read out of order, so not by way of the checksum; the two share one open file
-            io::copy(&mut hashing, &mut io::sink()).map_err(failed())?;
+pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
+    let options = LoadOptions::default();
+    let (opened, _) = format::open(path, &options, Extent::Begin)?;
+    match opened {
+        Opened::Table(table) => {
+            refuse_unusable(path, &table, false)?;
+            let meaning = format::meaning(path, &table, &options)?;
+            Ok((*table, meaning))
         }
-        return Ok((parquet_file::read(path, file, map, rows)?, hashing));
-    }
-    let input = BufReader::with_capacity(READ_BUFFER, &mut hashing);
-    #[cfg(feature = "gzip")]
-    if is_packed {
-        let text = BufReader::with_capacity(READ_BUFFER, Members::new(input));
-        return Ok((csv_file::read(path, text.take(longest), map, strict, true)?, hashing));
-    }
-    Ok((csv_file::read(path, input.take(longest), map, strict, false)?, hashing))
-}
-
-fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut n = 0;
-    while n < buffer.len() {
-        match input.read(&mut buffer[n..])? {
-            0 => break,
-            more => n += more,
+        Opened::Streams(streams, read_as) => {
+            let mut table = Table::default();
+            let joined = streams::join(path, streams)?.columns.into_iter();
+            table.columns.extend(joined.map(|(name, values)| Column { name, values }));
+            Ok((table, Meaning { read_as: Some(read_as), ..Meaning::default() }))
         }
     }
-    Ok(n)
 }
 
 impl Recording {
@@ -185,14 +110,19 @@ impl Recording {
         for i in 0..table.columns.len() {
             table.note_missing_cells(i, 0);
         }
-        assemble(source, table, options)
+        assemble(source, table, &Meaning::told(options), options)
     }
 }
 
 /// Gives the columns of a table their meaning.
-fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<Recording, RecordingError> {
+fn assemble(
+    source: Source,
+    mut table: Table,
+    meaning: &Meaning,
+    options: &LoadOptions,
+) -> Result<Recording, RecordingError> {
     let path = Path::new(&source.path).to_owned();
-    let map = &options.columns;
+    let map = &meaning.map;
     if let Some(rate_hz) = options.rate_hz.filter(|hz| !RATES_HZ.contains(hz)) {
         return Err(RecordingError::BadRate { rate_hz });
     }
@@ -207,7 +137,8 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
                 closest(name, available.iter().map(String::as_str).filter(|name| name.contains('t')))
             });
             let closest = alike.map(str::to_owned);
-            return Err(RecordingError::NoTime { path, closest, available });
+            let perhaps = meaning.perhaps.clone();
+            return Err(RecordingError::NoTime { path, closest, available, perhaps });
         }
         None => {}
     }
@@ -221,6 +152,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
     }
 
     let Table { columns, skipped, mut quality } = table;
+    quality.perhaps.clone_from(&meaning.perhaps);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
     let mut take = |name: &str| {
@@ -274,6 +206,7 @@ fn assemble(source: Source, mut table: Table, options: &LoadOptions) -> Result<R
         turns: Vec::new(),
         keeps_moved: options.keep_moved,
         quality,
+        alignment: None,
     })
 }
 
@@ -295,25 +228,6 @@ fn check_map(path: &Path, table: &Table, map: &ColumnMap) -> Result<(), Recordin
             })
         }
     }
-}
-
-/// Refuses a log of which too many rows cannot be used.
-fn refuse_unusable(path: &Path, table: &Table, strict: bool) -> Result<(), RecordingError> {
-    let quality = &table.quality;
-    let Some(first) = quality.first_unusable.first() else { return Ok(()) };
-    if strict {
-        return Err(RecordingError::BadRow { path: path.to_owned(), row: Box::new(first.clone()) });
-    }
-    if quality.rows_unusable as f64 > MAX_UNUSABLE * quality.rows_in_file as f64 {
-        return Err(RecordingError::TooManyBadRows {
-            path: path.to_owned(),
-            unusable: quality.rows_unusable,
-            rows: quality.rows_in_file,
-            first: Box::new(first.clone()),
-            limit: MAX_UNUSABLE,
-        });
-    }
-    Ok(())
 }
 
 /// Drops rows that repeat the sample before them: the same stamp, and the same in all inertial channels (in all, if

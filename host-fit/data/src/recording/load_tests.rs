@@ -315,7 +315,7 @@ fn files_that_are_no_logs_say_what_is_expected() {
         ("a,b\nx,y\n", "no column holds numbers"),
         ("t_s,gx_rads\n# x\nup,0\ndown,1\n", "log.csv:3:1: t_s: \"up\" is not a number\nhelp: check"),
         (
-            "t_s;gx_rads\n0,25;0\n-1,5e-3;1\n",
+            "t_s;gx_rads\n0,25;0.5\n-1,5e-3;1.5\n",
             "log.csv:2:1: t_s: \"0,25\" is not a number\nhelp: write decimals",
         ),
     ] {

@@ -1,8 +1,9 @@
 //! Measured data: channels with units on a regular sample grid, in segments without gaps.
 //!
 //! [`load`] reads CSV, gzip'd CSV and Parquet with the columns of the log format (`t_s`, `ax_mps2` … `gz_rads`,
-//! `temp_c`, …; a [`ColumnMap`] names and converts others) into a [`Recording`]; [`write_columns`] writes. The rules
-//! for what is wrong with real logs:
+//! `temp_c`, …; a [`ColumnMap`] names and converts others) into a [`Recording`]; [`write_columns`] writes.
+//! [`Recording::from_streams`] joins sensors that have stamps and rates of their own; how, is said in `streams/mod.rs` and, of
+//! each log, by its [`Alignment`]. The rules for what is wrong with real logs:
 //!
 //! | in the log | what happens |
 //! |---|---|
@@ -22,6 +23,7 @@
 //! | stamps that mean fewer than 0.01 or more than 10⁶ samples a second | refused: in another unit |
 //! | no `t_s` | row number over the stated rate, else refused |
 
+mod cell;
 mod channel;
 mod coarse;
 mod column_map;
@@ -29,15 +31,18 @@ mod csv_file;
 mod error;
 mod error_series;
 mod failed_reads;
+mod format;
 mod gaps;
 mod glance;
 mod grid;
 mod guess;
 #[cfg(feature = "gzip")]
 mod gzip;
+mod header;
 mod held;
 mod join;
 mod load;
+mod load_options;
 mod other_format;
 #[cfg(feature = "parquet")]
 mod parquet_file;
@@ -49,7 +54,10 @@ mod preview;
 mod quality;
 mod rate;
 mod source;
+mod stream;
+mod streams;
 mod table;
+mod unusable;
 mod write;
 
 #[cfg(test)]
@@ -73,14 +81,19 @@ pub use column_map::{ColumnMap, MapError};
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use failed_reads::FailedReads;
+pub use format::{Format, FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, ReadAs, UnknownFormat, may_be_log};
 pub use glance::Oddity;
 pub use grid::{Boundary, Segment};
 pub use held::back_filled;
-pub use load::{LoadOptions, MAX_UNUSABLE, load};
+pub use load::load;
+pub use load_options::LoadOptions;
 pub use preview::{ColumnPreview, Preview, preview};
 pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{RATES_HZ, Rate, Stamps};
 pub use source::Source;
+pub use stream::Stream;
+pub use streams::{Alignment, Apart, Clocks, HowJoined, JoinedStream};
+pub use unusable::MAX_UNUSABLE;
 pub use write::{check_log_path, write_columns};
 
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
@@ -103,6 +116,8 @@ pub struct Recording {
     pub keeps_moved: bool,
     /// What was wrong with the log.
     pub quality: Quality,
+    /// How its streams were joined, if they had stamps of their own.
+    pub alignment: Option<Alignment>,
 }
 
 impl Recording {
@@ -138,7 +153,8 @@ impl Recording {
         if axes.is_empty() {
             let text_columns = self.quality.text_columns.clone();
             let first = self.quality.first_text.clone().map(Box::new);
-            return Err(RecordingError::NoAxes { path: self.paths(), text_columns, first });
+            let perhaps = self.quality.perhaps.clone();
+            return Err(RecordingError::NoAxes { path: self.paths(), text_columns, first, perhaps });
         }
         Ok(axes)
     }
@@ -172,6 +188,7 @@ impl Recording {
             turns: self.turns.iter().copied().filter(|turn| *turn < rows).collect(),
             keeps_moved: self.keeps_moved,
             quality: self.quality.clone(),
+            alignment: self.alignment.clone(),
         }
     }
 

@@ -22,11 +22,6 @@ const KNOWN: &[Known] = &[
         help: "unpack it first: `lz4 -d FILE`",
     },
     Known {
-        begin: b"PK\x03\x04",
-        is: "it is a zip archive, or a workbook (xlsx), which is one",
-        help: "unpack the log from it; of a workbook save the sheet as CSV",
-    },
-    Known {
         begin: b"ARROW1",
         is: "it is an Arrow (Feather) file",
         help: "write it as Parquet: in Python, pyarrow.parquet.write_table(pyarrow.feather.read_table(\"a\"), \"a.parquet\")",
@@ -76,6 +71,6 @@ pub(super) fn known_text(line: &[u8]) -> Option<(&'static str, &'static str)> {
     }
     (zeros > 0).then_some((
         "its first line holds zero bytes: it is no text",
-        "a log is CSV (a header line, then numbers), gzip'd CSV or Parquet",
+        "a log is CSV (a header line, then numbers), gzip'd CSV or Parquet, or in a known format of others",
     ))
 }

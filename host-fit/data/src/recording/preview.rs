@@ -1,7 +1,6 @@
 //! What a file seems to hold, before it is read as a log.
 
-use crate::column::AXES;
-use crate::column::Column;
+use crate::column::{AXES, Column, MAGNETOMETERS};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,8 +15,8 @@ use crate::unit::{Unit, spellings_of};
 /// Values of each column that are shown.
 const SHOWN: usize = 4;
 
-/// Channels beside the inertial ones that effects know.
-const OTHERS: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"];
+/// Channels beside the inertial ones and the magnetometers that effects know.
+const OTHERS: [&str; 3] = ["temp_c", "supply_v", "load_pct"];
 
 /// The columns of a file, and what they may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,7 +58,7 @@ pub struct ColumnPreview {
 ///
 /// It cannot be read or is no log.
 pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
-    let table = load::begin(path)?;
+    let (table, meaning) = load::begin(path)?;
     let columns: Vec<(&str, &[f64])> =
         table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
     let guessed = guesses(&columns);
@@ -69,6 +68,25 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
             false => value.to_string(),
         });
         let (quoted, name, values) = (quoted(name), (*name).to_owned(), values.collect());
+        if let Some(format) = meaning.read_as.as_ref().map(|read_as| read_as.format)
+            && !meaning.map.is_empty()
+        {
+            // as it is read without being told anything
+            let mapping = meaning.map.mappings().iter().find(|mapping| mapping.column == name);
+            return ColumnPreview {
+                name,
+                quoted,
+                values,
+                target: mapping.map(|mapping| mapping.target.clone()),
+                unit: mapping.map(|mapping| mapping.unit.symbol().to_owned()),
+                spec: None,
+                why: match mapping {
+                    Some(_) => format!("by the format, {format}"),
+                    None => format!("no channel of the format, {format}: kept under its own name"),
+                },
+                sure: true,
+            };
+        }
         match guess {
             None => ColumnPreview {
                 name,
@@ -109,7 +127,8 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     });
     let columns: Vec<ColumnPreview> = columns.chain(text).collect();
     let references = AXES.iter().map(|axis| Column::named(axis).reference());
-    let targets = ["t_s"].iter().chain(&AXES).chain(&OTHERS).map(|name| (*name).to_owned());
+    let targets =
+        ["t_s"].iter().chain(&AXES).chain(&OTHERS).chain(&MAGNETOMETERS).map(|name| (*name).to_owned());
     let targets: Vec<String> =
         targets.chain(references).chain(["still".to_owned(), "segment".to_owned()]).collect();
     let units = targets.iter().map(|target| (target.clone(), spellings_of(Unit::of_column(target))));

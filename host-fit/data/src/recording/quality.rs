@@ -43,6 +43,9 @@ pub struct Quality {
     pub text_columns: Vec<String>,
     /// The first text that was seen in one of them, in a file with lines.
     pub first_text: Option<BadRow>,
+    /// Entries of a column map that may be right, by names and values: nothing states them, and they are not followed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub perhaps: Vec<String>,
 }
 
 /// Cells of one channel without a usable number; they read NaN.

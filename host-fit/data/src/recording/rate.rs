@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use serde::Serialize;
 
 use super::grid::{Boundary, Grid};
-pub(super) use crate::statistics::median;
+pub(super) use crate::statistics::{MAD_TO_SD, median};
 
 /// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
 /// stamped sample by sample. Normal jitter with sd 0.3 T gives 12 %, bursts of two samples 50 %.
@@ -13,9 +13,6 @@ const EARLY_SHARE: f64 = 0.2;
 
 /// Scatter below which stamps count as regular, sample periods. Rounding to a tenth of a period gives 0.03.
 const REGULAR_SCATTER: f64 = 0.02;
-
-/// MAD of a normal distribution in standard deviations.
-pub(super) const MAD_TO_SD: f64 = 1.4826;
 
 /// Rows per block in which the scatter of stamps is taken, short enough that no clock wanders in it.
 const SCATTER_BLOCK: usize = 64;

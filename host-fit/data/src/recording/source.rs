@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, Read};
+use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use sha2::{Digest as _, Sha256};
 
+use super::format::ReadAs;
 use crate::file::folder_of;
 
 /// The file a recording was read from.
@@ -23,6 +24,9 @@ pub struct Source {
     /// Where it lies as seen from the folder of the study that names it; none where no study does, or an older one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from_study: Option<String>,
+    /// As what it was read, where it is not in the log format.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub read_as: Option<ReadAs>,
     /// Where this process found it, from the root on; none if it was not read now, or is no file.
     #[serde(skip)]
     pub found: Option<PathBuf>,
@@ -40,47 +44,114 @@ impl Eq for Source {}
 impl Source {
     /// Names data that were not read from a file.
     pub fn made_by(what: impl Into<String>) -> Source {
-        Source { path: what.into(), bytes: 0, sha256: String::new(), from_study: None, found: None }
+        Source {
+            path: what.into(),
+            bytes: 0,
+            sha256: String::new(),
+            from_study: None,
+            read_as: None,
+            found: None,
+        }
+    }
+
+    /// Names what was read, by its digest.
+    pub(super) fn of(path: &Path, bytes: u64, digest: &[u8]) -> Source {
+        let mut sha256 = String::new();
+        for byte in digest {
+            let _ = write!(sha256, "{byte:02x}"); // writing to a String cannot fail
+        }
+        let found = found(path);
+        Source { path: path.display().to_string(), bytes, sha256, from_study: None, read_as: None, found }
+    }
+}
+
+/// The checksum of all that is read of a file, or of several.
+pub(super) struct Digest {
+    /// None of what is only looked at: nobody asks who it is.
+    hash: Option<Sha256>,
+    bytes: u64,
+}
+
+impl Digest {
+    pub(super) fn new() -> Digest {
+        Digest { hash: Some(Sha256::new()), bytes: 0 }
+    }
+
+    /// Takes none.
+    pub(super) fn none() -> Digest {
+        Digest { hash: None, bytes: 0 }
+    }
+
+    /// Takes the name of one of several files, which is no part of their bytes.
+    pub(super) fn take_name(&mut self, name: &str) {
+        if let Some(hash) = &mut self.hash {
+            hash.update(name.as_bytes());
+            hash.update([0]);
+        }
+    }
+
+    fn take(&mut self, bytes: &[u8]) {
+        if let Some(hash) = &mut self.hash {
+            hash.update(bytes);
+            self.bytes += bytes.len() as u64;
+        }
+    }
+
+    /// Names what was read.
+    pub(super) fn finish(self, path: &Path) -> Source {
+        match self.hash {
+            Some(hash) => Source::of(path, self.bytes, &hash.finalize()),
+            None => Source::made_by(path.display().to_string()),
+        }
     }
 }
 
 /// Passes bytes on and takes their checksum, so that what is hashed is what was read.
-pub(super) struct Hashing<R> {
+pub(super) struct Hashing<'a, R> {
     inner: R,
-    hash: Sha256,
-    bytes: u64,
+    digest: &'a mut Digest,
 }
 
-impl<R: Read> Hashing<R> {
-    pub(super) fn new(inner: R) -> Hashing<R> {
-        Hashing { inner, hash: Sha256::new(), bytes: 0 }
+impl<'a, R: Read> Hashing<'a, R> {
+    pub(super) fn new(inner: R, digest: &'a mut Digest) -> Hashing<'a, R> {
+        Hashing { inner, digest }
     }
 
-    /// Reads what is left (a decoder may stop before the end) and names the whole.
-    pub(super) fn finish(mut self, path: &Path) -> io::Result<Source> {
-        io::copy(&mut self, &mut io::sink())?;
-        let mut sha256 = String::new();
-        for byte in self.hash.finalize() {
-            let _ = write!(sha256, "{byte:02x}"); // writing to a String cannot fail
+    /// Reads what is left, if a checksum is taken: a decoder may stop before the end.
+    pub(super) fn read_rest(&mut self) -> io::Result<()> {
+        if self.digest.hash.is_some() {
+            io::copy(self, &mut io::sink())?;
         }
-        let path_as_given = path.display().to_string();
-        Ok(Source { path: path_as_given, bytes: self.bytes, sha256, from_study: None, found: found(path) })
+        Ok(())
     }
 }
 
-/// A file from the root on, by the folder that it really lies in.
-fn found(path: &Path) -> Option<PathBuf> {
-    let name = path.file_name().filter(|_| path.is_file())?;
-    fs::canonicalize(folder_of(path)).ok().map(|folder| folder.join(name))
-}
-
-impl<R: Read> Read for Hashing<R> {
+impl<R: Read> Read for Hashing<'_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let n = self.inner.read(buffer)?;
-        self.hash.update(&buffer[..n]);
-        self.bytes += n as u64;
+        self.digest.take(&buffer[..n]);
         Ok(n)
     }
+}
+
+impl<R: BufRead> BufRead for Hashing<'_, R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.inner.fill_buf()
+    }
+
+    fn consume(&mut self, n: usize) {
+        // what is consumed lies in the buffer
+        if let Ok(bytes) = self.inner.fill_buf() {
+            self.digest.take(&bytes[..n.min(bytes.len())]);
+        }
+        self.inner.consume(n);
+    }
+}
+
+/// A file or folder from the root on, by the folder that it really lies in.
+fn found(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name().filter(|_| path.is_file() || path.is_dir())?;
+    fs::canonicalize(folder_of(path)).ok().map(|folder| folder.join(name))
 }
 
 #[cfg(test)]
@@ -90,10 +161,25 @@ mod tests {
     #[test]
     fn the_checksum_is_that_of_the_standard() {
         // FIPS 180-2, appendix B.1
-        let mut reader = Hashing::new(&b"abc"[..]);
+        let mut digest = Digest::new();
+        let mut reader = Hashing::new(&b"abc"[..], &mut digest);
         reader.read_exact(&mut [0]).unwrap();
-        let source = reader.finish(Path::new("x")).unwrap();
+        assert_eq!(reader.fill_buf().unwrap(), b"bc");
+        reader.consume(1);
+        reader.read_rest().unwrap();
+        let source = digest.finish(Path::new("x"));
         assert_eq!(source.bytes, 3);
         assert_eq!(source.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn what_is_only_looked_at_is_not_read_to_its_end() {
+        let mut digest = Digest::none();
+        let mut reader = Hashing::new(&b"abc"[..], &mut digest);
+        reader.read_exact(&mut [0]).unwrap();
+        reader.read_rest().unwrap();
+        assert_eq!(reader.fill_buf().unwrap(), b"bc");
+        let source = digest.finish(Path::new("x"));
+        assert_eq!((source.path.as_str(), source.bytes, source.sha256.as_str()), ("x", 0, ""));
     }
 }

@@ -18,19 +18,19 @@ use crate::file::{FileError, check_output, replace};
 /// An unknown ending, columns of different length or of one name, and what the system refuses.
 pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Result<(), RecordingError> {
     let path = path.as_ref();
-    let format = Format::of(path)?;
+    let format = Ending::of(path)?;
     check_columns(path, columns)?;
     let beside = |write: &dyn Fn(&File) -> io::Result<()>| {
         replace(path, write).map_err(FileError::writing(path)).map_err(RecordingError::from)
     };
     match format {
-        Format::Csv => beside(&|file| {
+        Ending::Csv => beside(&|file| {
             let mut out = BufWriter::new(file);
             write_csv(&mut out, columns)?;
             out.flush()
         }),
         #[cfg(feature = "gzip")]
-        Format::PackedCsv => beside(&|file| {
+        Ending::PackedCsv => beside(&|file| {
             // the fast level: within a few per cent of the best on digits, in a fraction of the time
             let packed = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
             let mut out = BufWriter::new(packed);
@@ -38,11 +38,11 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
             out.into_inner().map_err(io::IntoInnerError::into_error)?.finish().map(drop)
         }),
         #[cfg(feature = "parquet")]
-        Format::Parquet => beside(&|file| super::parquet_write::write(file, columns)),
+        Ending::Parquet => beside(&|file| super::parquet_write::write(file, columns)),
         #[cfg(not(feature = "gzip"))]
-        Format::PackedCsv => Err(RecordingError::not_built_in(path, "gzip")),
+        Ending::PackedCsv => Err(RecordingError::not_built_in(path, "gzip")),
         #[cfg(not(feature = "parquet"))]
-        Format::Parquet => Err(RecordingError::not_built_in(path, "parquet")),
+        Ending::Parquet => Err(RecordingError::not_built_in(path, "parquet")),
     }
 }
 
@@ -51,17 +51,17 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
 /// # Errors
 /// An unknown ending, something there that is no file, a file that was read.
 pub fn check_log_path(path: &Path) -> Result<(), RecordingError> {
-    Format::of(path)?;
+    Ending::of(path)?;
     Ok(check_output(path)?)
 }
 
-enum Format {
+enum Ending {
     Csv,
     PackedCsv,
     Parquet,
 }
 
-impl Format {
+impl Ending {
     /// By what the name ends in.
     fn of(path: &Path) -> Result<Self, RecordingError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();

@@ -59,7 +59,7 @@ pub fn load_again(source: &Source, study: &Path, read: &LoadOptions) -> Result<R
     let tried = places(source, study);
     let mut first_problem = None;
     // what came through a pipe does not come again
-    for place in tried.iter().filter(|place| place.is_file()) {
+    for place in tried.iter().filter(|place| place.is_file() || place.is_dir()) {
         let problem = match load(place, read) {
             Ok(recording) => match recording.sources.first() {
                 Some(found) if found == source => return Ok(recording),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::trace::Trace;
 use fos_data::recording::{Recording, pieces};
-use fos_data::statistics::median_of;
+use fos_data::statistics::{MAD_TO_SD, median_of};
 
 /// Stretches that are named.
 const NAMED: usize = 5;
@@ -21,9 +21,6 @@ const SPECIAL: f64 = 3.3;
 
 /// A channel that scatters so many times as much as usual is not worth a word.
 const USUAL: Range<f64> = 0.8..1.25;
-
-/// MAD of a normal distribution in standard deviations.
-const MAD_TO_SD: f64 = 1.4826;
 
 /// A stretch of the recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,6 @@
 
 use std::ops::Range;
 
-use fos_data::column::Column;
 use fos_data::pose::{self, Pose};
 use fos_data::recording::{Recording, Reference};
 use fos_data::stillness::Stillness;
@@ -44,7 +43,7 @@ impl<'a> Poses<'a> {
         let mut used = stillness.still.clone();
         used[training.end..].fill(false);
         let mut poses = Self { column, used, turns: Vec::new(), told: Vec::new() };
-        if *reference != Reference::Constant || !Column::named(column).is_specific_force() {
+        if !pose::has_unknown_level(column, reference) {
             return Ok(poses);
         }
         poses.turns = stillness.turns.iter().copied().filter(|turn| training.contains(turn)).collect();
@@ -82,12 +81,15 @@ impl<'a> Poses<'a> {
         recording: &Recording,
         explained: impl Fn(usize) -> f64,
     ) -> Option<Recording> {
+        if self.turns.is_empty() {
+            return None;
+        }
         let values = &recording.channel(self.column).ok()?.values;
         let explained: Vec<f64> = (0..values.len()).map(explained).collect();
         let mut first = None;
-        let mut as_first = |level| *first.get_or_insert(level);
-        let mut moved = || pose::with_levels(values, &explained, &self.used, &self.turns, &mut as_first);
-        (!self.turns.is_empty()).then(|| recording.with_values(self.column, moved()))
+        let as_first = |level| *first.get_or_insert(level);
+        let moved = pose::with_levels(values, &explained, &self.used, &self.turns, as_first);
+        Some(recording.with_values(self.column, moved))
     }
 
     /// A column for each pose but the first, 1 in its rows.

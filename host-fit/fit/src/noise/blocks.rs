@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use fos_data::pose;
 use fos_data::recording::Recording;
 
 /// Blocks that a recording is cut into, about.
@@ -176,6 +177,15 @@ impl Blocks {
             values.filter(|(_, known)| **known).map(|(value, _)| *value).sum::<f64>() / block.count as f64
         };
         self.blocks.iter().map(mean).collect()
+    }
+
+    /// A column for each level that `turns`, rows of the recording, part it into: 1 for the blocks that begin in it, 0 for
+    /// the others.
+    pub fn levels(&self, turns: &[usize]) -> Vec<Vec<f64>> {
+        let column = |rows: Range<usize>| -> Vec<f64> {
+            self.blocks.iter().map(|block| f64::from(u8::from(rows.contains(&block.rows.start)))).collect()
+        };
+        pose::levels_between(turns, 0..self.known.len()).into_iter().map(column).collect()
     }
 
     /// Middle of a block, s after the first sample.

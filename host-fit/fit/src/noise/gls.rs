@@ -85,6 +85,12 @@ impl Gls {
         self.log_determinant + dot(&self.residual, &self.residual)
     }
 
+    /// ln det of the inverse of [`Gls::covariance`]: what the coefficients take of the likelihood of the levels
+    /// (restricted likelihood; Patterson and Thompson 1971).
+    pub fn log_determinant_of_information(&self) -> f64 {
+        self.triangle.iter().enumerate().map(|(j, column)| 2.0 * column[j].ln()).sum()
+    }
+
     /// By how much further regressors, together, would lower χ², and how many of them are no combination of others.
     pub fn gain(&self, blocks: &Blocks, regressors: &[&[f64]]) -> (f64, usize) {
         let whitened = self.levels.whiten(blocks, regressors);

@@ -7,14 +7,20 @@
 //! | `model` | white, flicker, random walk as a state-space model; whitening |
 //! | `gls` | regression on whitened blocks |
 //! | `levels` | the levels, estimated together with a regression |
-//! | `quiet` | what is known of them before: data sheet, quiet log |
+//! | `prior` | what is known of them before: data sheet, quiet log |
+//! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
+//! | `axis` | the same of an axis of a log, with its Allan deviation |
 
+mod axis;
 mod blocks;
+mod estimate;
 mod gls;
 mod levels;
 mod model;
 mod prior;
 
+#[cfg(test)]
+mod estimate_tests;
 #[cfg(test)]
 mod gls_tests;
 #[cfg(test)]
@@ -22,7 +28,9 @@ mod levels_tests;
 #[cfg(test)]
 mod noise_tests;
 
+pub use axis::{AxisNoise, AxisNoiseError, axis_noise};
 pub use blocks::{Block, Blocks, length_for};
+pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
 pub use gls::{Gls, dot};
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels};
 pub use model::{GaussMarkov, NoiseLevels};

@@ -19,6 +19,13 @@ pub struct AllanPoint {
     pub degrees_of_freedom: f64,
 }
 
+impl AllanPoint {
+    /// Its confidence interval of another share than 95 %: of χ² with the same degrees of freedom.
+    pub fn interval(&self, share: f64) -> (f64, f64) {
+        interval(self.deviation.powi(2), self.degrees_of_freedom, share)
+    }
+}
+
 /// Overlapping Allan deviation at the given averaging times (NIST SP 1065, eq. 11, in terms of averages):
 ///
 /// σ²(τ) = ½ ⟨(ȳ(i+m) − ȳ(i))²⟩, ȳ(i) = mean of samples i … i+m−1, m = τ / sample period
@@ -44,6 +51,9 @@ pub fn allan_deviation(stretches: &[&[f64]], sample_period_s: f64, taus_s: &[f64
     averaging.dedup();
     averaging.into_iter().filter_map(|m| point(&integrals, sample_period_s, m)).collect()
 }
+
+/// Averaging times per decade of every curve that is shown.
+pub const TAUS_PER_DECADE: usize = 8;
 
 /// Averaging times evenly spaced on a logarithmic axis, s: from one sample to a fifth of the longest stretch,
 /// beyond which the upper end of the interval is more than four times the value.
@@ -75,15 +85,23 @@ fn point(integrals: &[Vec<f64>], sample_period_s: f64, m: usize) -> Option<Allan
         return None;
     }
     let variance = 0.5 * sum / count as f64;
-    let chi_squared = ChiSquared::new(degrees_of_freedom).expect("degrees of freedom are positive");
-    let bound = |probability| (variance * degrees_of_freedom / chi_squared.inverse_cdf(probability)).sqrt();
+    let (low, high) = interval(variance, degrees_of_freedom, 0.95);
     Some(AllanPoint {
         tau_s: m as f64 * sample_period_s,
         deviation: variance.sqrt(),
-        low: bound(0.975),
-        high: bound(0.025),
+        low,
+        high,
         degrees_of_freedom,
     })
+}
+
+fn interval(variance: f64, degrees_of_freedom: f64, share: f64) -> (f64, f64) {
+    let chi_squared = ChiSquared::new(degrees_of_freedom).expect("degrees of freedom are positive");
+    let bound = |probability| (variance * degrees_of_freedom / chi_squared.inverse_cdf(probability)).sqrt();
+    // 0.025 and 0.975 of 95 %, to the bit
+    let outside = 0.5 * (1.0 - share);
+    let outside = (outside * 1e9).round() / 1e9;
+    (bound(1.0 - outside), bound(outside))
 }
 
 /// Smallest of the equivalent degrees of freedom of the overlapping Allan variance for white, flicker and

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::motion::Motion;
+use super::motion::{Motion, times};
 use crate::random::{Random, between, chance, direction, log_between, normal};
 use crate::world::World;
 
@@ -15,9 +15,8 @@ pub(super) fn handling(world: &World, random: &mut Random) -> Motion {
     let n = world.len();
     let period_s = world.period_s;
     let mut motion = Motion::none(n);
-    let duration_s = n as f64 * period_s;
-    let wanted = (between(random, 1.0, 6.99) * (duration_s / 1500.0).min(1.0)).max(1.0) as usize;
-    let room_s = duration_s / wanted as f64;
+    let wanted = times(world, [1.0, 6.99], random);
+    let room_s = world.duration_s() / wanted as f64;
     // how the unit is turned against the pose that the log began with
     let mut turned = UnitQuaternion::identity();
     let mut row = 0;

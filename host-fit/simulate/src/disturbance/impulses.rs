@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::Motion;
+use super::motion::{Motion, times};
 use crate::random::{Random, between, chance, direction, log_between, sign};
 use crate::world::World;
 
@@ -72,17 +72,13 @@ impl Support {
     }
 }
 
-fn seconds(world: &World) -> f64 {
-    world.len() as f64 * world.period_s
-}
-
 /// 2 to 8 knocks within 25 minutes, of 0.05 to 30 m/s², some of them two or three in a row.
 pub(super) fn knocks(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([8.0, 90.0], random);
-    let wanted = (between(random, 2.0, 8.99) * (seconds(world) / 1500.0).min(1.0)).max(1.0) as usize;
+    let wanted = times(world, [2.0, 8.99], random);
     for _ in 0..wanted {
-        let at_s = between(random, 1.0, seconds(world) - 2.0);
+        let at_s = between(random, 1.0, world.duration_s() - 2.0);
         let blows = if chance(random, 0.3) { 2 + usize::from(chance(random, 0.4)) } else { 1 };
         let size = log_between(random, 0.05, 30.0);
         let (mut next_s, mut until_s) = (at_s, at_s);
@@ -100,9 +96,9 @@ pub(super) fn knocks(world: &World, random: &mut Random) -> Motion {
 pub(super) fn footsteps(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([6.0, 30.0], random);
-    let wanted = (between(random, 2.0, 14.0) * (seconds(world) / 1500.0).min(1.0)).max(1.0) as usize;
+    let wanted = times(world, [2.0, 14.0], random);
     for _ in 0..wanted {
-        let from_s = between(random, 1.0, seconds(world) - 2.0);
+        let from_s = between(random, 1.0, world.duration_s() - 2.0);
         let steps = log_between(random, 4.0, 30.0) as usize;
         let cadence_hz = between(random, 1.5, 2.3);
         let nearest = log_between(random, 0.003, 0.3);
@@ -123,9 +119,9 @@ pub(super) fn footsteps(world: &World, random: &mut Random) -> Motion {
 pub(super) fn doors(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([3.0, 25.0], random);
-    let wanted = (between(random, 1.0, 6.99) * (seconds(world) / 1500.0).min(1.0)).max(1.0) as usize;
+    let wanted = times(world, [1.0, 6.99], random);
     for _ in 0..wanted {
-        let at_s = between(random, 1.0, seconds(world) - 2.0);
+        let at_s = between(random, 1.0, world.duration_s() - 2.0);
         let size = log_between(random, 0.005, 1.0);
         let until_s = support.strike(&mut motion, (at_s, size), world.period_s, random);
         motion.is_over(at_s, until_s);

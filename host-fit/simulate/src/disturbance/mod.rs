@@ -1,5 +1,5 @@
 //! What the world does to a log beside the effect: knocks, steps, doors, sway, motors, fans, hands; wild and stuck
-//! samples; the part's own digital filter, and noise that is not normal.
+//! samples; the part's own digital filter, noise that is not normal, and clocks of its own for each sensor.
 //!
 //! Shapes and strengths are drawn over families as wide as the world's, from sources that are named where they are
 //! used; none is fitted to what a diagnosis looks for. Mechanical disturbances are true motion: they show on several
@@ -55,11 +55,13 @@ pub enum Disturbance {
     Filter,
     /// The noise of all logs is not normal.
     Noise,
+    /// Nothing: accelerometer, gyro and thermometer have rates and clocks of their own, and stamps that jitter.
+    Streams,
 }
 
 impl Disturbance {
     /// All of them, the clean log first.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Clean,
         Self::Knocks,
         Self::Footsteps,
@@ -72,6 +74,7 @@ impl Disturbance {
         Self::Stuck,
         Self::Filter,
         Self::Noise,
+        Self::Streams,
     ];
 
     /// Whether a unit that is used in this way is disturbed so: nobody takes one out of a rig whose motion is logged.
@@ -94,6 +97,7 @@ impl Disturbance {
             Self::Stuck => "stuck",
             Self::Filter => "filter",
             Self::Noise => "noise",
+            Self::Streams => "streams",
         }
     }
 
@@ -112,6 +116,7 @@ impl Disturbance {
             Self::Stuck => "stuck for 0.1 to 2 s",
             Self::Filter => "noise through the part's digital filter",
             Self::Noise => "noise that is not normal: tails, bounds, coarse steps",
+            Self::Streams => "accelerometer at half of the gyro's rate, on a clock of its own",
         }
     }
 }

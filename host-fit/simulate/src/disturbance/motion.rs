@@ -2,6 +2,17 @@
 
 use serde::Serialize;
 
+use crate::random::{Random, between};
+use crate::world::World;
+
+/// A disturbance comes as often as it says in so long a log, s; less often in a shorter one.
+const USUAL_S: f64 = 1500.0;
+
+/// How often something comes, once at least.
+pub(super) fn times(world: &World, [fewest, most]: [f64; 2], random: &mut Random) -> usize {
+    (between(random, fewest, most) * (world.duration_s() / USUAL_S).min(1.0)).max(1.0) as usize
+}
+
 /// A stretch of a log that is disturbed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Disturbed {

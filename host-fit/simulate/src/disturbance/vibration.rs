@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::Motion;
+use super::motion::{Motion, times};
 use crate::random::{Random, between, chance, direction, log_between};
 use crate::thermal::raised_cosine;
 use crate::world::World;
@@ -42,10 +42,6 @@ fn add(
     }
 }
 
-fn seconds(world: &World) -> f64 {
-    world.len() as f64 * world.period_s
-}
-
 /// A mode of 0.1 to 0.6 Hz of a tall building, of 0.5 to 30 mm/s² at its strongest, for 10 to 40 % of the time in
 /// gusts.
 pub(super) fn sway(world: &World, random: &mut Random) -> Motion {
@@ -56,9 +52,9 @@ pub(super) fn sway(world: &World, random: &mut Random) -> Motion {
     // the floor tilts as it bends: speed over the height of the building
     let coupling = Coupling::draw(1.0 / (TAU * hz * log_between(random, 5.0, 100.0)), random);
     let gusts = 1 + between(random, 0.0, 4.99) as usize;
-    let length_s = share * seconds(world) / gusts as f64;
+    let length_s = share * world.duration_s() / gusts as f64;
     for gust in 0..gusts {
-        let room_s = seconds(world) / gusts as f64;
+        let room_s = world.duration_s() / gusts as f64;
         let from_s = gust as f64 * room_s + between(random, 0.0, room_s - length_s);
         let to_s = from_s + length_s;
         let size = largest * between(random, 0.4, 1.0);
@@ -80,9 +76,9 @@ pub(super) fn motor(world: &World, random: &mut Random) -> Motion {
     let hz = between(random, 130.0, 240.0);
     let size = log_between(random, 0.5, 30.0);
     let coupling = Coupling::draw(log_between(random, 0.002, 0.05), random);
-    let calls = (between(random, 2.0, 12.99) * (seconds(world) / 1500.0).min(1.0)).max(1.0) as usize;
+    let calls = times(world, [2.0, 12.99], random);
     for _ in 0..calls {
-        let from_s = between(random, 1.0, seconds(world) - 10.0);
+        let from_s = between(random, 1.0, world.duration_s() - 10.0);
         let (bursts, on_s) = (1 + between(random, 0.0, 3.99) as usize, log_between(random, 0.1, 1.0));
         let off_s = between(random, 0.1, 0.6);
         let (rise_s, end_s) = (between(random, 0.02, 0.1), between(random, 0.02, 0.15));
@@ -117,7 +113,7 @@ pub(super) fn fan(world: &World, random: &mut Random) -> Motion {
     let second = if chance(random, 0.6) { between(random, 0.1, 0.7) } else { 0.0 };
     let runs = 1 + between(random, 0.0, 2.99) as usize;
     let share = between(random, 0.2, 0.6);
-    let room_s = seconds(world) / runs as f64;
+    let room_s = world.duration_s() / runs as f64;
     for run in 0..runs {
         let length_s = share * room_s;
         let from_s = run as f64 * room_s + between(random, 0.0, room_s - length_s);

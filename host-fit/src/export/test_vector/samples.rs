@@ -115,7 +115,7 @@ impl<'a> Generator<'a> {
         }
         let predicted = {
             let output = self.physical.update(&sample.raw());
-            let difference = |channel: usize| output.measured[channel] - output.corrected[channel];
+            let difference = |channel: usize| output.measured[channel] - output.corrected()[channel];
             std::array::from_fn::<f32, AXES, _>(difference)
         };
         for axis in &self.model.axes {

@@ -28,7 +28,7 @@ export class OpenPanel {
   #files = el("div", { class: "picked" });
   #paths = el("div", { class: "by-path" });
   #mapping = new MappingTable();
-  #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.gz,.parquet,.txt", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
+  #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.tsv,.txt,.gz,.parquet,.ulg,.bin,.mcap,.bag,.zip", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
@@ -44,7 +44,7 @@ export class OpenPanel {
       "div",
       { class: "drop" },
       el("p", { class: "drop-title" }, "Drop a log here"),
-      el("p", { class: "note" }, "CSV, gzip’d CSV or Parquet; one log, or up to three with a quiet and a later one. Nothing leaves this machine."),
+      el("p", { class: "note" }, "CSV, Parquet, PX4 ULog, ArduPilot BIN, MCAP, a ROS bag, the zip of a phone app; one log, or up to three with a quiet and a later one. Nothing leaves this machine."),
       el("p", {}, this.#chooser, el("label", { for: this.#chooser.id, class: "button" }, "Choose files")),
     );
     for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));

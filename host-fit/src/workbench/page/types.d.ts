@@ -521,6 +521,10 @@ fitted_rows: number,
 columns: Array<string>,
 /** Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps. */
 rate_hz?: number,
+/** The format, where it is not to be found by the content. */
+format?: string,
+/** Which of several sensors, where a log has more than one: the number of an instance, the name of a topic. */
+topic?: string,
 /** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
 keep_moved?: boolean, };
 
@@ -550,7 +554,7 @@ still_share: number,
 still_known_by: KnownBy,
 /** Its channels. */
 columns: Array<ColumnSummary>,
-/** What was wrong with it, a line each. */
+/** As what it was read, how its streams were joined, and what was wrong with it, a line each. */
 quality: Array<string>,
 /** Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time. */
 moved: Shading, };
@@ -692,6 +696,13 @@ targets: Array<string>,
 /** Units that each of them may come in, the SI unit first. */
 units: { [key in string]: Array<string> }, };
 
+/** As what a log was read, and what was assumed in doing so. */
+export type ReadAs = {
+/** The format. */
+format: string,
+/** Columns, units, clock, frame, gravity, corrections already applied: in words. */
+assumed: string, };
+
 /** An axis of a study that effects were added to. */
 export type Refinement = {
 /** The axis, by its column. */
@@ -796,7 +807,9 @@ bytes: number,
 /** SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file). */
 sha256: string,
 /** Where it lies as seen from the folder of the study that names it; none where no study does, or an older one. */
-from_study?: string | null, };
+from_study?: string | null,
+/** As what it was read, where it is not in the log format. */
+read_as?: ReadAs | null, };
 
 /** A stretch of the recording. */
 export type Stretch = {

@@ -88,11 +88,10 @@ impl Assembly<'_> {
             });
         }
         doubt(&mut findings, self.question.library, self.column);
-        let claimed: Vec<String> = findings.iter().map(|finding| finding.name.clone()).collect();
-        let named: Vec<String> = findings.iter().map(|finding| finding.effect.clone()).collect();
+        let stood = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = verdict(&mut findings, &leads);
-        let rejected = self.rejected(&findings, &named, &claimed, &leads);
+        let rejected = self.rejected(&findings, &stood, &leads);
         let mut cautions = beyond_typical(&findings, self.question.library, self.column);
         if self.question.quiet.is_none() {
             cautions

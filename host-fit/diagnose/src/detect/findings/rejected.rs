@@ -9,19 +9,14 @@ use crate::detect::slow::MAX_FOUND;
 const WORTH_A_WORD: f64 = 9.0;
 
 impl Assembly<'_> {
-    /// Effects that were tried and are no findings, and why: `named` and `claimed` are identifiers and names of all that
-    /// stood before a remainder was held against them.
-    pub(super) fn rejected(
-        &self,
-        findings: &[Finding],
-        named: &[String],
-        claimed: &[String],
-        leads: &[Lead],
-    ) -> Vec<Rejected> {
+    /// Effects that were tried and are no findings, and why: `stood` is all that was found before a remainder was held
+    /// against it.
+    pub(super) fn rejected(&self, findings: &[Finding], stood: &[Finding], leads: &[Lead]) -> Vec<Rejected> {
         let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
-        let beside = match claimed {
+        let names: Vec<&str> = stood.iter().map(|finding| finding.name.as_str()).collect();
+        let beside = match names[..] {
             [] => "the further noise that was found".to_owned(),
-            _ => claimed.join(" and "),
+            _ => names.join(" and "),
         };
         let why = |id: &str, score: f64, left: Option<f64>| -> Option<String> {
             let rival_of =
@@ -29,7 +24,7 @@ impl Assembly<'_> {
             let lead = leads.first().map(|lead| lead.follows.as_str());
             match (rival_of, left) {
                 _ if score < WORTH_A_WORD => None,
-                _ if named.iter().any(|found| found == id) => {
+                _ if stood.iter().any(|found| found.effect == id) => {
                     lead.map(|lead| format!("it stands, but more is unexplained: what follows {lead}"))
                 }
                 (Some(finding), _) => Some(format!("this log cannot tell it from {}", finding.name)),

@@ -47,10 +47,9 @@ impl SlowSearch<'_> {
         hypothesis: Hypothesis,
         odds: f64,
     ) -> Alternative {
-        let before = self.given.len() + rest.iter().map(|other| other.columns.len()).sum::<usize>();
         let all: Vec<&Hypothesis> = rest.iter().copied().chain([&hypothesis]).collect();
         let fitted = self.at(&all, state.noise, state.fitted.levels);
-        let estimate = Estimate::of(&fitted.gls, before..before + hypothesis.columns.len());
+        let estimate = Estimate::of(&fitted.gls, self.place_after(rest.iter().copied(), &hypothesis));
         Alternative { hypothesis, estimate, odds }
     }
 }

@@ -59,11 +59,7 @@ impl SlowSearch<'_> {
             found.push(Found {
                 hypothesis: current.clone(),
                 alternatives: self.alternatives((&rest, &state), current, log_error, &scored)?,
-                place: {
-                    let before: usize = state.accepted[..place].iter().map(|h| h.columns.len()).sum();
-                    let start = self.given.len() + before;
-                    start..start + current.columns.len()
-                },
+                place: self.place_after(&state.accepted[..place], current),
                 log_error,
                 gain,
                 score,

@@ -1,6 +1,7 @@
 //! A model of the slow error under construction: effects and further noise, fitted, and what each of its parameters
 //! costs.
 
+use std::ops::Range;
 use std::rc::Rc;
 
 use super::result::ExtraNoise;
@@ -68,6 +69,17 @@ impl SlowSearch<'_> {
     fn regressors<'h>(&'h self, accepted: &[&'h Hypothesis]) -> Vec<&'h [f64]> {
         let given = self.given.iter().map(Vec::as_slice);
         given.chain(accepted.iter().flat_map(|hypothesis| hypothesis.columns())).collect()
+    }
+
+    /// Where the regressors of a hypothesis stand among all, behind what is given and those of the ones before it.
+    pub(super) fn place_after<'h>(
+        &self,
+        before: impl IntoIterator<Item = &'h Hypothesis>,
+        hypothesis: &Hypothesis,
+    ) -> Range<usize> {
+        let others: usize = before.into_iter().map(|other| other.columns.len()).sum();
+        let start = self.given.len() + others;
+        start..start + hypothesis.columns.len()
     }
 
     /// Fits coefficients and noise levels with these hypotheses.

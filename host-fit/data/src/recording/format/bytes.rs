@@ -1,0 +1,100 @@
+//! What is in bytes that are no container: told by the first of them.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use super::super::error::RecordingError;
+use super::super::load_options::LoadOptions;
+use super::super::{csv_file, other_format};
+use super::gnss_logger;
+use super::names::Format;
+use super::opened::{Extent, Opened};
+
+/// What is read of a file to see what is in it.
+const BEGIN_BYTES: u64 = 1 << 18;
+
+/// What is said of a bag of ROS 2 that is no MCAP.
+pub(super) const BAG_IN_SQLITE: (&str, &str) = (
+    "it is a ROS 2 bag in SQLite",
+    "convert it to MCAP: `ros2 bag convert`, or `rosbags-convert --src BAG --dst NEW --dst-storage mcap`",
+);
+
+/// What is in bytes that are no container; `is_packed`: they came out of one that a damage of shows in reading.
+pub(super) fn unpacked(
+    path: &Path,
+    mut input: impl BufRead,
+    options: &LoadOptions,
+    extent: Extent,
+    is_packed: bool,
+) -> Result<Opened, RecordingError> {
+    let begin = input.fill_buf().unwrap_or_default();
+    let is_bag = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("db3"));
+    let in_sqlite = (is_bag && begin.starts_with(b"SQLite")).then_some(BAG_IN_SQLITE);
+    if let Some((is, help)) = in_sqlite.or_else(|| other_format::known(begin)) {
+        return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
+    }
+    let signed = of_signature(begin);
+    if let (Some(given), Some(found)) = (options.format, signed)
+        && given != found
+    {
+        return Err(RecordingError::OtherFormat {
+            path: path.to_owned(),
+            is: format!("it begins as {found} does, and was said to be {given}"),
+            help: "leave the format out, so that it is found by the content",
+        });
+    }
+    let of_text = || gnss_logger::is(begin).then_some(Format::GnssLogger);
+    let format = options.format.filter(|format| format.has_bytes_of_its_own());
+    match format.or(signed).or_else(of_text) {
+        Some(Format::Ulog) => {
+            #[cfg(feature = "ulog")]
+            return super::ulog::read(path, input, options);
+            #[cfg(not(feature = "ulog"))]
+            return Err(RecordingError::not_built_in(path, "ulog"));
+        }
+        Some(Format::Dataflash) => {
+            #[cfg(feature = "dataflash")]
+            return super::dataflash::read(path, input, options);
+            #[cfg(not(feature = "dataflash"))]
+            return Err(RecordingError::not_built_in(path, "dataflash"));
+        }
+        Some(Format::Mcap) => {
+            #[cfg(feature = "mcap")]
+            return super::mcap_file::read(path, input, options);
+            #[cfg(not(feature = "mcap"))]
+            return Err(RecordingError::not_built_in(path, "mcap"));
+        }
+        Some(Format::Bag) => {
+            #[cfg(feature = "bag")]
+            return super::bag::read(path, input, options);
+            #[cfg(not(feature = "bag"))]
+            return Err(RecordingError::not_built_in(path, "bag"));
+        }
+        Some(Format::GnssLogger) => return gnss_logger::read(path, input),
+        _ => {}
+    }
+    let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
+    let (map, strict) = (&options.columns, options.strict);
+    let table = csv_file::read(path, input.take(longest), map, strict, is_packed)?;
+    Ok(Opened::Table(Box::new(table)))
+}
+
+impl Format {
+    /// Whether it is no table.
+    fn has_bytes_of_its_own(self) -> bool {
+        matches!(self, Self::Ulog | Self::Dataflash | Self::Mcap | Self::Bag | Self::GnssLogger)
+    }
+}
+
+/// The format by the signature that a file begins with.
+fn of_signature(begin: &[u8]) -> Option<Format> {
+    const SIGNATURES: [(&[u8], Format); 4] = [
+        (b"ULog\x01\x12\x35", Format::Ulog),
+        // a message that describes messages
+        (b"\xa3\x95\x80", Format::Dataflash),
+        (b"\x89MCAP0\r\n", Format::Mcap),
+        (b"#ROSBAG V", Format::Bag),
+    ];
+    let known = SIGNATURES.iter().find(|(signature, _)| begin.starts_with(signature));
+    known.map(|(_, format)| *format)
+}

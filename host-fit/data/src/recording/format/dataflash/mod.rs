@@ -1,0 +1,181 @@
+//! ArduPilot's DataFlash logs: a stream of messages whose layouts stand in the log itself, in messages named FMT.
+//!
+//! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; what is done to a sample
+//! before it is logged, and is taken back here, is that of `AP_InertialSensor_Backend.cpp` (`correction`).
+
+mod correction;
+mod messages;
+mod rotation;
+
+use std::io::BufRead;
+use std::path::Path;
+
+use super::super::error::RecordingError;
+use super::super::load_options::LoadOptions;
+use super::super::stream::Stream;
+use super::opened::Opened;
+use super::{Format, ReadAs, choice};
+use crate::column::Triad;
+use correction::{Correction, Parameters};
+use messages::{Messages, Reader};
+
+/// Messages of one kind by their own stamps, a column for each of their fields.
+struct Samples<const FIELDS: usize> {
+    stamps_ns: Vec<i64>,
+    values: [Vec<f64>; FIELDS],
+}
+
+/// What is kept of the log.
+#[derive(Default)]
+struct Gathered {
+    acc: Samples<3>,
+    gyr: Samples<3>,
+    /// Three accelerations, three rates, and the temperature.
+    imu: Samples<7>,
+    /// How many IMU messages each instance has.
+    instances: Vec<u64>,
+    parameters: Parameters,
+    volts: Samples<1>,
+}
+
+/// # Errors
+///
+/// It cannot be read, or holds no inertial messages.
+pub(super) fn read(
+    path: &Path,
+    input: impl BufRead,
+    options: &LoadOptions,
+) -> Result<Opened, RecordingError> {
+    let wanted = choice::instance(path, Format::Dataflash, options.topic.as_deref(), &["IMU"])?;
+    let mut gathered = Gathered::default();
+    let mut messages = Messages::new(path, input);
+    while let Some((reader, payload)) = messages.next()? {
+        gathered.take(reader, payload, wanted);
+    }
+    let (lost, is_cut) = (messages.bytes_lost(), messages.is_cut());
+    let Gathered { acc, gyr, imu, instances, parameters, volts } = gathered;
+    let is_raw = acc.stamps_ns.len() > 1 && gyr.stamps_ns.len() > 1;
+    if !is_raw && imu.stamps_ns.len() < 2 {
+        let there: Vec<String> =
+            instances.iter().enumerate().map(|(n, count)| format!("IMU {n} with {count} messages")).collect();
+        let there = if there.is_empty() { "no message IMU, ACC or GYR".to_owned() } else { there.join(", ") };
+        return Err(choice::no_sensors(
+            path,
+            Format::Dataflash,
+            format!("there are no samples of instance {wanted}; there is {there}"),
+            "set the IMU_RAW bit of LOG_BITMASK (every sample), or its IMU bit, and record again",
+        ));
+    }
+    let Samples { stamps_ns: imu_ns, values: [ax, ay, az, gx, gy, gz, temperature] } = imu;
+    let warmth = Some((&imu_ns[..], &temperature[..])).filter(|(stamps, _)| stamps.len() > 1);
+    let correction = Correction::of(&parameters, wanted);
+    let mut streams = Vec::new();
+    let said = if is_raw {
+        for (name, triad, samples) in [("ACC", Triad::Accelerometers, acc), ("GYR", Triad::Gyros, gyr)] {
+            let Samples { stamps_ns, mut values } = samples;
+            correction.take_back(triad, &stamps_ns, &mut values, warmth);
+            let columns = named(triad, values).collect();
+            streams.push(Stream { name: format!("{name} {wanted}"), stamps_ns, columns });
+        }
+        if imu_ns.len() > 1 {
+            let columns = vec![("temp_c".to_owned(), temperature)];
+            streams.push(Stream { name: format!("IMU {wanted}.T"), stamps_ns: imu_ns, columns });
+        }
+        format!("ACC and GYR {wanted}, every sample, by SampleUS")
+    } else {
+        let (mut force, mut rate) = ([ax, ay, az], [gx, gy, gz]);
+        correction.take_back(Triad::Accelerometers, &imu_ns, &mut force, warmth);
+        correction.take_back(Triad::Gyros, &imu_ns, &mut rate, warmth);
+        let columns = named(Triad::Accelerometers, force).chain(named(Triad::Gyros, rate));
+        let mut columns: Vec<(String, Vec<f64>)> = columns.collect();
+        if temperature.iter().any(|value| value.is_finite()) {
+            columns.push(("temp_c".to_owned(), temperature));
+        }
+        streams.push(Stream { name: format!("IMU {wanted}"), stamps_ns: imu_ns, columns });
+        format!("IMU {wanted} by TimeUS, filtered and thinned out by ArduPilot")
+    };
+    let Samples { stamps_ns, values: [volts] } = volts;
+    if stamps_ns.len() > 1 {
+        let columns = vec![("supply_v".to_owned(), volts)];
+        streams.push(Stream { name: "POWR.Vcc".to_owned(), stamps_ns, columns });
+    }
+    let others = choice::other_instances(instances.len(), wanted);
+    let damaged =
+        if lost > 0 { format!("; {lost} bytes of the file are no messages") } else { String::new() };
+    let cut = if is_cut { "; the file is cut short within a message" } else { "" };
+    let assumed = format!("{said}{others}; m/s² with gravity, rad/s; {correction}{damaged}{cut}");
+    Ok(Opened::Streams(streams, ReadAs { format: Format::Dataflash, assumed }))
+}
+
+/// The axes of a triad, named.
+fn named(triad: Triad, values: [Vec<f64>; 3]) -> impl Iterator<Item = (String, Vec<f64>)> {
+    triad.columns().into_iter().map(str::to_owned).zip(values)
+}
+
+impl Gathered {
+    fn take(&mut self, reader: &Reader, payload: &[u8], wanted: u8) {
+        match reader.name() {
+            "PARM" => {
+                if let (Some(name), Some(value)) =
+                    (reader.text("Name", payload), reader.number("Value", payload))
+                {
+                    // the first is what was in force when sampling began
+                    self.parameters.entry(name).or_insert(value);
+                }
+            }
+            "POWR" => {
+                if let (Some(stamp), Some(volts)) =
+                    (reader.stamp_ns("TimeUS", payload), reader.number("Vcc", payload))
+                {
+                    self.volts.push(stamp, [volts]);
+                }
+            }
+            "ACC" if instance(reader, payload) == wanted => {
+                self.acc.take(reader, payload, ["AccX", "AccY", "AccZ"]);
+            }
+            "GYR" if instance(reader, payload) == wanted => {
+                self.gyr.take(reader, payload, ["GyrX", "GyrY", "GyrZ"]);
+            }
+            "IMU" => self.take_imu(reader, payload, wanted),
+            // of old each instance had a message of its own
+            "IMU2" if wanted == 1 => self.take_imu(reader, payload, 0),
+            "IMU3" if wanted == 2 => self.take_imu(reader, payload, 0),
+            _ => {}
+        }
+    }
+
+    fn take_imu(&mut self, reader: &Reader, payload: &[u8], wanted: u8) {
+        let instance = instance(reader, payload);
+        let n = usize::from(instance);
+        self.instances.resize(self.instances.len().max(n + 1), 0);
+        self.instances[n] += 1;
+        if instance == wanted {
+            self.imu.take(reader, payload, ["AccX", "AccY", "AccZ", "GyrX", "GyrY", "GyrZ", "T"]);
+        }
+    }
+}
+
+/// The instance that a message is of; of old there was one.
+fn instance(reader: &Reader, payload: &[u8]) -> u8 {
+    reader.number("I", payload).map_or(0, |instance| instance as u8)
+}
+
+impl<const FIELDS: usize> Default for Samples<FIELDS> {
+    fn default() -> Self {
+        Self { stamps_ns: Vec::new(), values: [const { Vec::new() }; FIELDS] }
+    }
+}
+
+impl<const FIELDS: usize> Samples<FIELDS> {
+    /// Takes a message that has a stamp; a field that it lacks is missing.
+    fn take(&mut self, reader: &Reader, payload: &[u8], fields: [&str; FIELDS]) {
+        let stamp = reader.stamp_ns("SampleUS", payload).or_else(|| reader.stamp_ns("TimeUS", payload));
+        let Some(stamp) = stamp else { return };
+        self.push(stamp, fields.map(|field| reader.number(field, payload).unwrap_or(f64::NAN)));
+    }
+
+    fn push(&mut self, stamp_ns: i64, values: [f64; FIELDS]) {
+        self.stamps_ns.push(stamp_ns);
+        self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+}

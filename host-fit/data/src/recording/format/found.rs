@@ -1,0 +1,16 @@
+//! What was found out of a table by the names of its columns.
+
+use super::Format;
+
+/// Channel, column, and what stands behind the column in an entry of a column map.
+pub(super) type Entry = (&'static str, String, String);
+
+/// A table of a program that is known.
+pub(super) struct Found {
+    pub(super) format: Format,
+    pub(super) entries: Vec<Entry>,
+    /// What is assumed.
+    pub(super) assumed: String,
+    /// The stamps of the gyros, where they have their own.
+    pub(super) gyro_clock: Option<String>,
+}

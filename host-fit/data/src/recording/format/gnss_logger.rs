@@ -1,0 +1,87 @@
+//! Text of Google's GnssLogger: rows of many kinds, each beginning with its name; `#` before what the kinds hold.
+//!
+//! `UncalGyro,utcTimeMillis,elapsedRealtimeNanos,x,y,z,driftX,driftY,driftZ`; `Gyro,…` without the last three.
+
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+use super::super::error::RecordingError;
+use super::super::stream::Stream;
+use super::opened::Opened;
+use super::{Format, ReadAs};
+use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
+use crate::file::FileError;
+use crate::interrupt;
+
+/// Kinds of rows: the raw one, which is taken, and the corrected one, which stands in for it.
+const SENSORS: [([&str; 2], [&str; 3]); 3] = [
+    (["UncalAccel", "Accel"], ACCELEROMETERS),
+    (["UncalGyro", "Gyro"], GYROS),
+    (["UncalMag", "Mag"], MAGNETOMETERS),
+];
+
+/// Whether a text begins so.
+pub(super) fn is(begin: &[u8]) -> bool {
+    let text = begin.strip_prefix(b"\xef\xbb\xbf").unwrap_or(begin);
+    let says = |word: &[u8]| begin.windows(word.len()).any(|part| part == word);
+    text.starts_with(b"#") && (says(b"elapsedRealtimeNanos") || says(b"# Raw,"))
+}
+
+/// # Errors
+///
+/// It cannot be read, or holds no sensor.
+pub(super) fn read(path: &Path, mut input: impl BufRead) -> Result<Opened, RecordingError> {
+    // of every kind of row: stamps and three values
+    let mut rows: Vec<(Vec<i64>, [Vec<f64>; 3])> = vec![Default::default(); 2 * SENSORS.len()];
+    let mut line = Vec::new();
+    let mut number = 0_u64;
+    let mut unusable = 0_u64;
+    loop {
+        line.clear();
+        let n =
+            input.by_ref().take(1 << 20).read_until(b'\n', &mut line).map_err(FileError::reading(path))?;
+        if n == 0 {
+            break;
+        }
+        number += 1;
+        if number.is_multiple_of(8192) {
+            interrupt::check();
+        }
+        let Ok(text) = std::str::from_utf8(&line) else { continue };
+        let mut cells = text.trim_end().split(',');
+        let kind = cells.next().unwrap_or_default();
+        let kinds = SENSORS.iter().flat_map(|(kinds, _)| kinds);
+        let Some(at) = kinds.into_iter().position(|known| *known == kind) else { continue };
+        let stamp = cells.nth(1).and_then(|cell| cell.trim().parse::<i64>().ok());
+        let mut value = || cells.next().and_then(|cell| cell.trim().parse::<f64>().ok());
+        let (Some(stamp), Some(x), Some(y), Some(z)) = (stamp, value(), value(), value()) else {
+            unusable += 1;
+            continue;
+        };
+        let (stamps, values) = &mut rows[at];
+        stamps.push(stamp);
+        values.iter_mut().zip([x, y, z]).for_each(|(values, value)| values.push(value));
+    }
+    let mut streams = Vec::new();
+    for (sensor, (kinds, names)) in SENSORS.iter().enumerate() {
+        let taken = (0..2).find(|kind| rows[2 * sensor + kind].0.len() > 1);
+        let Some(taken) = taken else { continue };
+        let (stamps_ns, values) = std::mem::take(&mut rows[2 * sensor + taken]);
+        let columns = names.iter().zip(values).map(|(name, values)| ((*name).to_owned(), values));
+        streams.push(Stream { name: kinds[taken].to_owned(), stamps_ns, columns: columns.collect() });
+    }
+    if !streams.iter().any(|stream| !stream.name.ends_with("Mag")) {
+        return Err(RecordingError::OtherFormat {
+            path: path.to_owned(),
+            is: "there are no rows of accelerometer and gyro in it, as GnssLogger writes them".to_owned(),
+            help: "switch on \"Sensors\" in its settings, and record again",
+        });
+    }
+    let names: Vec<&str> = streams.iter().map(|stream| stream.name.as_str()).collect();
+    let lost = if unusable > 0 { format!("; {unusable} rows cannot be used") } else { String::new() };
+    let assumed = format!(
+        "{}; m/s² with gravity, rad/s; each by elapsedRealtimeNanos; in the phone's frame; the phone's own bias not taken off{lost}",
+        names.join(", ")
+    );
+    Ok(Opened::Streams(streams, ReadAs { format: Format::GnssLogger, assumed }))
+}

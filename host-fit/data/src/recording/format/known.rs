@@ -1,0 +1,247 @@
+//! What is known of each format.
+
+use serde::Serialize;
+
+use super::names::Format;
+
+/// What is known of a format, in words.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FormatKnowledge {
+    /// The format.
+    pub format: Format,
+    /// Its short name, as an option names it.
+    pub id: &'static str,
+    /// What people call it.
+    pub name: &'static str,
+    /// Endings or names of its files.
+    pub files: &'static str,
+    /// What is read of it.
+    pub read: &'static str,
+    /// The units it comes in.
+    pub units: &'static str,
+    /// What its stamps are.
+    pub clock: &'static str,
+    /// Where a temperature comes from.
+    pub temperature: &'static str,
+    /// What one falls into.
+    pub traps: &'static str,
+    /// What is refused, and what to record instead.
+    pub refused: &'static str,
+}
+
+/// Endings of files that may be logs; `.gz` stands behind another one. What is in a file is told by its content.
+pub const LOG_ENDINGS: &[&str] =
+    &[".csv", ".tsv", ".txt", ".gz", ".parquet", ".ulg", ".bin", ".mcap", ".bag", ".zip"];
+
+/// Whether a file may be a log, by the ending of its name; capitals do not count.
+pub fn may_be_log(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let bare = name.strip_suffix(".gz").unwrap_or(&name);
+    LOG_ENDINGS.iter().any(|ending| bare.ends_with(ending))
+}
+
+/// Endings of those that are not looked for in a folder or an archive: what is in them is read out of order.
+const NOT_WITHIN: &[&str] = &[".parquet", ".zip"];
+
+/// Whether a file of a folder or an archive may be the log in it; any `.gz` may.
+pub(super) fn may_be_log_within(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let mut within = LOG_ENDINGS.iter().filter(|ending| !NOT_WITHIN.contains(ending));
+    within.any(|ending| name.ends_with(ending))
+}
+
+/// Every format, the own one first.
+pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
+    FormatKnowledge {
+        format: Format::Log,
+        id: "log",
+        name: "the log format",
+        files: ".csv, .csv.gz, .parquet",
+        read: "every column, by its name: t_s, ax_mps2 … gz_rads, temp_c, supply_v, still, segment",
+        units: "SI",
+        clock: "t_s, s; or a stated rate",
+        temperature: "temp_c",
+        traps: "none known",
+        refused: "a table without t_s and without a stated rate",
+    },
+    FormatKnowledge {
+        format: Format::Named,
+        id: "named",
+        name: "a table that names its units",
+        files: ".csv, .csv.gz, .parquet",
+        read: "columns whose names state quantity, axis and unit, as gyro_x [mdps] or Acceleration z (m/s^2)",
+        units: "those in the names",
+        clock: "the column of time, in the unit in its name",
+        temperature: "a column of temperature with its unit",
+        traps: "a unit that stands in no name is not guessed: the error says what to state",
+        refused: "inertial columns without a unit in their names",
+    },
+    FormatKnowledge {
+        format: Format::Ulog,
+        id: "ulog",
+        name: "PX4 ULog",
+        files: ".ulg",
+        read: "sensor_accel and sensor_gyro, or their FIFO topics; sensor_combined where those are decimated; sensor_mag, system_power, cpuload",
+        units: "m/s², rad/s, °C, gauss, V",
+        clock: "timestamp_sample, µs since boot; one for each sensor",
+        temperature: "in sensor_accel, else in sensor_gyro",
+        traps: "by default sensor_accel and sensor_gyro are logged once a second, and sensor_combined is integrated and corrected by PX4's own calibration",
+        refused: "logs in which no inertial topic comes 20 times a second: record with bit 11 (high rate sensors) or bits 8 and 9 (FIFO) of SDLOG_PROFILE",
+    },
+    FormatKnowledge {
+        format: Format::Dataflash,
+        id: "dataflash",
+        name: "ArduPilot DataFlash",
+        files: ".bin, .BIN",
+        read: "ACC and GYR, else IMU (and IMU2, IMU3 of old)",
+        units: "m/s², rad/s, °C",
+        clock: "SampleUS, else TimeUS, µs since boot",
+        temperature: "T of IMU",
+        traps: "values are offset, scaled, temperature-corrected and turned by AHRS_ORIENTATION before they are logged; what the parameters in the log say is taken back; batches (ISBH, ISBD) hold one sensor at a time and are not read",
+        refused: "logs without any of these: set INS_RAW_LOG_OPT, or the IMU_RAW bit of LOG_BITMASK",
+    },
+    FormatKnowledge {
+        format: Format::Mcap,
+        id: "mcap",
+        name: "MCAP with ROS 2 messages",
+        files: ".mcap, or the folder of a ROS 2 bag",
+        read: "the topic of sensor_msgs/msg/Imu with most messages; sensor_msgs/msg/Temperature, sensor_msgs/msg/MagneticField",
+        units: "m/s², rad/s, °C, T",
+        clock: "the stamp in the header, s and ns",
+        temperature: "a topic of its own",
+        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival",
+        refused: "messages in another encoding than CDR and that of ROS 1; a bag in SQLite (.db3): convert it by `ros2 bag convert`",
+    },
+    FormatKnowledge {
+        format: Format::Bag,
+        id: "bag",
+        name: "ROS 1 bag",
+        files: ".bag",
+        read: "the topic of sensor_msgs/Imu with most messages; sensor_msgs/Temperature, sensor_msgs/MagneticField",
+        units: "m/s², rad/s, °C, T",
+        clock: "the stamp in the header, s and ns",
+        temperature: "a topic of its own",
+        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival",
+        refused: "bags of another version than 2.0: convert by `rosbag migrate`",
+    },
+    FormatKnowledge {
+        format: Format::Euroc,
+        id: "euroc",
+        name: "EuRoC",
+        files: "data.csv, or the folder mav0",
+        read: "all six axes",
+        units: "rad/s, m/s²",
+        clock: "ns",
+        temperature: "none",
+        traps: "the header begins with #, as a comment",
+        refused: "nothing that has the columns",
+    },
+    FormatKnowledge {
+        format: Format::Kalibr,
+        id: "kalibr",
+        name: "Kalibr CSV",
+        files: "imu0.csv, or the folder with it",
+        read: "omega_x … alpha_z",
+        units: "rad/s, m/s²",
+        clock: "timestamp, ns",
+        temperature: "none",
+        traps: "alpha is specific force, not angular acceleration",
+        refused: "nothing that has the columns",
+    },
+    FormatKnowledge {
+        format: Format::SensorLogger,
+        id: "sensor-logger",
+        name: "Sensor Logger",
+        files: ".zip or folder, one CSV for each sensor",
+        read: "AccelerometerUncalibrated, else TotalAcceleration; GyroscopeUncalibrated, else Gyroscope; the magnetometer",
+        units: "m/s², rad/s, µT; g on iOS",
+        clock: "time, ns since 1970; one for each sensor",
+        temperature: "none",
+        traps: "columns stand in the order z, y, x; Accelerometer.csv is without gravity; on iOS the sign of the uncalibrated accelerometer is turned",
+        refused: "Accelerometer.csv alone: record the total acceleration or the uncalibrated accelerometer",
+    },
+    FormatKnowledge {
+        format: Format::Phyphox,
+        id: "phyphox",
+        name: "phyphox",
+        files: ".zip, folder or .csv",
+        read: "Acceleration and Gyroscope, one file for each sensor",
+        units: "m/s², rad/s, µT",
+        clock: "Time (s) since the start; one for each sensor",
+        temperature: "none",
+        traps: "the experiment without g gives what is left of gravity by the phone's own estimate",
+        refused: "Linear Acceleration alone: record \"Acceleration with g\"",
+    },
+    FormatKnowledge {
+        format: Format::SensorLog,
+        id: "sensorlog",
+        name: "SensorLog",
+        files: ".csv",
+        read: "accelerometerAcceleration and gyroRotation",
+        units: "g with the sign turned, rad/s",
+        clock: "since reboot, s; one for each sensor",
+        temperature: "none",
+        traps: "rows are written at a rate of their own and repeat samples; motion… columns are fused and without bias",
+        refused: "logs with the motion… columns alone: switch on the accelerometer and the gyroscope",
+    },
+    FormatKnowledge {
+        format: Format::GnssLogger,
+        id: "gnsslogger",
+        name: "GnssLogger",
+        files: ".txt",
+        read: "rows UncalAccel, UncalGyro, UncalMag, else Accel, Gyro, Mag",
+        units: "m/s², rad/s, µT",
+        clock: "elapsedRealtimeNanos; one for each sensor",
+        temperature: "none",
+        traps: "UncalGyro and UncalAccel have the phone's own bias beside them, which is not taken off",
+        refused: "logs without sensors: switch them on in its settings",
+    },
+    FormatKnowledge {
+        format: Format::StTools,
+        id: "st",
+        name: "ST Unicleo and MEMS Studio",
+        files: ".csv, .tsv, .txt",
+        read: "A_X … G_Z; T, M_X … M_Z",
+        units: "mg, dps, mgauss, °C",
+        clock: "Timestamp [us] or Timestamp [ms]",
+        temperature: "a column T",
+        traps: "a title line stands before the header",
+        refused: "nothing that has the columns",
+    },
+    FormatKnowledge {
+        format: Format::PhysicsToolbox,
+        id: "physics-toolbox",
+        name: "Physics Toolbox",
+        files: ".csv",
+        read: "gFx … gFz, wx … wz",
+        units: "g, rad/s",
+        clock: "time, s since the start",
+        temperature: "none",
+        traps: "ax, ay, az are linear acceleration, without gravity; the time may be that of day, as text, and is then no clock",
+        refused: "logs with ax, ay, az alone: record the g-force meter",
+    },
+    FormatKnowledge {
+        format: Format::AndroSensor,
+        id: "androsensor",
+        name: "AndroSensor",
+        files: ".csv",
+        read: "ACCELEROMETER X … GYROSCOPE Z, MAGNETIC FIELD",
+        units: "m/s², rad/s, µT",
+        clock: "Time since start in ms",
+        temperature: "the ambient one, where the phone has it",
+        traps: "rows are written at a rate of their own; LINEAR ACCELERATION and GRAVITY are estimates",
+        refused: "nothing that has the columns",
+    },
+    FormatKnowledge {
+        format: Format::Betaflight,
+        id: "betaflight",
+        name: "Betaflight blackbox as CSV",
+        files: ".csv",
+        read: "gyroUnfilt, else gyroADC; accSmooth",
+        units: "°/s, g or counts",
+        clock: "time, µs since boot",
+        temperature: "none",
+        traps: "gyroADC is filtered and both are rounded to 1 °/s; the accelerometer is in counts, of which gravity tells the scale",
+        refused: "the binary log: decode it by blackbox_decode",
+    },
+];

@@ -1,0 +1,190 @@
+//! What the columns of a table mean: as the user says, by the program that wrote them, or by names that state a unit.
+
+use std::path::Path;
+
+use super::super::column_map::{ColumnMap, quoted};
+use super::super::error::RecordingError;
+use super::super::guess::{Guess, guesses};
+use super::super::load_options::LoadOptions;
+use super::super::stream::{Stream, stamps};
+use super::super::table::Table;
+use super::dialect::{Dialect, is_named};
+use super::found::Found;
+use super::{Format, ReadAs, betaflight, several};
+use crate::column::AXES;
+
+/// Which column is which channel, and what that rests on.
+#[derive(Debug, Default)]
+pub(in super::super) struct Meaning {
+    /// What the user says, and what was found beside it.
+    pub(in super::super) map: ColumnMap,
+    /// As what the table was read; none if it is in the log format.
+    pub(in super::super) read_as: Option<ReadAs>,
+    /// The stamps of the gyros, where they have their own.
+    pub(in super::super) gyro_clock: Option<String>,
+    /// Entries of a column map that may be right, but that nothing states.
+    pub(in super::super) perhaps: Vec<String>,
+}
+
+/// # Errors
+///
+/// A table of a program that is known, and that cannot be used.
+pub(in super::super) fn meaning(
+    path: &Path,
+    table: &Table,
+    options: &LoadOptions,
+) -> Result<Meaning, RecordingError> {
+    let map = &options.columns;
+    let has = |target: &str| table.index_of(map.column_of(target)).is_some();
+    let has_axes = AXES.iter().any(|axis| has(axis));
+    let has_time = has("t_s") || options.rate_hz.is_some();
+    match options.format {
+        Some(Format::Log) => return Ok(Meaning::told(options)),
+        None if has_axes && has_time => return Ok(Meaning::told(options)),
+        _ => {}
+    }
+    if let Some(Found { format, entries, assumed, gyro_clock }) = of_program(path, table, options)? {
+        let read_as = Some(ReadAs { format, assumed });
+        return Ok(Meaning { map: filled(map, table, entries), read_as, gyro_clock, perhaps: Vec::new() });
+    }
+    if let Some(format) = options.format.filter(|format| *format != Format::Named) {
+        return Err(RecordingError::NotOfFormat { path: path.to_owned(), format, available: table.names() });
+    }
+    Ok(by_names(table, map, has_axes, has_time))
+}
+
+/// What the columns of a program that is known mean.
+fn of_program(path: &Path, table: &Table, options: &LoadOptions) -> Result<Option<Found>, RecordingError> {
+    let may_be = |format: Format| options.format.is_none_or(|given| given == format);
+    if let Some(found) = several::one_of(path, table).filter(|_| may_be(Format::SensorLogger)) {
+        return found.map(Some);
+    }
+    if let Some(dialect) = Dialect::of(table, options.format) {
+        return of_dialect(path, table, options, dialect).map(Some);
+    }
+    Ok(betaflight::decoded(table).filter(|_| may_be(Format::Betaflight)))
+}
+
+fn of_dialect(
+    path: &Path,
+    table: &Table,
+    options: &LoadOptions,
+    dialect: &Dialect,
+) -> Result<Found, RecordingError> {
+    if let Some((is, help)) = dialect.refused {
+        return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
+    }
+    let is_text = |pattern: &str| table.quality.text_columns.iter().find(|name| is_named(name, pattern));
+    if let Some(column) = dialect.clock().and_then(is_text)
+        && options.rate_hz.is_none()
+        && options.columns.column_of("t_s") == "t_s"
+    {
+        return Err(RecordingError::TextColumn {
+            path: path.to_owned(),
+            column: column.clone(),
+            first: table.quality.first_text.clone().map(Box::new),
+        });
+    }
+    let gyro_clock = dialect.gyro_clock.and_then(|pattern| {
+        table.columns.iter().map(|column| &column.name).find(|name| is_named(name, pattern)).cloned()
+    });
+    let (format, assumed) = (dialect.format, dialect.assumed.to_owned());
+    Ok(Found { format, entries: dialect.entries(table), assumed, gyro_clock })
+}
+
+/// By names that state what they are. Where they do not, it is left to the user.
+fn by_names(table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> Meaning {
+    let columns: Vec<(&str, &[f64])> =
+        table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
+    let mut sure = Vec::new();
+    let mut perhaps = Vec::new();
+    for ((column, _), guess) in columns.iter().zip(guesses(&columns)) {
+        let Some(Guess { target, unit: Some(unit), sure: is_sure, .. }) = guess else { continue };
+        let is_wanted = if target == "t_s" { !has_time } else { !has_axes };
+        match (is_wanted, is_sure) {
+            (false, _) => {}
+            (true, true) => sure.push((target, (*column).to_owned(), unit.to_owned())),
+            (true, false) => perhaps.push(format!("{target}={}:{unit}", quoted(column))),
+        }
+    }
+    // half of the axes would be read, and nobody would miss the others
+    let is_axis = |target: &str| AXES.contains(&target);
+    let all_stated = !perhaps.iter().any(|spec| AXES.iter().any(|axis| spec.starts_with(axis)));
+    if sure.is_empty() || !all_stated {
+        perhaps
+            .extend(sure.iter().map(|(target, column, unit)| format!("{target}={}:{unit}", quoted(column))));
+        return Meaning { map: map.clone(), perhaps, ..Meaning::default() };
+    }
+    let said: Vec<String> =
+        sure.iter().map(|(target, column, unit)| format!("{column} is {target} in {unit}")).collect();
+    let frame = if sure.iter().any(|(target, ..)| is_axis(target)) {
+        "; with gravity and not corrected, if nothing else is known"
+    } else {
+        ""
+    };
+    let read_as = ReadAs { format: Format::Named, assumed: format!("{}{frame}", said.join(", ")) };
+    Meaning { map: filled(map, table, sure), read_as: Some(read_as), perhaps, gyro_clock: None }
+}
+
+/// What the user says, and of other channels what was found.
+fn filled<T: AsRef<str>>(map: &ColumnMap, table: &Table, entries: Vec<(T, String, String)>) -> ColumnMap {
+    let mut filled = map.clone();
+    for (target, column, how) in entries {
+        let target = target.as_ref();
+        let is_told = map.column_of(target) != target || map.ignores(&column);
+        if !is_told && table.index_of(&column).is_some() {
+            // all of them are entries that a test reads
+            let added = filled.add(&format!("{target}={}:{how}", quoted(&column)));
+            debug_assert!(added.is_ok(), "{added:?}");
+        }
+    }
+    filled
+}
+
+impl Meaning {
+    /// What the user says, and nothing else.
+    pub(in super::super) fn told(options: &LoadOptions) -> Self {
+        Self { map: options.columns.clone(), ..Self::default() }
+    }
+
+    /// The channels by sensor, each with its own stamps, where the gyros have a clock of their own; the table stays
+    /// where they have none.
+    pub(in super::super) fn streams(&self, table: &Table) -> Option<Vec<Stream>> {
+        let gyro_clock = table.index_of(self.gyro_clock.as_ref()?)?;
+        let clock = table.index_of(self.map.column_of("t_s"))?;
+        let of = |clock: usize, is_gyro: bool| {
+            let stamps_ns = stamps(&table.columns[clock].values);
+            let mut kept: Vec<bool> = stamps_ns.iter().map(Option::is_some).collect();
+            // a row that repeats the sample before it
+            for row in 1..stamps_ns.len() {
+                kept[row] &= stamps_ns[row] != stamps_ns[row - 1];
+            }
+            let keep = |values: &[f64]| -> Vec<f64> {
+                values.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(value, _)| *value).collect()
+            };
+            let columns = self
+                .map
+                .mappings()
+                .iter()
+                .filter(|mapping| mapping.target != "t_s" && mapping.target.starts_with('g') == is_gyro);
+            let columns = columns.filter_map(|mapping| {
+                let mut values = keep(&table.columns[table.index_of(&mapping.column)?].values);
+                mapping.conversion.apply(&mut values);
+                Some((mapping.target.clone(), values))
+            });
+            let columns: Vec<(String, Vec<f64>)> = columns.collect();
+            let stamps_ns = stamps_ns.iter().zip(&kept).filter(|(_, kept)| **kept);
+            Stream {
+                name: if is_gyro { "gyroscope" } else { "accelerometer" }.to_owned(),
+                stamps_ns: stamps_ns.filter_map(|(stamp, _)| *stamp).collect(),
+                columns,
+            }
+        };
+        Some(
+            [of(clock, false), of(gyro_clock, true)]
+                .into_iter()
+                .filter(|stream| !stream.columns.is_empty())
+                .collect(),
+        )
+    }
+}

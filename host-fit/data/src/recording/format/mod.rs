@@ -1,0 +1,38 @@
+//! The formats that logs come in: what is known of each, and how each is told from the others.
+//!
+//! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is looked into, a
+//! table of text or Parquet gets its meaning by the names of its columns (`meaning`), anything else by its first bytes.
+//! Formats that give every sensor stamps of its own come out as [`Stream`](super::Stream)s.
+
+mod archive;
+#[cfg(feature = "bag")]
+mod bag;
+mod betaflight;
+mod bytes;
+#[cfg(any(feature = "bag", feature = "dataflash", feature = "mcap", feature = "ulog"))]
+mod choice;
+mod container;
+#[cfg(feature = "dataflash")]
+mod dataflash;
+mod dialect;
+mod found;
+mod gnss_logger;
+mod identity;
+mod known;
+#[cfg(feature = "mcap")]
+mod mcap_file;
+mod meaning;
+mod names;
+mod opened;
+#[cfg(any(feature = "bag", feature = "mcap"))]
+mod ros;
+mod several;
+#[cfg(feature = "ulog")]
+mod ulog;
+
+pub(super) use container::open;
+pub use identity::{ReadAs, UnknownFormat};
+pub use known::{FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, may_be_log};
+pub(super) use meaning::{Meaning, meaning};
+pub use names::Format;
+pub(super) use opened::{Extent, Opened};

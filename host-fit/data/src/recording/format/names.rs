@@ -1,0 +1,38 @@
+//! The names of the formats.
+
+/// A format that logs come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// The log format of fos: the names of the columns say all.
+    Log,
+    /// A table whose columns name their quantity, axis and unit.
+    Named,
+    /// PX4 ULog.
+    Ulog,
+    /// ArduPilot DataFlash.
+    Dataflash,
+    /// MCAP with messages of ROS 2.
+    Mcap,
+    /// A bag of ROS 1.
+    Bag,
+    /// The CSV of the EuRoC data sets.
+    Euroc,
+    /// The CSV that Kalibr reads.
+    Kalibr,
+    /// Sensor Logger, of phones.
+    SensorLogger,
+    /// phyphox, of phones.
+    Phyphox,
+    /// SensorLog, of iPhones.
+    SensorLog,
+    /// Google's GnssLogger.
+    GnssLogger,
+    /// Unicleo and MEMS Studio, of ST.
+    StTools,
+    /// Physics Toolbox, of phones.
+    PhysicsToolbox,
+    /// AndroSensor, of phones.
+    AndroSensor,
+    /// Betaflight's blackbox as CSV.
+    Betaflight,
+}

@@ -1,0 +1,413 @@
+//! PX4 ULog: inertial topics at their full rate, else the integrated one.
+//!
+//! Topics and their fields are those of PX4's message definitions (`msg/SensorAccel.msg`, `SensorGyro.msg`,
+//! `SensorAccelFifo.msg`, `SensorGyroFifo.msg`, `SensorCombined.msg`, `SensorMag.msg`, `SystemPower.msg`,
+//! `Cpuload.msg`).
+
+mod messages;
+
+use std::io::BufRead;
+use std::path::Path;
+
+use px4_ulog::stream_parser::LogParser;
+use px4_ulog::stream_parser::model::{DataMessage, FlattenedFieldType, FlattenedFormat};
+
+use super::super::error::RecordingError;
+use super::super::load_options::LoadOptions;
+use super::super::stream::Stream;
+use super::opened::Opened;
+use super::{Format, ReadAs, choice};
+use crate::catch_panic::catch_panic;
+use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
+use crate::file::FileError;
+use crate::interrupt;
+use crate::statistics::median_of;
+use messages::{Formats, Messages};
+
+/// Topics that come less often are decimated: 20 times a second. PX4 logs the raw ones once a second unless asked.
+const SLOWEST_NS: f64 = 50e6;
+
+/// What is kept of a topic.
+struct Topic {
+    name: &'static str,
+    /// Every message is a sample: its fields, its channels, and the factor to their unit.
+    samples: &'static [(&'static [&'static str], &'static [&'static str], f64)],
+    /// A field of it that changes slowly, its channel, and the factor to its unit.
+    slow: Option<(&'static str, &'static str, f64)>,
+}
+
+/// Where the samples of a topic go, by their place here.
+const TOPICS: [Topic; 8] = [
+    Topic { name: "sensor_accel", samples: &[(&["x", "y", "z"], &ACCELEROMETERS, 1.0)], slow: TEMPERATURE },
+    Topic { name: "sensor_gyro", samples: &[(&["x", "y", "z"], &GYROS, 1.0)], slow: TEMPERATURE },
+    Topic { name: "sensor_accel_fifo", samples: &[(&[], &ACCELEROMETERS, 1.0)], slow: None },
+    Topic { name: "sensor_gyro_fifo", samples: &[(&[], &GYROS, 1.0)], slow: None },
+    Topic {
+        name: "sensor_combined",
+        samples: &[
+            (&["gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]"], &GYROS, 1.0),
+            (
+                &["accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"],
+                &ACCELEROMETERS,
+                1.0,
+            ),
+        ],
+        slow: None,
+    },
+    // gauss
+    Topic { name: "sensor_mag", samples: &[(&["x", "y", "z"], &MAGNETOMETERS, 100.0)], slow: None },
+    Topic { name: "system_power", samples: &[], slow: Some(("voltage5v_v", "supply_v", 1.0)) },
+    // a share
+    Topic { name: "cpuload", samples: &[], slow: Some(("load", "load_pct", 100.0)) },
+];
+const ACCEL: usize = 0;
+const GYRO: usize = 1;
+const ACCEL_FIFO: usize = 2;
+const GYRO_FIFO: usize = 3;
+const COMBINED: usize = 4;
+const MAG: usize = 5;
+const POWER: usize = 6;
+const LOAD: usize = 7;
+const TEMPERATURE: Option<(&str, &str, f64)> = Some(("temperature", "temp_c", 1.0));
+
+/// # Errors
+///
+/// It is damaged before the data begin, or holds no inertial topic at its full rate.
+pub(super) fn read(
+    path: &Path,
+    input: impl BufRead,
+    options: &LoadOptions,
+) -> Result<Opened, RecordingError> {
+    let named = ["sensor_accel", "sensor_gyro"];
+    let wanted = choice::instance(path, Format::Ulog, options.topic.as_deref(), &named)?;
+    let mut gathered = Gathered::new(wanted);
+    let mut take = |message: &DataMessage| gathered.take(message);
+    let mut parser = LogParser::default();
+    parser.set_data_message_callback(&mut take);
+    let mut messages = Messages::new(input);
+    let mut formats = Formats::default();
+    let mut damage = None;
+    let mut taken = 0_u64;
+    while damage.is_none() {
+        taken += 1;
+        if taken.is_multiple_of(4096) {
+            interrupt::check();
+        }
+        let Some(message) = messages.next().map_err(FileError::reading(path))? else { break };
+        // what the library asserts of its own state is no matter of ours
+        let parsed = catch_panic(|| {
+            formats.look_at(message, parser.in_data())?;
+            parser.consume_bytes(message).map_err(|error| error.description)
+        });
+        damage = match parsed {
+            Ok(parsed) => parsed.err(),
+            Err(_) => Some("it cannot be parsed".to_owned()),
+        };
+    }
+    let (in_data, is_cut, at) = (parser.in_data(), messages.is_cut(), messages.at());
+    drop(parser);
+    if let Some(problem) = damage.as_ref().filter(|_| !in_data) {
+        let problem = problem.clone();
+        return Err(RecordingError::Damaged { path: path.to_owned(), format: "ULog", at: None, problem });
+    }
+    let mut read = gathered.finish(path, wanted)?;
+    if damage.is_some() || is_cut {
+        let near = format!("; the file is damaged or cut short near byte {at}: what was read before is here");
+        read.1.assumed.push_str(&near);
+    }
+    Ok(Opened::Streams(read.0, read.1))
+}
+
+/// Samples of one triad.
+#[derive(Default)]
+struct Triad {
+    stamps_ns: Vec<i64>,
+    values: [Vec<f64>; 3],
+}
+
+/// What changes slowly.
+#[derive(Default)]
+struct Slow {
+    stamps_ns: Vec<i64>,
+    values: Vec<f64>,
+}
+
+/// Samples by topic.
+struct Gathered {
+    /// The instance that is kept.
+    wanted: u8,
+    /// Where the fields lie, by the number of the subscription.
+    layouts: Vec<Option<Layout>>,
+    /// Two triads of each topic.
+    triads: [[Triad; 2]; TOPICS.len()],
+    slow: [Slow; TOPICS.len()],
+    /// The highest instance of each topic, and how many messages it has.
+    instances: [Vec<u64>; TOPICS.len()],
+    device: [Option<u32>; TOPICS.len()],
+}
+
+/// Where the fields of a subscription lie.
+struct Layout {
+    topic: Option<usize>,
+    instance: u8,
+    stamp: Option<usize>,
+    /// i32, µs: the accelerometer's stamp less the message's.
+    second_stamp: Option<usize>,
+    triads: [Option<[usize; 3]>; 2],
+    slow: Option<usize>,
+    fifo: Option<Fifo>,
+    device: Option<usize>,
+}
+
+/// Where the fields of a batch lie.
+struct Fifo {
+    dt: usize,
+    scale: usize,
+    samples: usize,
+    axes: [usize; 3],
+    room: usize,
+}
+
+impl Layout {
+    fn of(message: &DataMessage) -> Self {
+        let format = message.flattened_format;
+        let name = format.message_name();
+        let topic = TOPICS.iter().position(|topic| topic.name == name);
+        let offset = |field: &str, kind: FlattenedFieldType| {
+            format.get_field_offset(field, kind).ok().map(usize::from)
+        };
+        let float = |field: &str| offset(field, FlattenedFieldType::Float);
+        let stamp = |field: &str| offset(field, FlattenedFieldType::UInt64);
+        let triad = |fields: &[&str]| -> Option<[usize; 3]> {
+            match fields {
+                [x, y, z] => Some([float(x)?, float(y)?, float(z)?]),
+                _ => None,
+            }
+        };
+        let known = topic.map(|topic| &TOPICS[topic]);
+        let triads = [0, 1].map(|at| known.and_then(|topic| triad(topic.samples.get(at)?.0)));
+        Self {
+            topic,
+            instance: message.multi_id.value(),
+            stamp: stamp("timestamp_sample").or_else(|| stamp("timestamp")),
+            second_stamp: offset("accelerometer_timestamp_relative", FlattenedFieldType::Int32),
+            triads,
+            slow: known.and_then(|topic| float(topic.slow?.0)),
+            fifo: Fifo::of(format),
+            device: offset("device_id", FlattenedFieldType::UInt32),
+        }
+    }
+}
+
+impl Fifo {
+    fn of(format: &FlattenedFormat) -> Option<Self> {
+        let offset = |field: &str, kind| format.get_field_offset(field, kind).ok().map(usize::from);
+        let axis = |axis: &str| offset(&format!("{axis}[0]"), FlattenedFieldType::Int16);
+        let room =
+            (0..).take_while(|at| offset(&format!("x[{at}]"), FlattenedFieldType::Int16).is_some()).count();
+        Some(Self {
+            dt: offset("dt", FlattenedFieldType::Float)?,
+            scale: offset("scale", FlattenedFieldType::Float)?,
+            samples: offset("samples", FlattenedFieldType::UInt8)?,
+            axes: [axis("x")?, axis("y")?, axis("z")?],
+            room,
+        })
+    }
+}
+
+/// The bytes of a field; a message may be cut short of fields that its format has.
+fn field<const N: usize>(data: &[u8], offset: usize) -> Option<[u8; N]> {
+    data.get(offset..offset.checked_add(N)?)?.try_into().ok()
+}
+
+fn float(data: &[u8], offset: usize) -> Option<f64> {
+    field(data, offset).map(|bytes| f64::from(f32::from_le_bytes(bytes)))
+}
+
+impl Gathered {
+    fn new(wanted: u8) -> Self {
+        Self {
+            wanted,
+            layouts: Vec::new(),
+            triads: Default::default(),
+            slow: Default::default(),
+            instances: Default::default(),
+            device: [None; TOPICS.len()],
+        }
+    }
+
+    fn take(&mut self, message: &DataMessage) {
+        let id = usize::from(message.msg_id);
+        if self.layouts.len() <= id {
+            self.layouts.resize_with(id + 1, || None);
+        }
+        let layout = &*self.layouts[id].get_or_insert_with(|| Layout::of(message));
+        let (Some(at), Some(offset)) = (layout.topic, layout.stamp) else { return };
+        let topic = &TOPICS[at];
+        let instances = &mut self.instances[at];
+        let instance = usize::from(layout.instance);
+        instances.resize(instances.len().max(instance + 1), 0);
+        instances[instance] += 1;
+        // of what is no inertial sensor there is one
+        let is_sensor = at <= GYRO_FIFO;
+        if layout.instance != if is_sensor { self.wanted } else { 0 } {
+            return;
+        }
+        let data = message.data;
+        let Some(stamp_ns) = field(data, offset).and_then(|bytes| ns_of_us(u64::from_le_bytes(bytes))) else {
+            return;
+        };
+        self.device[at] =
+            layout.device.and_then(|offset| field(data, offset)).map(u32::from_le_bytes).or(self.device[at]);
+        if let (Some(fifo), true) = (&layout.fifo, at == ACCEL_FIFO || at == GYRO_FIFO) {
+            self.triads[at][0].take_batch(fifo, stamp_ns, data);
+            return;
+        }
+        for (which, offsets) in layout.triads.iter().enumerate() {
+            let Some(offsets) = offsets else { continue };
+            let factor = topic.samples[which].2;
+            // the accelerometer of sensor_combined has its own stamp
+            let relative = match layout.second_stamp.filter(|_| which == 1) {
+                Some(offset) => field(data, offset).map_or(0, i32::from_le_bytes),
+                None => 0,
+            };
+            if relative == i32::MAX {
+                // PX4's mark for: no new sample
+                continue;
+            }
+            let values = offsets.map(|offset| float(data, offset).map_or(f64::NAN, |value| value * factor));
+            self.triads[at][which].push(stamp_ns.saturating_add(i64::from(relative) * 1000), values);
+        }
+        if let (Some(offset), Some((_, _, factor))) = (layout.slow, topic.slow)
+            && let Some(value) = float(data, offset).filter(|value| value.is_finite())
+        {
+            self.slow[at].stamps_ns.push(stamp_ns);
+            self.slow[at].values.push(value * factor);
+        }
+    }
+
+    fn finish(mut self, path: &Path, wanted: u8) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
+        let mut streams = Vec::new();
+        let mut said = Vec::new();
+        for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
+            // the batches are the sensor's own samples; the other topic is filtered in some versions
+            let Some(at) = choices.into_iter().find(|at| self.triads[*at][0].is_full_rate()) else {
+                continue;
+            };
+            let name = format!("{} {wanted}", TOPICS[at].name);
+            let device = self.device[at].map_or_else(String::new, |id| format!(", device_id {id},"));
+            said.push(format!("{name}{device} at {:.1} Hz{}", self.triads[at][0].rate_hz(), self.others(at)));
+            streams.push(std::mem::take(&mut self.triads[at][0]).stream(name, names));
+        }
+        let mut correction = "as the driver gives it: turned into the board's frame, not corrected";
+        let mut taken = "timestamp_sample";
+        if streams.is_empty() && wanted == 0 {
+            let combined = std::mem::take(&mut self.triads[COMBINED]);
+            for (triad, names) in combined.into_iter().zip([GYROS, ACCELEROMETERS]) {
+                if triad.is_full_rate() {
+                    let rate_hz = triad.rate_hz();
+                    let name =
+                        format!("sensor_combined {}", if names == GYROS { "gyro" } else { "accelerometer" });
+                    said.push(format!("{name} at {rate_hz:.1} Hz"));
+                    streams.push(triad.stream(name, names));
+                }
+            }
+            correction = "integrated from one sample to the next and already corrected by PX4 (calibration and temperature table); sensor_accel and sensor_gyro, which are not, are decimated in this log";
+            taken = "timestamp";
+        }
+        if streams.is_empty() {
+            return Err(self.nothing(path, wanted));
+        }
+        // of a part with two dies the accelerometer's
+        let temperature = [ACCEL, GYRO].into_iter().find(|at| self.slow[*at].values.len() > 1);
+        for at in temperature.into_iter().chain([POWER, LOAD]) {
+            let slow = std::mem::take(&mut self.slow[at]);
+            let Some((field, channel, _)) = TOPICS[at].slow.filter(|_| slow.values.len() > 1) else {
+                continue;
+            };
+            let columns = vec![(channel.to_owned(), slow.values)];
+            streams.push(Stream {
+                name: format!("{}.{field}", TOPICS[at].name),
+                stamps_ns: slow.stamps_ns,
+                columns,
+            });
+        }
+        let field = std::mem::take(&mut self.triads[MAG][0]);
+        if field.stamps_ns.len() > 1 {
+            streams.push(field.stream("sensor_mag 0".to_owned(), MAGNETOMETERS));
+        }
+        let assumed = format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}", said.join(", "));
+        Ok((streams, ReadAs { format: Format::Ulog, assumed }))
+    }
+
+    /// What else could be read.
+    fn others(&self, at: usize) -> String {
+        choice::other_instances(self.instances[at].len(), self.wanted)
+    }
+
+    fn nothing(&self, path: &Path, wanted: u8) -> RecordingError {
+        let found = [ACCEL, GYRO, ACCEL_FIFO, GYRO_FIFO, COMBINED].into_iter();
+        let found: Vec<String> = found
+            .flat_map(|at| {
+                let counts = self.instances[at].iter().enumerate();
+                counts.map(move |(n, count)| format!("{} {n} with {count} messages", TOPICS[at].name))
+            })
+            .collect();
+        let found = if found.is_empty() { "no inertial topic".to_owned() } else { found.join(", ") };
+        choice::no_sensors(
+            path,
+            Format::Ulog,
+            format!("no inertial topic of instance {wanted} comes 20 times a second; there is {found}"),
+            "record with bit 11 (high rate sensors) of SDLOG_PROFILE, or its bits 8 and 9 (FIFO) for every sample",
+        )
+    }
+}
+
+/// None beyond 292 years.
+fn ns_of_us(us: u64) -> Option<i64> {
+    i64::try_from(us).ok()?.checked_mul(1000)
+}
+
+impl Triad {
+    fn push(&mut self, stamp_ns: i64, values: [f64; 3]) {
+        self.stamps_ns.push(stamp_ns);
+        self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Samples of a batch: the last one is at the message's stamp, the others `dt` apart before it.
+    fn take_batch(&mut self, fifo: &Fifo, stamp_ns: i64, data: &[u8]) {
+        let (Some(dt_us), Some(scale)) = (float(data, fifo.dt), float(data, fifo.scale)) else { return };
+        let samples = data.get(fifo.samples).map_or(0, |n| usize::from(*n)).min(fifo.room);
+        if !dt_us.is_finite() {
+            return;
+        }
+        for sample in 0..samples {
+            let before_ns = (samples - 1 - sample) as f64 * dt_us * 1000.0;
+            let values = fifo.axes.map(|axis| {
+                let count = field(data, axis + 2 * sample).map(i16::from_le_bytes);
+                count.map_or(f64::NAN, |count| f64::from(count) * scale)
+            });
+            self.push(stamp_ns.saturating_sub(before_ns.round() as i64), values);
+        }
+    }
+
+    /// The period between most of its samples, ns.
+    fn period_ns(&self) -> Option<f64> {
+        let steps = self.stamps_ns.windows(2).map(|pair| pair[1].wrapping_sub(pair[0]) as f64);
+        median_of(steps.filter(|step| *step > 0.0))
+    }
+
+    fn is_full_rate(&self) -> bool {
+        self.period_ns().is_some_and(|period_ns| period_ns <= SLOWEST_NS)
+    }
+
+    /// One over it, Hz; 0 if there is none.
+    fn rate_hz(&self) -> f64 {
+        self.period_ns().map_or(0.0, |period_ns| 1e9 / period_ns)
+    }
+
+    fn stream(self, name: String, names: [&str; 3]) -> Stream {
+        let columns = names.into_iter().zip(self.values).map(|(name, values)| (name.to_owned(), values));
+        Stream { name, stamps_ns: self.stamps_ns, columns: columns.collect() }
+    }
+}

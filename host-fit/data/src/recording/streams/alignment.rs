@@ -1,0 +1,124 @@
+//! How streams were joined, for whoever reads the log.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::clocks::Clocks;
+use super::lead::Group;
+
+/// How the streams of a log were joined.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alignment {
+    /// The stream whose stamps are those of the rows.
+    pub lead: String,
+    /// Its rate, Hz.
+    pub rate_hz: f64,
+    /// Samples of the lead that were out of order, and were sorted.
+    pub samples_sorted: u64,
+    /// Samples of the lead that were left out: there twice, or with a stamp alone far off.
+    pub samples_dropped: u64,
+    /// The other streams; one that was interpolated and held is there twice.
+    pub others: Vec<JoinedStream>,
+}
+
+/// A stream that does not lead.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JoinedStream {
+    /// As the file names it.
+    pub name: String,
+    /// Its own rate, Hz.
+    pub rate_hz: f64,
+    /// How it was joined.
+    pub how: HowJoined,
+    /// Rows without a value of it.
+    pub rows_missing: u64,
+    /// Samples that were out of order, and were sorted.
+    pub samples_sorted: u64,
+    /// Samples that were left out: there twice, or with a stamp alone far off.
+    pub samples_dropped: u64,
+}
+
+/// How a stream was joined to the lead.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HowJoined {
+    /// As it is: its stamps are those of the lead.
+    SameStamps,
+    /// Between its neighbours.
+    Interpolated {
+        /// Share of the variance of white noise that is left: the mean of (1 − w)² + w² for weights w.
+        noise_kept: f64,
+        /// How far its clock is from that of the lead; none where that is not looked for.
+        clocks: Option<Clocks>,
+    },
+    /// The newest value.
+    Held {
+        /// Mean age of the values, s.
+        mean_age_s: f64,
+    },
+}
+
+impl Alignment {
+    pub(super) fn led_by(lead: &Group) -> Self {
+        let rate_hz = lead.rate_hz();
+        let joined = |name: &String| JoinedStream {
+            name: name.clone(),
+            rate_hz,
+            how: HowJoined::SameStamps,
+            rows_missing: 0,
+            samples_sorted: 0,
+            samples_dropped: 0,
+        };
+        Self {
+            lead: lead.name.clone(),
+            rate_hz,
+            samples_sorted: lead.sorted,
+            samples_dropped: lead.dropped,
+            others: lead.joined.iter().map(joined).collect(),
+        }
+    }
+}
+
+impl fmt::Display for Alignment {
+    /// A line for the lead, and one for each other stream.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "rows are the samples of {} ({:.1} Hz)", self.lead, self.rate_hz)?;
+        strays(f, self.samples_sorted, self.samples_dropped)?;
+        self.others.iter().try_for_each(|other| write!(f, "\n{other}"))
+    }
+}
+
+impl fmt::Display for JoinedStream {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({:.1} Hz) ", self.name, self.rate_hz)?;
+        match self.how {
+            HowJoined::SameStamps => write!(f, "has the same stamps")?,
+            HowJoined::Interpolated { noise_kept, clocks } => {
+                write!(
+                    f,
+                    "is interpolated, which leaves {:.0} % of the variance of its fast noise and makes neighbouring rows alike: one-step errors of it are of the rows, not of the sensor",
+                    100.0 * noise_kept
+                )?;
+                if let Some(clocks) = clocks {
+                    write!(f, "; {clocks}")?;
+                }
+            }
+            HowJoined::Held { mean_age_s } => write!(f, "is held, {mean_age_s:.3} s old on average")?,
+        }
+        if self.rows_missing > 0 {
+            write!(f, "; {} rows have none of it", self.rows_missing)?;
+        }
+        strays(f, self.samples_sorted, self.samples_dropped)
+    }
+}
+
+fn strays(f: &mut fmt::Formatter<'_>, sorted: u64, dropped: u64) -> fmt::Result {
+    if sorted > 0 {
+        write!(f, "; {sorted} samples were out of order and were sorted")?;
+    }
+    if dropped > 0 {
+        write!(f, "; {dropped} samples that were there twice or stamped far off were left out")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,406 @@
+//! How far the clocks of an accelerometer and a gyro are apart, from what both see of a motion.
+//!
+//! While a unit turns at ω and gravity dominates the specific force f, df/dt = −ω × f. So the accelerometer shows the rate
+//! across f by itself:
+//!
+//! ```text
+//! p = (df/dt × f) / |f|²  =  ω − f (f · ω) / |f|²  =  ω⊥
+//! ```
+//!
+//! The offset x of a window is where S(x) = Σ |p(t) − ω⊥(t + x)|² is least; over the windows in which the unit turns, a line
+//! x = offset + drift (t − middle) is fitted, weighted by the curvature of S, which says how much a window knows. Its standard
+//! errors are from the scatter of the windows about it. A drift is taken only where it is significant and comes to something:
+//! else the offset is assumed to be constant. That it is rotation in gravity that both see, and no vibration, which shows on both with any phase,
+//! is told by p having the size of ω⊥, and most of it.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::Serialize;
+
+use crate::statistics::finite_median;
+
+/// How far apart the clocks of two streams are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Clocks {
+    /// The motion told.
+    Apart(Apart),
+    /// The unit does not turn, or for too short: taken as one clock.
+    NoMotion,
+    /// It turns, but what the two see of it does not fit together: taken as one clock.
+    Unlike,
+}
+
+/// An offset between two clocks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Apart {
+    /// What the stamps of the stream lack in the middle of the log, s.
+    pub offset_s: f64,
+    /// Its standard error, s.
+    pub offset_error_s: f64,
+    /// By how much that grows, s/s; 0 if it is not significant.
+    pub drift: f64,
+    /// Its standard error, s/s.
+    pub drift_error: f64,
+    /// Whether it was added to the stamps: it is significant, and more than a tenth of the stream's period somewhere.
+    pub applied: bool,
+    /// The middle of the log, as the stream stamped it, ns.
+    pub middle_ns: i64,
+}
+
+/// A triad, and the stamps of its samples, in order, ns.
+pub(super) struct Triad<'a> {
+    pub(super) stamps_ns: &'a [i64],
+    pub(super) values: [&'a [f64]; 3],
+}
+
+/// Offsets that are looked for, s: more is no jitter of a hub but another clock, which a reader puts right.
+const MOST_OFFSET_S: f64 = 0.5;
+
+/// Drifts that are looked for: a crystal is within 100 ppm of its frequency over temperature and age, a ceramic resonator within
+/// some thousand, but that is not what stamps are made with.
+const MOST_DRIFT: f64 = 500e-6;
+
+/// Grid that both are compared on, s; and half of the triangle that both are smoothed with, in steps of it: hands turn at
+/// a few hertz, and what is faster is noise or vibration.
+const STEP_S: f64 = 0.01;
+const SMOOTH: usize = 5;
+
+/// Length of a window, in steps: 2 s.
+const WINDOW: usize = 200;
+
+/// Furthest lag, in steps: the offset, and the drift of half an hour and more.
+const LAGS: usize = 150;
+
+/// A window in which the rate is this, rad/s (root of the mean square about the median of the log), has the unit turning: no
+/// gyro at rest shows 3 °/s of noise.
+const TURNS: f64 = 0.05;
+
+/// Most windows that are used, evenly over those in which it turns.
+const MOST_WINDOWS: usize = 600;
+
+/// Fewest that give a standard error.
+const FEWEST_WINDOWS: usize = 4;
+
+/// Specific force further than this from gravity is not dominated by it, m/s².
+const NOT_GRAVITY: f64 = 2.0;
+const GRAVITY: f64 = 9.806_65;
+
+/// p is ω⊥ times a gain within this, and so much of it at least.
+const GAIN: std::ops::RangeInclusive<f64> = 0.75..=1.25;
+const SHARE: f64 = 0.6;
+
+/// Standard errors from which on an offset, and a drift, is significant.
+const SIGNIFICANT: f64 = 5.0;
+
+/// Share of the stream's period from which on an offset, or what a drift comes to, is worth taking out.
+const WORTH: f64 = 0.1;
+
+/// What must be added to the stamps of the accelerometer for them to be those of the gyro; `period_ns` is that of the stream
+/// which will be shifted.
+pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, period_ns: i64) -> Clocks {
+    let bias = gyro.values.map(|values| finite_median(values).unwrap_or(0.0));
+    let turning = turning(gyro, bias);
+    let stride = turning.len().div_ceil(MOST_WINDOWS).max(1);
+    let (mut windows, mut p_power) = (Vec::new(), 0.0);
+    for start_ns in turning.into_iter().step_by(stride) {
+        crate::interrupt::check();
+        if let Some(window) = Window::at(start_ns, accelerometer, gyro, bias) {
+            p_power += window.p_power;
+            windows.push(window);
+        }
+    }
+    let (Some(first), Some(last)) = (gyro.stamps_ns.first(), gyro.stamps_ns.last()) else {
+        return Clocks::NoMotion;
+    };
+    if windows.len() < FEWEST_WINDOWS {
+        return Clocks::NoMotion;
+    }
+    let middle_ns = first.midpoint(*last);
+    let half_s = 0.5 * last.saturating_sub(*first) as f64 * 1e-9;
+    windows
+        .iter_mut()
+        .for_each(|window| window.from_middle_s = window.start_ns.saturating_sub(middle_ns) as f64 * 1e-9);
+    let Some(found) = Line::best(&windows, half_s) else { return Clocks::Unlike };
+
+    let at = |sums: &[f64], window: &Window| found.in_steps(window).map_or(0.0, |lag| between(sums, lag));
+    let left: f64 = windows.iter().map(|window| at(&window.left, window)).sum();
+    let rate_power: f64 = windows.iter().map(|window| at(&window.rate_power, window)).sum();
+    // S = Σp² − 2 Σpω + Σω²
+    let gain = 0.5 * (p_power + rate_power - left) / rate_power;
+    if !(GAIN.contains(&gain) && left < (1.0 - SHARE) * p_power) {
+        return Clocks::Unlike;
+    }
+    let worth_s = WORTH * period_ns as f64 * 1e-9;
+    let Some(line) = found.refined(&windows, worth_s / half_s) else { return Clocks::Unlike };
+    let most_s = line.offset_s.abs() + line.drift.abs() * half_s;
+    let significant = line.offset_s.abs() > SIGNIFICANT * line.offset_error_s || line.drift != 0.0;
+    let applied = significant && most_s > worth_s;
+    let Line { offset_s, offset_error_s, drift, drift_error } = line;
+    Clocks::Apart(Apart { offset_s, offset_error_s, drift, drift_error, applied, middle_ns })
+}
+
+/// Begins of windows in which the unit turns, ns.
+fn turning(gyro: &Triad<'_>, bias: [f64; 3]) -> Vec<i64> {
+    let window_ns = (WINDOW as f64 * STEP_S * 1e9) as i64;
+    let mut starts = Vec::new();
+    let mut row = 0;
+    while row < gyro.stamps_ns.len() {
+        let start = gyro.stamps_ns[row];
+        let end = start.saturating_add(window_ns);
+        let end = row + gyro.stamps_ns[row..].partition_point(|stamp| *stamp < end).max(1);
+        let square =
+            |row: usize| (0..3).map(|axis| (gyro.values[axis][row] - bias[axis]).powi(2)).sum::<f64>();
+        let mean = (row..end).map(square).sum::<f64>() / (end - row) as f64;
+        if mean > TURNS * TURNS {
+            starts.push(start);
+        }
+        row = end;
+    }
+    starts
+}
+
+/// What a window of time says of the offset.
+struct Window {
+    start_ns: i64,
+    from_middle_s: f64,
+    /// Σ |p|².
+    p_power: f64,
+    /// Σ |ω⊥|² and S for every lag from −`LAGS` to `LAGS`.
+    rate_power: Vec<f64>,
+    left: Vec<f64>,
+}
+
+impl Window {
+    /// None where samples are missing, or gravity does not dominate.
+    fn at(start_ns: i64, accelerometer: &Triad<'_>, gyro: &Triad<'_>, bias: [f64; 3]) -> Option<Self> {
+        // one more on each side for the derivative
+        let force = accelerometer.smooth(start_ns, -1..WINDOW as i64 + 1)?;
+        let reach = LAGS as i64;
+        let rate = gyro.smooth(start_ns, -reach..WINDOW as i64 + reach)?;
+        let rate: Vec<[f64; 3]> =
+            rate.iter().map(|r| [r[0] - bias[0], r[1] - bias[1], r[2] - bias[2]]).collect();
+        let mut window = Self {
+            start_ns,
+            from_middle_s: 0.0,
+            p_power: 0.0,
+            rate_power: vec![0.0; 2 * LAGS + 1],
+            left: vec![0.0; 2 * LAGS + 1],
+        };
+        let mut used = 0;
+        for k in 0..WINDOW {
+            let f = force[k + 1];
+            let square = dot(f, f);
+            if (square.sqrt() - GRAVITY).abs() > NOT_GRAVITY {
+                continue;
+            }
+            used += 1;
+            let change = [0, 1, 2].map(|axis| (force[k + 2][axis] - force[k][axis]) / (2.0 * STEP_S));
+            let p = cross(change, f).map(|value| value / square);
+            window.p_power += dot(p, p);
+            for lag in 0..=2 * LAGS {
+                let w = rate[k + lag];
+                let along = dot(f, w) / square;
+                let across = [0, 1, 2].map(|axis| w[axis] - along * f[axis]);
+                let apart = [0, 1, 2].map(|axis| p[axis] - across[axis]);
+                window.rate_power[lag] += dot(across, across);
+                window.left[lag] += dot(apart, apart);
+            }
+        }
+        (2 * used > WINDOW).then_some(window)
+    }
+}
+
+impl Triad<'_> {
+    /// Its values at steps of the grid from `start_ns` on, smoothed; none where samples are missing.
+    fn smooth(&self, start_ns: i64, steps: Range<i64>) -> Option<Vec<[f64; 3]>> {
+        let reach = SMOOTH as i64 - 1;
+        let time = |step: i64| start_ns.saturating_add((step as f64 * STEP_S * 1e9) as i64);
+        let from = time(steps.start - reach);
+        let mut row = self.stamps_ns.partition_point(|stamp| *stamp <= from).checked_sub(1)?;
+        let mut raw = Vec::with_capacity((steps.end - steps.start + 2 * reach) as usize);
+        for step in steps.start - reach..steps.end + reach {
+            let at = time(step);
+            while *self.stamps_ns.get(row + 1)? < at {
+                row += 1;
+            }
+            let (before, after) = (self.stamps_ns[row], self.stamps_ns[row + 1]);
+            let wait = after.saturating_sub(before);
+            // longer than what is smoothed away: samples are missing
+            if wait as f64 * 1e-9 > 2.0 * SMOOTH as f64 * STEP_S {
+                return None;
+            }
+            let w = at.saturating_sub(before) as f64 / wait.max(1) as f64;
+            raw.push(self.values.map(|values| values[row] + w * (values[row + 1] - values[row])));
+        }
+        let kernel: Vec<f64> = (0..2 * SMOOTH - 1)
+            .map(|k| (SMOOTH - k.abs_diff(SMOOTH - 1)) as f64 / (SMOOTH * SMOOTH) as f64)
+            .collect();
+        let smoothed: Vec<[f64; 3]> = raw
+            .windows(kernel.len())
+            .map(|part| [0, 1, 2].map(|axis| part.iter().zip(&kernel).map(|(v, k)| k * v[axis]).sum()))
+            .collect();
+        smoothed.iter().flatten().all(|value| value.is_finite()).then_some(smoothed)
+    }
+}
+
+/// An offset in the middle of the log, and how it grows.
+#[derive(Clone, Copy)]
+struct Line {
+    offset_s: f64,
+    offset_error_s: f64,
+    drift: f64,
+    drift_error: f64,
+}
+
+impl Line {
+    /// The best of all on a grid.
+    fn best(windows: &[Window], half_s: f64) -> Option<Self> {
+        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        // a step of the grid at the ends of the log
+        let drift_step = (STEP_S / half_s.max(STEP_S)).max(MOST_DRIFT / 200.0);
+        let drifts = (MOST_DRIFT / drift_step) as i32;
+        let mut best: Option<(f64, Self)> = None;
+        for drift in (-drifts..=drifts).map(|n| f64::from(n) * drift_step) {
+            for offset_s in (-offsets..=offsets).map(|n| f64::from(n) * STEP_S) {
+                let line = Self { offset_s, offset_error_s: 0.0, drift, drift_error: 0.0 };
+                let left = windows.iter().map(|window| Some(between(&window.left, line.in_steps(window)?)));
+                let Some(left) = left.sum::<Option<f64>>() else { continue };
+                if best.as_ref().is_none_or(|(least, _)| left < *least) {
+                    best = Some((left, line));
+                }
+            }
+        }
+        best.map(|(_, line)| line)
+    }
+
+    fn at_s(&self, window: &Window) -> f64 {
+        self.offset_s + self.drift * window.from_middle_s
+    }
+
+    /// Place in the sums of a window; none beyond them.
+    fn in_steps(&self, window: &Window) -> Option<f64> {
+        let lag = self.at_s(window) / STEP_S + LAGS as f64;
+        (1.0..=2.0 * LAGS as f64 - 1.0).contains(&lag).then_some(lag)
+    }
+
+    /// From the least of each window near it; constant unless it drifts by so much at least.
+    fn refined(self, windows: &[Window], least_drift: f64) -> Option<Self> {
+        let mut line = self;
+        for _ in 0..3 {
+            line = line.fitted(windows)?;
+        }
+        if line.drift.abs() <= least_drift.max(SIGNIFICANT * line.drift_error) {
+            let constant = Self { drift: 0.0, drift_error: f64::INFINITY, ..line };
+            line = Self { drift_error: line.drift_error, ..constant.fitted(windows)? };
+        }
+        Some(line)
+    }
+
+    /// By least squares from the minima of the parabolas through S about it, weighted by their curvature. An infinite error of
+    /// the drift holds it at 0.
+    fn fitted(&self, windows: &[Window]) -> Option<Self> {
+        let constant = self.drift_error.is_infinite();
+        let mut points = Vec::new();
+        for window in windows {
+            let nearest = self.in_steps(window)?.round() as usize;
+            let [before, at, after] =
+                [nearest - 1, nearest, nearest + 1].map(|lag| window.left.get(lag).copied());
+            let (before, at, after) = (before?, at?, after?);
+            let (slope, curvature) = (0.5 * (after - before), after - 2.0 * at + before);
+            // what a window that does not bend says is wide of it, and weighs nothing
+            if curvature > 0.0 {
+                let least = nearest as f64 - LAGS as f64 - (slope / curvature).clamp(-10.0, 10.0);
+                points.push((window.from_middle_s, least * STEP_S, curvature));
+            }
+        }
+        let sum = |of: &dyn Fn(&(f64, f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
+        let weight = sum(&|(_, _, w)| *w);
+        let (t, x) = (sum(&|(t, _, w)| w * t) / weight, sum(&|(_, x, w)| w * x) / weight);
+        let spread = sum(&|(at, _, w)| w * (at - t).powi(2));
+        let slope = sum(&|(at, offset, w)| w * (at - t) * (offset - x)) / spread;
+        let drift = if constant || !slope.is_finite() { 0.0 } else { slope };
+        if points.len() < FEWEST_WINDOWS {
+            return None;
+        }
+        // of few points the scatter is underestimated
+        let more = points.len() as f64 / (points.len() as f64 - 2.0);
+        let off = |(at, offset, w): &(f64, f64, f64)| w * (offset - x - drift * (at - t));
+        let drift_error = (more * sum(&|point| (off(point) * (point.0 - t)).powi(2))).sqrt() / spread;
+        let level_error = (more * sum(&|point| off(point).powi(2))).sqrt() / weight;
+        let offset_error_s = if constant { level_error } else { level_error.hypot(t * drift_error) };
+        let drift_error = match (constant, drift_error.is_finite()) {
+            (true, _) => f64::INFINITY,
+            (false, true) => drift_error,
+            (false, false) => f64::MAX,
+        };
+        Some(Self { offset_s: x - drift * t, offset_error_s, drift, drift_error })
+    }
+}
+
+impl Clocks {
+    /// Whether the stamps are to be set.
+    pub(super) fn are_set(&self) -> bool {
+        matches!(self, Self::Apart(apart) if apart.applied)
+    }
+
+    /// The same as what the stamps of the other stream lack.
+    pub(super) fn of_the_other(self) -> Self {
+        match self {
+            Self::Apart(apart) => {
+                Self::Apart(Apart { offset_s: -apart.offset_s, drift: -apart.drift, ..apart })
+            }
+            other => other,
+        }
+    }
+}
+
+impl Apart {
+    /// Adds it to stamps.
+    pub(super) fn add_to(&self, stamps_ns: &mut [i64]) {
+        for stamp in stamps_ns {
+            let from_middle_ns = stamp.saturating_sub(self.middle_ns) as f64;
+            *stamp = stamp.saturating_add((self.offset_s * 1e9 + self.drift * from_middle_ns).round() as i64);
+        }
+    }
+}
+
+impl fmt::Display for Clocks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMotion => f.write_str("no motion tells whether its clock is off, and it is taken as right"),
+            Self::Unlike => f.write_str(
+                "its motion and that of the lead do not tell whether its clock is off, and it is taken as right",
+            ),
+            Self::Apart(apart) => {
+                write!(f, "its stamps lack {:.2} ± {:.2} ms", 1e3 * apart.offset_s, 1e3 * apart.offset_error_s)?;
+                if apart.drift != 0.0 {
+                    write!(
+                        f,
+                        " in the middle of the log and {:.1} ± {:.1} µs more every second",
+                        1e6 * apart.drift,
+                        1e6 * apart.drift_error
+                    )?;
+                }
+                f.write_str(" by what both see of the motion, ")?;
+                f.write_str(if apart.applied { "which was added" } else { "too little to be added" })
+            }
+        }
+    }
+}
+
+/// Between two values of a series.
+fn between(values: &[f64], at: f64) -> f64 {
+    let (low, part) = (at.floor() as usize, at.fract());
+    let of = |index: usize| values.get(index).copied().unwrap_or(0.0);
+    if part == 0.0 { of(low) } else { of(low) + part * (of(low + 1) - of(low)) }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,265 @@
+//! docs/formats.md says of every format what the readers do: what is known of it, what comes out of a flight, what
+//! hostile files are told.
+
+use std::fmt::Write as _;
+use std::fs;
+
+use fos_data::column::AXES;
+use fos_data::recording::{Format, KNOWN_FORMATS, LoadOptions, ReadAs, Recording, load};
+use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
+use fos_testkit::page;
+use tempfile::TempDir;
+
+const SAMPLES: usize = 2000;
+
+/// A file of a flight.
+type Write = Box<dyn Fn(&Flight) -> Vec<u8>>;
+
+/// A file of a flight: the format, the name of the file, what is written, and how.
+struct Variant {
+    format: Format,
+    name: &'static str,
+    what: &'static str,
+    write: Write,
+}
+
+fn variants() -> Vec<Variant> {
+    let of = |format, name, what, write: fn(&Flight) -> Vec<u8>| Variant {
+        format,
+        name,
+        what,
+        write: Box::new(write),
+    };
+    let mut all = vec![
+        of(Format::Log, "log.csv", "every digit", |flight| flight.csv().into_bytes()),
+        of(Format::Ulog, "full.ulg", "`sensor_accel`, `sensor_gyro`", |flight| ulog(flight, Rate::Full)),
+        of(Format::Ulog, "combined.ulg", "`sensor_combined`", |flight| ulog(flight, Rate::Decimated)),
+        of(Format::Ulog, "fifo.ulg", "FIFO batches of 10", |flight| ulog(flight, Rate::Fifo)),
+        of(Format::Dataflash, "imu.bin", "`IMU`", |flight| dataflash(flight, &[], false)),
+        of(Format::Dataflash, "raw.bin", "`ACC`, `GYR`", |flight| dataflash(flight, &[], true)),
+        of(Format::Mcap, "ros2.mcap", "`/imu/data_raw`, `/imu/temperature`", mcap),
+        of(Format::Bag, "chunks.bag", "`/imu`, `/temperature`, in chunks", |flight| {
+            bag(flight, Chunks::Some)
+        }),
+        of(Format::Bag, "plain.bag", "the same without chunks", |flight| bag(flight, Chunks::None)),
+    ];
+    all.extend(TEXTS.iter().map(|(id, name, write)| Variant {
+        format: id.parse().unwrap(),
+        name,
+        what: match *name {
+            "android.zip" => "a file a sensor, m/s²",
+            "ios.zip" => "a file a sensor, g, sign turned",
+            "phyphox.zip" => "a file a sensor",
+            "physics.csv" => "decimal commas",
+            "blackbox.csv" => "counts, °/s",
+            _ => "one table",
+        },
+        write: Box::new(write),
+    }));
+    // one after the other, as the formats are listed
+    let place = |variant: &Variant| KNOWN_FORMATS.iter().position(|known| known.format == variant.format);
+    all.sort_by_key(place);
+    all
+}
+
+fn read_in(folder: &TempDir, name: &str, bytes: &[u8], format: Option<Format>) -> Result<Recording, String> {
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    load(&path, &LoadOptions { format, ..LoadOptions::default() }).map_err(|error| error.to_string())
+}
+
+/// Without 50 samples in the middle; a whole number of batches.
+fn with_a_gap(flight: &Flight) -> Flight {
+    let gone = SAMPLES / 2 - 20..SAMPLES / 2 + 30;
+    let mut flight = flight.clone();
+    flight.stamps_us.drain(gone.clone());
+    flight.acceleration.drain(gone.clone());
+    flight.rate.drain(gone.clone());
+    flight.temperature.drain(gone);
+    flight
+}
+
+/// The largest difference of these columns to those of the flight; none where one is not there.
+fn furthest(recording: &Recording, flight: &Flight, names: &[&str]) -> Option<f64> {
+    let columns = flight.columns();
+    let mut furthest = 0.0_f64;
+    for (name, expected) in columns.iter().filter(|(name, _)| names.contains(name)) {
+        let found = &recording.channel(name).ok()?.values;
+        let far = found.iter().zip(expected).map(|(found, expected)| (found - expected).abs());
+        furthest = far.filter(|far| far.is_finite()).fold(furthest, f64::max);
+    }
+    Some(furthest)
+}
+
+fn size(value: Option<f64>) -> String {
+    match value {
+        None => "none".to_owned(),
+        Some(0.0) => "0".to_owned(),
+        Some(value) => format!("{value:.0e}"),
+    }
+}
+
+#[test]
+fn what_is_known_of_every_format_stands_on_the_page() {
+    let mut text = String::from("\n");
+    for known in KNOWN_FORMATS {
+        let _ = write!(
+            text,
+            "**{}** (`--format {}`; {})\n\n- read: {}\n- units: {}; clock: {}; temperature: {}\n- look out for: {}\n- refused: {}\n\n",
+            known.name,
+            known.id,
+            known.files,
+            known.read,
+            known.units,
+            known.clock,
+            known.temperature,
+            known.traps,
+            known.refused
+        );
+    }
+    page::holds("formats.md", "<!-- knowledge -->", "<!-- end of knowledge -->", &text);
+}
+
+#[test]
+fn what_comes_out_of_a_flight_stands_on_the_page() {
+    let flight = Flight::new(SAMPLES, 5000, 1);
+    let folder = TempDir::new().unwrap();
+    let mut text = String::from(
+        "\n| format | file | holds | axes | rows | rate, Hz | furthest off: m/s² | rad/s | °C | gap: found | samples missing |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let mut covered = Vec::new();
+    for Variant { format, name, what, write } in variants() {
+        let recording = read_in(&folder, name, &write(&flight), None).unwrap();
+        let read_as = recording.sources[0].read_as.as_ref().map_or(Format::Log, |read_as| read_as.format);
+        assert_eq!(read_as, format, "{name}");
+        assert_eq!((recording.n_rows(), recording.quality.gaps), (SAMPLES, 0), "{name}");
+        let broken = read_in(&folder, name, &write(&with_a_gap(&flight)), None).unwrap();
+        let quality = &broken.quality;
+        assert_eq!((quality.gaps, quality.samples_missing, broken.n_rows()), (1, 50, SAMPLES - 50), "{name}");
+        let _ = writeln!(
+            text,
+            "| {} | {name} | {what} | {} | {} | {:.3} | {} | {} | {} | {} | {} |",
+            format.id(),
+            recording.axes().unwrap().len(),
+            recording.n_rows(),
+            recording.rate.true_hz,
+            size(furthest(&recording, &flight, &AXES[..3])),
+            size(furthest(&recording, &flight, &AXES[3..])),
+            size(furthest(&recording, &flight, &["temp_c"])),
+            quality.gaps,
+            quality.samples_missing
+        );
+        covered.push(format);
+    }
+    for known in KNOWN_FORMATS {
+        assert!(covered.contains(&known.format), "{}: no file of it is written here", known.id);
+    }
+    page::holds("formats.md", "<!-- measured -->", "<!-- end of measured -->", &text);
+}
+
+#[test]
+fn what_hostile_files_are_told_stands_on_the_page() {
+    let flight = Flight::new(SAMPLES, 5000, 1);
+    let folder = TempDir::new().unwrap();
+    let all = variants();
+    let mut text =
+        String::from("\n| format | file | rows | of them wrong | is told |\n|---|---|---|---|---|\n");
+    let mut last = None;
+    for Variant { format, name, write, .. } in &all {
+        // one file of each format
+        if last.replace(*format) == Some(*format) {
+            continue;
+        }
+        let whole = write(&flight);
+        let clean = read_in(&folder, name, &whole, None).unwrap();
+        let mut noisy = whole.clone();
+        noisy[whole.len() / 4..][..400].fill(0x5a);
+        let other = if *format == Format::Ulog { Format::Dataflash } else { Format::Ulog };
+        let of_another = |other: Format| all.iter().find(|variant| variant.format == other).unwrap();
+        // a table of another program
+        let table = if *format == Format::Euroc { Format::Kalibr } else { Format::Euroc };
+        let cases = [
+            ("cut in half", whole[..whole.len() / 2].to_vec(), None),
+            ("400 bytes overwritten after a quarter", noisy, None),
+            ("empty", Vec::new(), None),
+            ("its first 100 bytes", whole[..100].to_vec(), None),
+            (
+                if other == Format::Ulog { "ULog, said to be it" } else { "DataFlash, said to be it" },
+                (of_another(other).write)(&flight),
+                Some(*format),
+            ),
+            (
+                if table == Format::Euroc {
+                    "EuRoC's table, said to be it"
+                } else {
+                    "Kalibr's table, said to be it"
+                },
+                (of_another(table).write)(&flight),
+                Some(*format),
+            ),
+        ];
+        for (what, bytes, said_to_be) in cases {
+            // what has no axis is refused when it is used
+            let read = read_in(&folder, name, &bytes, said_to_be).and_then(|recording| {
+                recording.axes().map(|_| recording.clone()).map_err(|error| error.to_string())
+            });
+            let told = match &read {
+                Ok(recording) => cautions(recording, &clean),
+                Err(error) => {
+                    let (first, help) = error.split_once('\n').unwrap_or((error, ""));
+                    assert!(help.starts_with("help: "), "{name}, {what}: {error}");
+                    let path = folder.path().join(name).display().to_string();
+                    let first = first.replace(&format!("{path}: "), "").replace(&path, name);
+                    first.replace(&format!("{name}, byte"), "byte")
+                }
+            };
+            // lines of a text do not say how many there should be
+            let is_text = !matches!(format, Format::Ulog | Format::Dataflash | Format::Mcap | Format::Bag);
+            let is_silent = told == "nothing";
+            assert!(!is_silent || is_text && what == "cut in half", "{name}, {what}: {told}");
+            // a file of another format is never taken for one of this
+            let is_taken = said_to_be.is_some() && read.is_ok();
+            assert!(!is_taken, "{name}, {what}: {told}");
+            let told = shortened(&told).replace('|', "\\|");
+            let (rows, wrong) = match &read {
+                Ok(recording) => (recording.n_rows().to_string(), wrong(recording, &clean).to_string()),
+                Err(_) => ("–".to_owned(), "–".to_owned()),
+            };
+            let _ = writeln!(text, "| {} | {what} | {rows} | {wrong} | {told} |", format.id());
+        }
+    }
+    page::holds("formats.md", "<!-- hostile -->", "<!-- end of hostile -->", &text);
+}
+
+/// What is said of a log that is not said of the whole one.
+fn cautions(recording: &Recording, whole: &Recording) -> String {
+    let parts = |recording: &Recording| -> Vec<String> {
+        let assumed = recording.sources[0].read_as.as_ref().map(|ReadAs { assumed, .. }| assumed.clone());
+        let assumed = assumed.unwrap_or_default();
+        let quality = recording.quality.to_string();
+        assumed.split("; ").chain(quality.lines()).map(|part| part.trim().to_owned()).collect()
+    };
+    let usual = parts(whole);
+    let new: Vec<String> = parts(recording).into_iter().filter(|part| !usual.contains(part)).collect();
+    if new.is_empty() { "nothing".to_owned() } else { new.join("; ") }
+}
+
+/// Rows that the whole log does not have: another stamp, or other values.
+fn wrong(recording: &Recording, whole: &Recording) -> usize {
+    let differs = |row: usize| {
+        let found = whole.time_s.iter().position(|stamp| *stamp == recording.time_s[row]);
+        let Some(of_whole) = found else { return true };
+        let value =
+            |of: &Recording, axis: &str, row: usize| of.channel(axis).map(|found| found.values[row]).unwrap();
+        AXES.iter().any(|axis| value(recording, axis, row) != value(whole, axis, of_whole))
+    };
+    (0..recording.n_rows()).filter(|row| differs(*row)).count()
+}
+
+/// As much as a table has room for.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 150;
+    let plain: String =
+        text.chars().map(|c| if c.is_control() || c == '\u{fffd}' { '?' } else { c }).collect();
+    if plain.chars().count() <= MOST { plain } else { plain.chars().take(MOST).chain(['…']).collect() }
+}

@@ -1,0 +1,301 @@
+//! Logs in the formats of others, written by other code than what reads them here, come out as what was measured.
+
+use std::fs;
+use std::path::Path;
+
+use fos_data::recording::{Format, LoadOptions, Recording, load};
+use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog, zip};
+use tempfile::TempDir;
+
+const SAMPLES: usize = 2000;
+
+fn flight() -> Flight {
+    Flight::new(SAMPLES, 5000, 1)
+}
+
+fn read_as(name: &str, bytes: &[u8], options: &LoadOptions) -> Result<Recording, String> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    load(&path, options).map_err(|error| error.to_string())
+}
+
+fn read(name: &str, bytes: &[u8]) -> Recording {
+    read_as(name, bytes, &LoadOptions::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn format_of(recording: &Recording) -> (&'static str, String) {
+    let read_as = recording.sources[0].read_as.as_ref().expect("another format");
+    (read_as.format.id(), read_as.assumed.clone())
+}
+
+/// Every sample of the axes that are there, to within `tolerance` of its size and `step` of its unit.
+fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f64) {
+    for (name, expected) in flight.columns() {
+        let Ok(channel) = recording.channel(name) else {
+            assert_eq!(name, "temp_c", "missing");
+            continue;
+        };
+        if name == "temp_c" && step > 0.0 {
+            // of another topic, once a second
+            continue;
+        }
+        assert_eq!(channel.values.len(), expected.len(), "{name}");
+        for (row, (found, expected)) in channel.values.iter().zip(&expected).enumerate() {
+            let allowed = tolerance * expected.abs() + step;
+            assert!((found - expected).abs() <= allowed, "{name} in row {row}: {found} for {expected}");
+        }
+    }
+    let period_s = 1.0 / recording.rate.true_hz;
+    assert!((period_s - 0.005).abs() < 1e-6, "{period_s}");
+}
+
+#[test]
+fn what_holds_every_digit_comes_out_to_the_last_bit() {
+    let flight = flight();
+    for (id, name, bytes) in [
+        ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
+        ("dataflash", "a.bin", dataflash(&flight, &[], false)),
+        ("mcap", "a.mcap", mcap(&flight)),
+        ("bag", "a.bag", bag(&flight, Chunks::Some)),
+        ("bag", "b.bag", bag(&flight, Chunks::None)),
+    ] {
+        let recording = read(name, &bytes);
+        assert_eq!(format_of(&recording).0, id);
+        is_the_flight(&recording, &flight, 0.0, 0.0);
+        assert_eq!(recording.time_s, flight.time_s(), "{name}");
+        assert!(recording.channel("temp_c").is_ok(), "{name}");
+        // as in the log format
+        let csv = read("a.csv", flight.csv().as_bytes());
+        assert!(csv.sources[0].read_as.is_none());
+        assert_eq!((&recording.time_s, recording.rate.true_hz), (&csv.time_s, csv.rate.true_hz), "{name}");
+        for channel in csv.channels() {
+            let found = recording.channel(&channel.name).unwrap();
+            assert_eq!((found.unit, &found.values), (channel.unit, &channel.values), "{name}");
+        }
+    }
+}
+
+#[test]
+fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
+    let flight = flight();
+    for (id, name, write) in TEXTS {
+        let recording = read(name, &write(&flight));
+        let (found, assumed) = format_of(&recording);
+        assert_eq!(found, *id, "{name}");
+        assert!(!assumed.is_empty());
+        // converted there and back; the blackbox is rounded to counts and degrees
+        let step = if *id == "betaflight" { 0.5_f64.to_radians() + 1e-9 } else { 1e-9 };
+        is_the_flight(&recording, &flight, 1e-12, step);
+        assert_eq!(recording.axes().unwrap().len(), 6, "{name}");
+        // and again when the format is named
+        let options = LoadOptions { format: Some(found.parse().unwrap()), ..LoadOptions::default() };
+        assert_eq!(read_as(name, &write(&flight), &options).unwrap().time_s, recording.time_s, "{name}");
+    }
+}
+
+#[test]
+fn a_file_of_one_sensor_is_known_by_its_name() {
+    let rows = "1,0.0,9.81,0.1,0.2\n2,0.01,9.82,0.1,0.2\n3,0.02,9.8,0.1,0.2\n";
+    let text = format!("time,seconds_elapsed,z,y,x\n{rows}");
+    let turn = read("Gyroscope.csv", text.as_bytes());
+    assert_eq!(turn.channel("gz_rads").unwrap().values[1], 9.82);
+    let force = read("TotalAcceleration.csv", text.as_bytes());
+    assert_eq!(force.channel("ax_mps2").unwrap().values[1], 0.2);
+    let error = read_as("Accelerometer.csv", text.as_bytes(), &LoadOptions::default()).unwrap_err();
+    assert!(error.contains("without gravity"), "{error}");
+}
+
+#[test]
+fn what_px4_decimates_is_read_where_it_is_not_and_said() {
+    let flight = flight();
+    let combined = read("a.ulg", &ulog(&flight, Rate::Decimated));
+    let (_, assumed) = format_of(&combined);
+    assert!(assumed.contains("sensor_combined") && assumed.contains("already corrected by PX4"), "{assumed}");
+    // the gyro's stamps lead; the accelerometer's are half a millisecond before, so that it is interpolated
+    assert_eq!(combined.time_s, flight.time_s());
+    let turn = combined.channel("gx_rads").unwrap();
+    assert!(turn.values.iter().zip(&flight.rate).all(|(found, rate)| *found == f64::from(rate[0])));
+    let alignment = combined.alignment.as_ref().expect("two clocks").to_string();
+    assert!(alignment.contains("interpolated"), "{alignment}");
+
+    let batches = read("b.ulg", &ulog(&flight, Rate::Fifo));
+    assert!(format_of(&batches).1.contains("sensor_accel_fifo"));
+    // counts of 16 bits
+    is_the_flight(&batches, &flight, 0.0, 0.5 * 16.0 * 9.80665 / 32768.0 + 1e-6);
+}
+
+#[test]
+fn what_ardupilot_did_to_a_sample_is_taken_back() {
+    let flight = flight();
+    let parameters = [
+        ("AHRS_ORIENTATION", 4.0),
+        ("INS_ACCOFFS_X", 0.25),
+        ("INS_ACCOFFS_Y", -0.125),
+        ("INS_ACCSCAL_X", 1.0),
+        ("INS_GYROFFS_Z", 0.03125),
+    ];
+    for raw in [false, true] {
+        let recording = read("a.bin", &dataflash(&flight, &parameters, raw));
+        let (_, assumed) = format_of(&recording);
+        assert!(assumed.contains("taken back: offsets, AHRS_ORIENTATION 4"), "{assumed}");
+        // turned by half a turn about z
+        let x = recording.channel("ax_mps2").unwrap();
+        let expected = flight.acceleration.iter().map(|value| -f64::from(value[0]) + 0.25);
+        assert!(x.values.iter().zip(expected).all(|(found, expected)| *found == expected));
+        let z = recording.channel("gz_rads").unwrap();
+        assert!(
+            z.values.iter().zip(&flight.rate).all(|(found, rate)| *found == f64::from(rate[2]) + 0.03125)
+        );
+        assert_eq!(recording.time_s, flight.time_s(), "{raw}");
+        assert!(assumed.contains(if raw { "every sample" } else { "(there are 1 too)" }), "{assumed}");
+    }
+}
+
+#[test]
+fn another_sensor_is_taken_when_it_is_asked_for() {
+    let flight = flight();
+    let topic = |name: &str| LoadOptions { topic: Some(name.to_owned()), ..LoadOptions::default() };
+    let slow = read_as("a.mcap", &mcap(&flight), &topic("/imu/slow")).unwrap();
+    assert_eq!(slow.n_rows(), SAMPLES / 10);
+    let all = read("a.mcap", &mcap(&flight));
+    assert!(
+        format_of(&all).1.starts_with("/imu/data_raw (there are /imu/slow too)"),
+        "{}",
+        format_of(&all).1
+    );
+    // the second gyro has no accelerometer
+    let second = read_as("a.ulg", &ulog(&flight, Rate::Full), &topic("1")).unwrap();
+    assert_eq!(second.axes().unwrap().len(), 3);
+    for (name, bytes, wanted) in [
+        ("a.mcap", mcap(&flight), "/imu"),
+        ("a.ulg", ulog(&flight, Rate::Full), "7"),
+        ("a.bin", dataflash(&flight, &[], false), "9"),
+        ("a.ulg", ulog(&flight, Rate::Full), "first"),
+    ] {
+        let error = read_as(name, &bytes, &topic(wanted)).unwrap_err();
+        assert!(error.contains(wanted) && error.contains("\nhelp: "), "{error}");
+    }
+}
+
+#[test]
+fn what_cannot_be_used_says_what_to_record() {
+    let flight = flight();
+    let linear = "time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\n";
+    let mut missing = flight.clone();
+    missing.stamps_us.truncate(1);
+    let combined = "\"Time (s)\",\"Linear Acceleration x (m/s^2)\"\n0,1\n1,2\n";
+    for (name, bytes, says) in [
+        ("a.zip", zip(&[("Accelerometer.csv", linear.as_bytes())]), "record the total acceleration"),
+        ("a.csv", combined.as_bytes().to_vec(), "Acceleration with g"),
+        ("a.ulg", ulog(&missing, Rate::Full), "SDLOG_PROFILE"),
+        ("a.bin", dataflash(&missing, &[], false), "LOG_BITMASK"),
+        ("a.zip", zip(&[("notes.md", b"nothing")]), "no log in it"),
+        ("a.zip", zip(&[("a.ulg", b""), ("b.csv", b"")]), "one by one"),
+        ("a.zip", zip(&[("rosbag2_0.db3", b"SQLite format 3")]), "ros2 bag convert"),
+        ("a_0.db3", b"SQLite format 3\0".to_vec(), "ros2 bag convert"),
+        ("a.csv", b"time,ax,ay,az\n0,0,0,9.81\n5,0,0,9.81\n10,0,0,9.81\n".to_vec(), "t_s=time:ms"),
+    ] {
+        let error = read_as(name, &bytes, &LoadOptions::default()).map(|_| ()).unwrap_err();
+        assert!(error.contains(says) && error.contains("\nhelp: "), "{name}: {error}");
+    }
+    let options = LoadOptions { format: Some(Format::Kalibr), ..LoadOptions::default() };
+    let error = read_as("a.csv", flight.csv().as_bytes(), &options).unwrap_err();
+    assert!(error.contains("not of the format Kalibr CSV"), "{error}");
+}
+
+#[test]
+fn a_log_cut_short_gives_what_was_read_and_says_so() {
+    let flight = flight();
+    for (name, bytes) in [
+        ("a.ulg", ulog(&flight, Rate::Full)),
+        ("a.mcap", mcap(&flight)),
+        ("a.bag", bag(&flight, Chunks::None)),
+        ("a.bin", dataflash(&flight, &[], false)),
+    ] {
+        let recording = read(name, &bytes[..bytes.len() / 2]);
+        assert!((SAMPLES / 3..SAMPLES).contains(&recording.n_rows()), "{name}: {}", recording.n_rows());
+        let said = format_of(&recording).1;
+        assert!(said.contains("cut short"), "{name}: {said}");
+        // and noise in the middle
+        let mut noisy = bytes.clone();
+        let middle = noisy.len() / 2;
+        noisy[middle..middle + 400].fill(0x5a);
+        let recording = read(name, &noisy);
+        assert!(recording.n_rows() > SAMPLES / 3, "{name}");
+        assert!(
+            format_of(&recording).1.contains("bytes") || format_of(&recording).1.contains("damaged"),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn folders_are_opened_as_archives_are() {
+    let flight = flight();
+    let folder = TempDir::new().unwrap();
+    let data = folder.path().join("mav0/imu0");
+    fs::create_dir_all(&data).unwrap();
+    let text = |id: &str| TEXTS.iter().find(|(known, ..)| *known == id).unwrap().2(&flight);
+    fs::write(data.join("data.csv"), text("euroc")).unwrap();
+    fs::write(data.join("sensor.yaml"), "rate_hz: 200\n").unwrap();
+    let recording = load(folder.path(), &LoadOptions::default()).unwrap();
+    is_the_flight(&recording, &flight, 1e-12, 0.0);
+    let phone =
+        zip(&[("Raw Data.csv", &text("phyphox")), ("meta/device.csv", b"property,value\nversion,1\n")]);
+    assert_eq!(format_of(&read("a.zip", &phone)).0, "phyphox");
+    let source = &recording.sources[0];
+    assert_eq!((source.path.as_str(), source.sha256.len()), (folder.path().to_str().unwrap(), 64));
+    assert!(source.bytes > 0);
+    // the digest is that of what was read
+    fs::write(data.join("sensor.yaml"), "rate_hz: 100\n").unwrap();
+    assert_eq!(load(folder.path(), &LoadOptions::default()).unwrap().sources, recording.sources);
+    fs::write(data.join("data.csv"), text("kalibr")).unwrap();
+    assert_ne!(load(folder.path(), &LoadOptions::default()).unwrap().sources, recording.sources);
+
+    let bag = TempDir::new().unwrap();
+    fs::write(bag.path().join("metadata.yaml"), "rosbag2_bagfile_information:\n").unwrap();
+    fs::write(bag.path().join("bag_0.mcap"), mcap(&flight)).unwrap();
+    assert_eq!(format_of(&load(bag.path(), &LoadOptions::default()).unwrap()).0, "mcap");
+}
+
+#[test]
+fn what_is_packed_is_unpacked_first() {
+    use std::io::Write as _;
+    let flight = flight();
+    let log = ulog(&flight, Rate::Full);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&log).unwrap();
+    is_the_flight(&read("a.ulg.gz", &packed.finish().unwrap()), &flight, 0.0, 0.0);
+    is_the_flight(&read("a.zip", &zip(&[("a.ulg", &log)])), &flight, 0.0, 0.0);
+    is_the_flight(
+        &read(Path::new("b.zip").to_str().unwrap(), &zip(&[("log.csv", flight.csv().as_bytes())])),
+        &flight,
+        0.0,
+        0.0,
+    );
+}
+
+#[test]
+fn what_spreadsheets_do_to_a_table_is_undone() {
+    let flight = Flight::new(500, 5000, 2);
+    let csv = flight.csv();
+    let comma = csv.replace(',', ";").replace('.', ",");
+    for (what, text) in [
+        ("a byte-order mark", format!("\u{feff}{csv}")),
+        ("semicolons and decimal commas", comma.clone()),
+        ("tabs and decimal commas", comma.replace(';', "\t")),
+        ("CRLF", csv.replace('\n', "\r\n")),
+        ("CR", csv.replace('\n', "\r")),
+        ("the separator in the first line", format!("sep=;\r\n{}", comma.replace('\n', "\r\n"))),
+        ("a title", format!("a measurement of today\n{csv}")),
+        ("quoted names", csv.replacen("t_s,ax_mps2", "\"t_s\",\"ax_mps2\"", 1)),
+    ] {
+        let recording = read("a.csv", text.as_bytes());
+        assert_eq!(recording.time_s, flight.time_s(), "{what}");
+        is_the_flight(&recording, &flight, 0.0, 0.0);
+    }
+    let wide: Vec<u8> = [0xfeff].into_iter().chain(csv.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let error = read_as("a.csv", &wide, &LoadOptions::default()).unwrap_err();
+    assert!(error.contains("UTF-16") && error.contains("iconv"), "{error}");
+}

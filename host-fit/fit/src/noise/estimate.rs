@@ -1,0 +1,247 @@
+//! White noise N, bias instability B and random walk K of an axis at rest, each with its 90 % interval.
+//!
+//! Values are those of the greatest restricted likelihood of the block means (of what the constants leave), intervals
+//! those of its profile: every value at which −2 ln L, best over the other two, lies at most 2.71 above its least (χ² of one degree of freedom,
+//! 90 %). Where that holds down to nothing, a process has not been seen, and only its upper limit is known (95 %).
+
+use serde::Serialize;
+
+use super::blocks::Blocks;
+use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels, minimise};
+use super::model::NoiseLevels;
+
+/// Rise of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
+const RISE: f64 = 2.705_543;
+
+/// Fewer blocks than this tell hardly anything of three levels.
+pub(super) const FEWEST_BLOCKS: usize = 40;
+
+/// A process of which e^(−this) times the value found is as likely as none has not been seen.
+const NOTHING: f64 = 12.0;
+
+/// An end of an interval is looked for up to so far from the value, in logarithms.
+const FURTHEST: f64 = 16.0;
+
+/// How exactly an end of an interval is found, in its logarithm.
+const EXACT: f64 = 0.005;
+
+/// Second derivative of −2 ln L that the search expects, of a level known to 20 %; and the longest unit of its steps.
+const USUAL_CURVATURE: f64 = 50.0;
+const LONGEST_UNIT: f64 = 6.0;
+
+/// Standard deviation of a prior that says nothing, in logarithms.
+const NOTHING_KNOWN: f64 = 100.0;
+
+/// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
+pub const FLICKER_FLOOR: f64 = 0.664_282_9;
+
+/// What a log tells of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Level {
+    /// The likeliest value; none where none at all is as likely.
+    pub value: Option<f64>,
+    /// Lower end of the 90 % interval; none where there may be none of it.
+    pub low: Option<f64>,
+    /// Upper end of the 90 % interval, which is also the 95 % limit where there is no lower end.
+    pub high: f64,
+}
+
+impl Level {
+    /// The value, or the limit that is known instead.
+    pub fn at_most(&self) -> f64 {
+        self.value.unwrap_or(self.high)
+    }
+}
+
+/// Noise of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NoiseEstimate {
+    /// N, unit·√s, which is unit/√Hz of a two-sided spectrum: the mean over t seconds has variance N²/t.
+    pub white: Level,
+    /// B, the axis' unit: the Allan deviation is flat at 0.664·B.
+    pub flicker: Level,
+    /// K, unit/√s, which is unit/s/√Hz: the bias moves by K·√t in t seconds.
+    pub walk: Level,
+}
+
+/// The levels that `y`, block means of an axis at rest, show beside `regressors`, a constant at least.
+///
+/// # Errors
+///
+/// There are fewer than 40, or the means do not change.
+pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<NoiseEstimate, UnknownLevels> {
+    if blocks.len() < FEWEST_BLOCKS || super::gls::dot(y, y).is_nan() || is_constant(y) {
+        return Err(UnknownLevels);
+    }
+    let start = LevelPrior::of_log(blocks, y).mean;
+    let flat = LevelPrior::independent(start, [NOTHING_KNOWN; 3]);
+    let likelihood = Likelihood { regression: Regression { blocks, y, regressors, prior: &flat } };
+    let best = likelihood.best(start);
+    Ok(NoiseEstimate {
+        white: likelihood.level(0, &best),
+        flicker: likelihood.level(1, &best),
+        walk: likelihood.level(2, &best),
+    })
+}
+
+fn is_constant(y: &[f64]) -> bool {
+    y.iter().all(|value| *value == y[0])
+}
+
+/// −2 ln L of ln N, ln B, ln K.
+struct Likelihood<'a> {
+    regression: Regression<'a>,
+}
+
+/// Where it is least, and in which steps to look there.
+struct Best {
+    logs: LogLevels,
+    deviance: f64,
+    units: LogLevels,
+}
+
+impl Likelihood<'_> {
+    fn at(&self, logs: &LogLevels) -> f64 {
+        let [white, flicker, walk] = logs.map(f64::exp);
+        // flicker noise goes on to shorter times than the shortest of the ladder: Σ 3^(−k) of processes of variance
+        // B²·ln 3/π and density 2·variance·τ, which is white in the blocks and none of N
+        let faster =
+            3.0_f64.ln() / std::f64::consts::PI * flicker * flicker * self.regression.blocks.flicker_from_s;
+        let white = (white * white + faster).sqrt();
+        let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
+        let gls = self.regression.at(levels).gls;
+        gls.deviance() + gls.log_determinant_of_information()
+    }
+
+    fn best(&self, start: LogLevels) -> Best {
+        // flicker and walk may each pass for the other: from more of the one and from more of the other
+        let starts = [start, [start[0], start[1] - 3.0, start[2] + 2.0]];
+        let found = starts.map(|start| minimise(start, |logs| self.at(logs)));
+        let (logs, _) = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are two");
+        let units = self.units(&logs);
+        let (logs, deviance) = minimise_in(&units, logs, |logs| self.at(logs));
+        Best { logs, deviance, units: self.units(&logs) }
+    }
+
+    /// Steps in which the levels are looked for: a level that is hardly known needs long ones.
+    fn units(&self, logs: &LogLevels) -> LogLevels {
+        const STEP: f64 = 0.1;
+        let middle = self.at(logs);
+        std::array::from_fn(|level| {
+            let moved = |by: f64| {
+                let mut logs = *logs;
+                logs[level] += by;
+                self.at(&logs)
+            };
+            let curvature = (moved(STEP) - 2.0 * middle + moved(-STEP)) / (STEP * STEP);
+            (USUAL_CURVATURE / curvature.max(f64::MIN_POSITIVE)).sqrt().clamp(0.5, LONGEST_UNIT)
+        })
+    }
+
+    /// −2 ln L at a value of one level, best over the other two, which are looked for from `others`.
+    fn profile(&self, level: usize, log: f64, others: &mut [f64; 2], units: &LogLevels) -> f64 {
+        let with = |others: &[f64; 2]| {
+            let mut logs = [log; 3];
+            for (index, other) in (0..3).filter(|index| *index != level).zip(others) {
+                logs[index] = *other;
+            }
+            logs
+        };
+        let units = without(level, units);
+        let (place, deviance) = minimise_in(&units, *others, |others| self.at(&with(others)));
+        *others = place;
+        deviance
+    }
+
+    fn level(&self, level: usize, best: &Best) -> Level {
+        let others = without(level, &best.logs);
+        let centre = best.logs[level];
+        let rise = |log: f64, others: &mut [f64; 2]| {
+            self.profile(level, log, others, &best.units) - best.deviance - RISE
+        };
+        let end = |direction: f64| -> Option<f64> {
+            let mut others = others;
+            let (mut inside, mut step) = (centre, 0.05);
+            let mut below = -RISE;
+            // ends: the step doubles
+            let (mut outside, mut above) = loop {
+                let log = inside + direction * step;
+                if (log - centre).abs() > FURTHEST {
+                    return None;
+                }
+                let there = rise(log, &mut others);
+                if there > 0.0 {
+                    break (log, there);
+                }
+                (inside, below) = (log, there);
+                step *= 2.0;
+            };
+            // ends: the bracket shrinks by a tenth at least
+            while (outside - inside).abs() > EXACT {
+                let share = (-below / (above - below)).clamp(0.1, 0.9);
+                let log = inside + share * (outside - inside);
+                match rise(log, &mut others) {
+                    there if there > 0.0 => (outside, above) = (log, there),
+                    there => (inside, below) = (log, there),
+                }
+            }
+            Some(0.5 * (inside + outside))
+        };
+        let high = end(1.0).unwrap_or(centre + FURTHEST).exp();
+        let may_be_none =
+            self.profile(level, centre - NOTHING, &mut others.clone(), &best.units) - best.deviance <= RISE;
+        if may_be_none {
+            return Level { value: None, low: None, high };
+        }
+        Level { value: Some(centre.exp()), low: end(-1.0).map(f64::exp), high }
+    }
+}
+
+/// The other two.
+fn without(level: usize, levels: &LogLevels) -> [f64; 2] {
+    match level {
+        0 => [levels[1], levels[2]],
+        1 => [levels[0], levels[2]],
+        _ => [levels[0], levels[1]],
+    }
+}
+
+/// [`minimise`] in steps of these units.
+fn minimise_in<const D: usize>(
+    units: &[f64; D],
+    start: [f64; D],
+    f: impl Fn(&[f64; D]) -> f64,
+) -> ([f64; D], f64) {
+    let whole = |scaled: &[f64; D]| std::array::from_fn(|i| units[i] * scaled[i]);
+    let (place, least) = minimise(std::array::from_fn(|i| start[i] / units[i]), |scaled| f(&whole(scaled)));
+    (whole(&place), least)
+}
+
+impl NoiseEstimate {
+    /// Allan deviation of such noise at an averaging time, unit: √(N²/τ + (0.664·B)² + K²·τ/3); what was not seen is
+    /// left out.
+    pub fn allan_deviation(&self, tau_s: f64) -> f64 {
+        let [white, flicker, walk] =
+            [self.white, self.flicker, self.walk].map(|level| level.value.unwrap_or(0.0));
+        (white * white / tau_s + (FLICKER_FLOOR * flicker).powi(2) + walk * walk * tau_s / 3.0).sqrt()
+    }
+
+    /// How long a log would have to be, s, to show a random walk half as large as the limit that one of `seconds` has
+    /// set, or to halve the limit; none where the walk is known.
+    ///
+    /// A walk is seen where its Allan deviation rises above that of the other noise, at averaging times up to some
+    /// share of the log, which the limit itself tells: K²·τ/3 = N²/τ + (0.664·B)², τ = length/share.
+    pub fn seconds_for_walk(&self, seconds: f64) -> Option<f64> {
+        if self.walk.value.is_some() {
+            return None;
+        }
+        let (white, floor) = (self.white.at_most(), FLICKER_FLOOR * self.flicker.at_most());
+        // τ at which a walk meets the rest: of the quadratic K²·τ²/3 − floor²·τ − N² = 0
+        let meets = |walk: f64| {
+            let third = walk * walk / 3.0;
+            let half = 0.5 * floor * floor;
+            (half + (half * half + third * white * white).sqrt()) / third
+        };
+        Some(seconds * meets(0.5 * self.walk.high) / meets(self.walk.high))
+    }
+}

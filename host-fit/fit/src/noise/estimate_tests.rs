@@ -1,0 +1,85 @@
+//! N, B and K of simulated noise: the intervals hold the truth as often as they say, and what cannot be seen is not named.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::blocks::Blocks;
+use super::estimate::{Level, estimate};
+use super::levels::UnknownLevels;
+use super::model::NoiseLevels;
+use super::noise_tests::blocks_of;
+
+fn simulated(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> [Level; 3] {
+    let y = levels.simulate(blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+    let ones = vec![1.0; blocks.len()];
+    let found = estimate(blocks, &y, &[&ones]).unwrap();
+    [found.white, found.flicker, found.walk]
+}
+
+fn holds(level: &Level, truth: f64) -> bool {
+    level.low.is_none_or(|low| low <= truth) && truth <= level.high
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    // an hour in blocks of 0.8 s, some missing
+    let counts: Vec<usize> = (0..1500).map(|block| if (700..760).contains(&block) { 0 } else { 8 }).collect();
+    let blocks = blocks_of(&counts);
+    let (white, flicker, walk) = (1.0_f64, 0.4, 0.06);
+    let faster = 3.0_f64.ln() / std::f64::consts::PI * flicker * flicker * blocks.flicker_from_s;
+    let levels = NoiseLevels { white: (white * white + faster).sqrt(), flicker, walk, gauss_markov: None };
+    let mut held = [0; 3];
+    let mut below = [0; 3];
+    for seed in 0..100 {
+        let found = simulated(&levels, &blocks, seed);
+        for (held, (level, truth)) in held.iter_mut().zip(found.iter().zip([white, flicker, walk])) {
+            *held += usize::from(holds(level, truth));
+        }
+        for (below, (level, truth)) in below.iter_mut().zip(found.iter().zip([white, flicker, walk])) {
+            *below += usize::from(level.high < truth);
+        }
+    }
+    println!("{held:?} of 100, too low {below:?}");
+    // 90 ± 3 are binomial: three of them
+    assert!(held.iter().all(|held| (81..=99).contains(held)), "{held:?} of 100");
+}
+
+#[test]
+fn what_is_too_small_to_be_seen_is_a_limit_and_no_value() {
+    let blocks = blocks_of(&[8; 600]);
+    let levels = NoiseLevels { white: 1.0, flicker: 0.0, walk: 0.0, gauss_markov: None };
+    let mut named = [0; 3];
+    for seed in 0..60 {
+        for (named, level) in named.iter_mut().zip(simulated(&levels, &blocks, 500 + seed)) {
+            *named += usize::from(level.value.is_some());
+            assert_eq!(level.value.is_some(), level.low.is_some(), "{level:?}");
+        }
+    }
+    println!("named {named:?} of 60");
+    // one-sided at 5 %: the other half of the samples have none of it as the likeliest; 3 ± 1.7
+    assert_eq!(named[0], 60);
+    assert!(named[1] <= 8 && named[2] <= 8, "{named:?}");
+}
+
+#[test]
+fn a_constant_and_a_handful_of_blocks_tell_nothing() {
+    let blocks = blocks_of(&[8; 60]);
+    let ones = vec![1.0; 60];
+    assert_eq!(estimate(&blocks, &ones, &[&ones]), Err(UnknownLevels));
+    let few = blocks_of(&[8; 20]);
+    let y: Vec<f64> = (0..20).map(|n| f64::from(n % 3)).collect();
+    assert_eq!(estimate(&few, &y, &[&ones[..20]]), Err(UnknownLevels));
+}
+
+#[test]
+fn a_longer_log_is_asked_for_where_no_walk_is_seen() {
+    let blocks = blocks_of(&[8; 600]);
+    let levels = NoiseLevels { white: 1.0, flicker: 0.3, walk: 0.0, gauss_markov: None };
+    let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(3));
+    let ones = vec![1.0; blocks.len()];
+    let found = estimate(&blocks, &y, &[&ones]).unwrap();
+    assert_eq!(found.walk.value, None);
+    let factor = found.seconds_for_walk(480.0).unwrap() / 480.0;
+    // half the walk meets white noise after twice the time, flicker after four times
+    assert!((2.0..=4.0).contains(&factor), "{factor}");
+}

@@ -1,0 +1,247 @@
+//! The bias of every axis as a cubic of the temperature, which is all that some stacks can correct by; and what that leaves.
+//!
+//! b(T) = Σ Xₖ·(clip(T) − T_ref)ᵏ, k = 0 … 3, T clipped to the range it was fitted in. Fitted by generalised least squares
+//! on block means, whitened by the axis' own noise: a slow change of temperature does not count for more than a quick one
+//! only because it has more samples.
+
+use std::ops::Range;
+
+use fos_data::column::AXES;
+use fos_data::pose;
+use fos_data::recording::{Recording, RecordingError};
+use fos_data::stillness::Stillness;
+use serde::Serialize;
+
+use crate::evaluate::SLOW_BLOCK_S;
+use crate::noise::{Blocks, LevelPrior, NoiseLevels, Regression, length_for};
+use crate::signal;
+
+/// The column of the thermometer, °C.
+pub const TEMPERATURE: &str = "temp_c";
+
+/// A range of temperatures narrower than this tells no cubic, K: ArduPilot asks for as much (`TEMP_RANGE_MIN`,
+/// AP_InertialSensor_tempcal.cpp), and PX4 takes no less (`SYS_CAL_TDEL`).
+pub const NARROWEST_K: f64 = 10.0;
+
+/// Fewer blocks than this tell no cubic beside the noise.
+const FEWEST_BLOCKS: usize = 40;
+
+/// The bias of the axes of a unit by temperature.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ThermalTable {
+    /// Lowest temperature that it holds for, °C, to a hundredth.
+    pub low_c: f64,
+    /// Highest, °C.
+    pub high_c: f64,
+    /// One for every axis of the log.
+    pub axes: Vec<ThermalCubic>,
+}
+
+/// The bias of one axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ThermalCubic {
+    /// As in the log format.
+    pub column: String,
+    /// X₀ … X₃ about the middle of the table's range, unit/Kᵏ. X₀ is 0 where nobody knows the true value, as of an
+    /// accelerometer.
+    pub coefficients: [f64; 4],
+}
+
+/// Why there is no such table.
+#[derive(Debug, thiserror::Error)]
+pub enum ThermalError {
+    /// A column is not there.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No thermometer.
+    #[error(
+        "{log}: it has no temperature, temp_c: a table by temperature needs one\nhelp: log the temperature of the sensor's die beside the axes, or map another column to temp_c"
+    )]
+    NoThermometer {
+        /// The log.
+        log: String,
+    },
+    /// Too little is known at rest.
+    #[error(
+        "{log}: {blocks} blocks at rest with a temperature are too few for a cubic of it; {FEWEST_BLOCKS} are needed\nhelp: let the unit lie still from cold to warm, for half an hour or more"
+    )]
+    TooShort {
+        /// The log.
+        log: String,
+        /// Blocks that there are.
+        blocks: usize,
+    },
+    /// The temperature hardly moves.
+    #[error(
+        "{log}: on the rows that are fitted the temperature goes from {low_c:.2} to {high_c:.2} °C, less than the {NARROWEST_K} K that a cubic of it needs\nhelp: cool the unit for half an hour, then log it lying still while it warms up as far as it will in use; a larger `train` takes more of this log"
+    )]
+    TooNarrow {
+        /// The log.
+        log: String,
+        /// Lowest temperature.
+        low_c: f64,
+        /// Highest.
+        high_c: f64,
+    },
+}
+
+impl ThermalTable {
+    /// Fits every axis on those of `rows` in which the unit lies still.
+    ///
+    /// # Errors
+    ///
+    /// There is no thermometer, or it did not move enough.
+    pub fn fit(
+        recording: &Recording,
+        stillness: &Stillness,
+        rows: Range<usize>,
+    ) -> Result<Self, ThermalError> {
+        let log = recording.paths();
+        let temperature = temperature_of(recording)?;
+        let length_s = length_for(recording);
+        let is_known =
+            |row: usize| rows.contains(&row) && stillness.still[row] && temperature[row].is_finite();
+        let known: Vec<bool> = (0..recording.n_rows()).map(is_known).collect();
+        let blocks = Blocks::new(recording, length_s, known.clone());
+        if blocks.len() < FEWEST_BLOCKS {
+            return Err(ThermalError::TooShort { log, blocks: blocks.len() });
+        }
+        // means: one value that is no temperature does not widen the range
+        let means = blocks.means(&temperature);
+        let low = means.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // rounded as it is printed, so that what is computed is what is written
+        let (low_c, high_c) = ((100.0 * low).ceil() / 100.0, (100.0 * high).floor() / 100.0);
+        if high_c - low_c < NARROWEST_K {
+            return Err(ThermalError::TooNarrow { log, low_c: low, high_c: high });
+        }
+        let mut table = Self { low_c, high_c, axes: Vec::new() };
+        for column in AXES.into_iter().filter(|column| recording.channel(column).is_ok()) {
+            let coefficients =
+                table.fit_axis(recording, stillness, column, &temperature, length_s, &known)?;
+            table.axes.push(ThermalCubic { column: column.to_owned(), coefficients });
+        }
+        Ok(table)
+    }
+
+    fn fit_axis(
+        &self,
+        recording: &Recording,
+        stillness: &Stillness,
+        column: &str,
+        temperature: &[f64],
+        length_s: f64,
+        known: &[bool],
+    ) -> Result<[f64; 4], ThermalError> {
+        let (cleaned, _) = recording.only_measurements(column, 0..recording.n_rows(), known);
+        let series = cleaned.error_series(column)?;
+        let known = known.iter().zip(&series.values).map(|(known, value)| *known && value.is_finite());
+        let blocks = Blocks::new(recording, length_s, known.collect());
+        if blocks.len() < FEWEST_BLOCKS {
+            return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.len() });
+        }
+        let y = blocks.means(&series.values);
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        let y: Vec<f64> = y.iter().map(|value| value - mean).collect();
+        let half = 0.5 * (self.high_c - self.low_c);
+        let power = |k: i32| -> Vec<f64> {
+            let powers: Vec<f64> =
+                temperature.iter().map(|t| ((t - self.reference_c()) / half).powi(k)).collect();
+            blocks.means(&powers)
+        };
+        let is_unknown = pose::has_unknown_level(column, &series.reference);
+        let turns = if is_unknown { &stillness.turns[..] } else { &[] };
+        let mut columns = blocks.levels(turns);
+        let levels = columns.len();
+        columns.extend((1..=3).map(power));
+        let regressors: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let prior = LevelPrior::of_log(&blocks, &y);
+        let regression = Regression { blocks: &blocks, y: &y, regressors: &regressors, prior: &prior };
+        let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean)).gls.coefficients();
+        let constant = if is_unknown { 0.0 } else { mean + fitted[0] };
+        Ok([
+            constant,
+            fitted[levels] / half,
+            fitted[levels + 1] / (half * half),
+            fitted[levels + 2] / half.powi(3),
+        ])
+    }
+
+    /// The middle of its range, °C.
+    pub fn reference_c(&self) -> f64 {
+        0.5 * (self.low_c + self.high_c)
+    }
+}
+
+/// Coefficients about `reference` of a cubic that has these about zero: Σ cₖ·uᵏ = Σ dₖ·(u − reference)ᵏ.
+pub fn about(coefficients: [f64; 4], reference: f64) -> [f64; 4] {
+    let [c0, c1, c2, c3] = coefficients;
+    let r = reference;
+    [c0 + r * (c1 + r * (c2 + r * c3)), c1 + r * (2.0 * c2 + 3.0 * r * c3), c2 + 3.0 * r * c3, c3]
+}
+
+/// The temperature of every row, °C, held where a slower thermometer has none.
+///
+/// # Errors
+///
+/// There is none.
+pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
+    match recording.channel(TEMPERATURE) {
+        Ok(channel) => Ok(recording.held_from_first(channel)),
+        Err(_) => Err(ThermalError::NoThermometer { log: recording.paths() }),
+    }
+}
+
+/// Root mean square of the 1-s means of an axis less `correction`, one value per row, where the unit lies still among
+/// `rows`; less their mean, as every stack finds the constant itself, and that of an accelerometer in each pose. In the
+/// axis' unit; none where fewer than two such means are known.
+///
+/// # Errors
+///
+/// The column is missing.
+pub fn left_by(
+    recording: &Recording,
+    stillness: &Stillness,
+    rows: &Range<usize>,
+    column: &str,
+    correction: impl Fn(usize) -> f64,
+) -> Result<Option<f64>, RecordingError> {
+    let (cleaned, _) = recording.only_measurements(column, rows.clone(), &stillness.still);
+    let series = cleaned.error_series(column)?;
+    let left: Vec<f64> = rows.clone().map(|row| series.values[row] - correction(row)).collect();
+    let is_known =
+        |row: usize| rows.contains(&row) && stillness.still[row] && left[row - rows.start].is_finite();
+    let stretches = recording.stretches_where(is_known);
+    let turns = if pose::has_unknown_level(column, &series.reference) { &stillness.turns[..] } else { &[] };
+    let per_block = ((SLOW_BLOCK_S / recording.rate.period_s).round() as usize).max(1);
+    let (mut squares, mut count) = (0.0, 0);
+    for level in pose::levels_between(turns, rows.clone()) {
+        let within = stretches.iter().map(|s| s.start.max(level.start)..s.end.min(level.end));
+        let within: Vec<&[f64]> = within
+            .filter(|stretch| !stretch.is_empty())
+            .map(|stretch| &left[stretch.start - rows.start..stretch.end - rows.start])
+            .collect();
+        let means = signal::blocks::block_means(&within, per_block);
+        squares += signal::centred(means.clone()).iter().map(|value| value * value).sum::<f64>();
+        count += means.len();
+    }
+    Ok((count >= 2).then(|| (squares / count as f64).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_about_another_reference_is_the_same_cubic() {
+        let coefficients = [0.3, -0.02, 4e-4, -7e-6];
+        let value = |c: [f64; 4], u: f64| c[0] + u * (c[1] + u * (c[2] + u * c[3]));
+        for reference in [0.0, -12.5, 7.25] {
+            let moved = about(coefficients, reference);
+            for u in [-30.0, 0.0, 3.0, 41.0] {
+                let off = value(moved, u - reference) - value(coefficients, u);
+                assert!(off.abs() < 1e-14, "{reference} {u}: {off:e}"); // rounding of numbers up to 1
+            }
+        }
+    }
+}

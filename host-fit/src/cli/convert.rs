@@ -1,0 +1,49 @@
+//! `convert`: a log of any format as one of the log format.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{OutputFile, Reading, describe};
+use super::output::{Failure, Written, print_line, print_written};
+use fos_data::recording::{check_log_path, write_columns};
+use fos_data::stillness::find;
+
+/// Write a log of any format as CSV or Parquet of the log format
+///
+/// Channels are named as in the log format and in SI units, sensors with stamps of their own joined onto one grid.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit convert flight.ulg -o flight.parquet")]
+pub(super) struct Convert {
+    /// The log
+    log: PathBuf,
+    /// The file to write: .csv, .csv.gz or .parquet
+    #[arg(short, long, value_name = "FILE")]
+    output: OutputFile,
+    #[command(flatten)]
+    reading: Reading,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Convert {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_log_path(&self.output)?;
+        let recording = self.reading.read(&self.log)?;
+        let mut columns: Vec<(&str, &[f64])> = vec![("t_s", &recording.time_s)];
+        let still: Option<Vec<f64>> = recording
+            .still
+            .as_ref()
+            .map(|still| still.iter().map(|still| f64::from(u8::from(*still))).collect());
+        columns
+            .extend(recording.channels().iter().map(|channel| (channel.name.as_str(), &channel.values[..])));
+        columns.extend(still.as_ref().map(|still| ("still", &still[..])));
+        write_columns(&self.output, &columns)?;
+        if !self.json {
+            print_line!("{}", describe(&recording, &find(&recording)));
+        }
+        let what = format!("{} rows of {} columns", recording.n_rows(), columns.len());
+        print_written(&[Written { path: self.output.display().to_string(), what }], self.json)
+    }
+}

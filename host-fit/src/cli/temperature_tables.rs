@@ -1,0 +1,200 @@
+//! `export` of tables by temperature for autopilots, and what they leave of the error.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use super::arguments::OutputFile;
+use super::output::{Failure, Written, number, optional, print_line, print_warning, table};
+use crate::export::{ArduPilot, Px4};
+use fos_data::file::{name_of, write_atomically};
+use fos_data::recording::{Recording, load};
+use fos_data::stillness::{self, Stillness};
+use fos_diagnose::study::{Study, load_again};
+use fos_diagnose::thermal::{Correction, LeftByTemperature, left_by_temperature};
+use fos_fit::thermal::ThermalTable;
+
+/// Tables by temperature.
+#[derive(Debug, Args)]
+pub(super) struct TableArguments {
+    /// The temperature tables for PX4 to write, as parameters that QGroundControl loads
+    #[arg(long, value_name = "FILE")]
+    px4: Option<OutputFile>,
+    /// The device_id of accelerometer and gyro, for PX4, which takes the tables for no other sensor
+    #[arg(long, value_name = "ACCEL,GYRO", value_delimiter = ',', num_args = 1, requires = "px4")]
+    device_id: Vec<u32>,
+    /// The temperature tables for ArduPilot to write, as parameters
+    #[arg(long, value_name = "FILE")]
+    ardupilot: Option<OutputFile>,
+    /// The log that the errors of these tables are of; by default the rows of the study's log that were not fitted
+    #[arg(long, value_name = "LOG")]
+    judge: Option<PathBuf>,
+}
+
+/// Tables that can be written, and what they leave.
+#[derive(Debug)]
+pub(super) struct Tables {
+    log: String,
+    range_c: [f64; 2],
+    px4: Option<Px4>,
+    ardupilot: Option<ArduPilot>,
+    judged: String,
+    left: Vec<LeftByTemperature>,
+}
+
+/// What they leave, for programs.
+#[derive(Debug, Serialize)]
+pub(super) struct TablesLeft<'a> {
+    range_c: [f64; 2],
+    judged: &'a str,
+    /// Whose errors `corrected` has, in its order.
+    corrected_by: Vec<&'static str>,
+    axes: &'a [LeftByTemperature],
+}
+
+impl TableArguments {
+    pub(super) fn are_given(&self) -> bool {
+        self.px4.is_some() || self.ardupilot.is_some()
+    }
+
+    /// What makes no sense without a table.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        if self.judge.is_some() && !self.are_given() {
+            return Err(
+                "--judge is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it".into(),
+            );
+        }
+        if self.device_id.len() > 2 {
+            return Err("--device-id takes that of the accelerometer and that of the gyro, not more".into());
+        }
+        Ok(())
+    }
+
+    /// The tables of the log that `study`, which is in `file`, was fitted to, or of that where it was found to fail.
+    pub(super) fn fit(&self, study: &Study, file: &Path) -> Result<Option<Tables>, Failure> {
+        if !self.are_given() {
+            return Ok(None);
+        }
+        let (recording, fitted_rows, judged) = self.logs(study, file)?;
+        let fitted_rows = if judged.is_some() { recording.n_rows() } else { fitted_rows };
+        let stillness = stillness::find_apart(&recording, fitted_rows);
+        let fitted = ThermalTable::fit(&recording, &stillness, 0..fitted_rows)?;
+        let px4 = self.px4.is_some().then(|| Px4::of(&fitted));
+        let ardupilot = self.ardupilot.is_some().then(|| ArduPilot::of(&fitted));
+        let by_px4 = |column: &str, t: f64| px4.as_ref().map_or(0.0, |table| table.offset(column, t));
+        let by_ardupilot =
+            |column: &str, t: f64| ardupilot.as_ref().map_or(0.0, |table| table.offset(column, t));
+        let mut corrections: Vec<Correction<'_>> = Vec::new();
+        if px4.is_some() {
+            corrections.push(&by_px4);
+        }
+        if ardupilot.is_some() {
+            corrections.push(&by_ardupilot);
+        }
+        let columns: Vec<&str> = fitted.axes.iter().map(|axis| axis.column.as_str()).collect();
+        let left = |log: &Recording, stillness: &Stillness, rows| {
+            left_by_temperature(&study.model, log, stillness, &rows, &columns, &corrections)
+        };
+        let log = name_of(&recording.paths());
+        let (left, judged) = match &judged {
+            Some(other) => {
+                (left(other, &stillness::find(other), 0..other.n_rows())?, name_of(&other.paths()))
+            }
+            None => {
+                let rows = fitted_rows..recording.n_rows();
+                (left(&recording, &stillness, rows)?, format!("the rows of {log} that were not fitted"))
+            }
+        };
+        let range_c = [fitted.low_c, fitted.high_c];
+        Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left }))
+    }
+
+    /// The log that is fitted, how many rows of it, and the one that is judged, if that is another.
+    fn logs(&self, study: &Study, file: &Path) -> Result<(Recording, usize, Option<Recording>), Failure> {
+        let (recording, fitted_rows, judged, read) = match study.refinements.first() {
+            Some(refinement) => {
+                let logs = &refinement.logs;
+                let judged =
+                    logs.judged.as_ref().map(|source| load_again(source, file, &logs.read)).transpose()?;
+                (load_again(&logs.field, file, &logs.read)?, logs.fitted_rows, judged, &logs.read)
+            }
+            None => {
+                let read = &study.data.read;
+                let logs = study.data.sources.iter().map(|source| load_again(source, file, read));
+                (Recording::join(logs.collect::<Result<_, _>>()?)?, study.data.trained_rows, None, read)
+            }
+        };
+        let judged = match &self.judge {
+            Some(path) => Some(load(path, read)?),
+            None => judged,
+        };
+        Ok((recording, fitted_rows, judged))
+    }
+
+    /// Writes what is asked for.
+    pub(super) fn write(&self, tables: &Tables, note: &mut Vec<Written>) -> Result<(), Failure> {
+        let Tables { log, range_c: [low, high], .. } = tables;
+        let range = format!("{low:.2} to {high:.2} °C");
+        let mut write = |path: &OutputFile, text: String, what: String| -> Result<(), Failure> {
+            write_atomically(path, text.as_bytes())?;
+            note.push(Written { path: path.display().to_string(), what });
+            Ok(())
+        };
+        if let (Some(path), Some(px4)) = (&self.px4, &tables.px4) {
+            let ids = match self.device_id[..] {
+                [both] => [both; 2],
+                [accel, gyro] => [accel, gyro],
+                _ => [0; 2],
+            };
+            write(path, px4.file(log, ids), format!("temperature tables for PX4, {range}"))?;
+            if self.device_id.is_empty() {
+                print_warning(
+                    "TC_A0_ID and TC_G0_ID are 0: PX4 ignores these tables until they are the device_id of the sensors\n\
+                     help: give them with --device-id ACCEL,GYRO; `listener sensor_accel` and `listener sensor_gyro` on the \
+                     vehicle show them",
+                );
+            }
+        }
+        if let (Some(path), Some(ardupilot)) = (&self.ardupilot, &tables.ardupilot) {
+            write(path, ardupilot.file(log), format!("temperature tables for ArduPilot, {range}"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Tables {
+    fn names(&self) -> Vec<&'static str> {
+        let px4 = self.px4.as_ref().map(|_| "PX4");
+        px4.into_iter().chain(self.ardupilot.as_ref().map(|_| "ArduPilot")).collect()
+    }
+
+    pub(super) fn as_json(&self) -> TablesLeft<'_> {
+        TablesLeft {
+            range_c: self.range_c,
+            judged: &self.judged,
+            corrected_by: self.names(),
+            axes: &self.left,
+        }
+    }
+
+    /// What each leaves, side by side.
+    pub(super) fn print(&self) {
+        print_line!(
+            "\nwhat is left at rest on {}: root mean square of the means over 1 s, less their mean",
+            self.judged
+        );
+        let mut header = vec!["  axis".to_owned(), "nothing corrected".to_owned()];
+        header.extend(self.names().iter().map(|name| format!("{name}'s cubic")));
+        header.extend(["the study".to_owned(), "unit".to_owned()]);
+        let mut rows = table(&header);
+        for axis in &self.left {
+            let mut row = vec![format!("  {}", axis.column), number(axis.nothing)];
+            row.extend(axis.corrected.iter().map(|left| number(*left)));
+            row.extend([optional(axis.study), axis.unit.clone()]);
+            rows.add_row(row);
+        }
+        print_line!("{rows}");
+        print_line!("  the study: its physical part, which holds in motion as the cubics do");
+    }
+}

@@ -1,0 +1,70 @@
+//! Temperature tables for ArduPilot: parameters `INS_TCAL1_*`.
+//!
+//! ArduPilot subtracts P(clip(T) − 35) and adds P(clip(T_cal) − 35), P(d) = 10⁻⁶·(c₁d + c₂d² + c₃d³), T_cal being the
+//! temperature at which the offsets were calibrated, both clipped to TMIN … TMAX
+//! (libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp, `correct_sensor`). It does so in the frame of the sensor,
+//! before AHRS_ORIENTATION.
+
+use std::fmt::Write as _;
+
+use fos_data::column::{ACCELEROMETERS, GYROS};
+use fos_fit::thermal::{ThermalTable, about};
+
+use super::comment::in_ascii;
+
+/// ArduPilot's reference temperature, °C, and the scale of its coefficients.
+const REFERENCE_C: f64 = 35.0;
+const SCALE: f64 = 1e6;
+
+/// The parameters of the first sensor, as they are stored: in single precision.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArduPilot {
+    /// TMIN, TMAX, °C.
+    range: [f32; 2],
+    /// First, second and third order of each column.
+    columns: Vec<(String, [f32; 3])>,
+}
+
+impl ArduPilot {
+    /// A table about 35 °C, without its constant, rounded.
+    pub fn of(table: &ThermalTable) -> Self {
+        let moved = |x| {
+            let [_, first, second, third] = about(x, REFERENCE_C - table.reference_c());
+            [first, second, third].map(|x| (SCALE * x) as f32)
+        };
+        let columns = table.axes.iter().map(|axis| (axis.column.clone(), moved(axis.coefficients)));
+        Self { range: [table.low_c, table.high_c].map(|celsius| celsius as f32), columns: columns.collect() }
+    }
+
+    /// What ArduPilot subtracts from a column at a temperature, but for a constant, in the column's unit; nothing from one
+    /// that it does not have.
+    pub fn offset(&self, column: &str, temperature_c: f64) -> f64 {
+        let Some((_, c)) = self.columns.iter().find(|(name, _)| name == column) else { return 0.0 };
+        let delta = (temperature_c as f32).clamp(self.range[0], self.range[1]) - REFERENCE_C as f32;
+        f64::from((c[0] + (c[1] + c[2] * delta) * delta) * delta * 1e-6)
+    }
+
+    /// The file.
+    pub fn file(&self, log: &str) -> String {
+        let mut text = format!(
+            "# Temperature tables of the first IMU, from {}, by host-fit export\n\
+             # Axes are those of the sensor, before AHRS_ORIENTATION. Calibrate the accelerometer once they are loaded:\n\
+             # ArduPilot takes them from the temperature of that calibration on.\n\
+             INS_TCAL1_ENABLE 1\nINS_TCAL1_TMIN {}\nINS_TCAL1_TMAX {}\n",
+            in_ascii(log),
+            self.range[0],
+            self.range[1]
+        );
+        for (name, columns) in [("ACC", ACCELEROMETERS), ("GYR", GYROS)] {
+            for order in 0..3 {
+                for (axis, column) in ["X", "Y", "Z"].iter().zip(columns) {
+                    let found = self.columns.iter().find(|(name, _)| name == column);
+                    let value = found.map_or(0.0, |(_, c)| c[order]);
+                    // writing to a string does not fail
+                    let _ = writeln!(text, "INS_TCAL1_{name}{}_{axis} {value}", order + 1);
+                }
+            }
+        }
+        text
+    }
+}

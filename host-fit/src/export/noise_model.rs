@@ -1,0 +1,108 @@
+//! One noise level for the three axes of a sensor, as the files of other stacks have it.
+
+use fos_data::column::{ACCELEROMETERS, GYROS};
+use fos_fit::noise::{AxisNoise, Level};
+
+use super::noise_unit::NoiseUnits;
+
+/// Noise of an accelerometer and a gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseModel {
+    /// The log that it is of.
+    pub log: String,
+    /// Samples a second, as measured.
+    pub rate_hz: f64,
+    /// Of the accelerometers.
+    pub accel: TriadNoise,
+    /// Of the gyros.
+    pub gyro: TriadNoise,
+}
+
+/// Noise of three axes: of each level that of the axis that has the most. A filter that is told too little trusts a
+/// sensor that does not deserve it and diverges; one that is told too much only learns more slowly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriadNoise {
+    /// N.
+    pub white: Worst,
+    /// K.
+    pub walk: Worst,
+}
+
+/// The largest of three.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// Its value, or its limit where it was not seen.
+    pub value: f64,
+    /// What is to be known of it, for a comment.
+    pub about: String,
+}
+
+/// A log from which no file for a filter can be written.
+#[derive(Debug, thiserror::Error)]
+pub enum NoiseModelError {
+    /// Not all six axes.
+    #[error(
+        "{column} is missing: such a file has the noise of three accelerometers and three gyros\nhelp: ask all six axes of a log that has them"
+    )]
+    Missing {
+        /// The column.
+        column: &'static str,
+    },
+}
+
+impl NoiseModel {
+    /// Of the axes of a log.
+    ///
+    /// # Errors
+    ///
+    /// One of the six is missing.
+    pub fn of(log: &str, rate_hz: f64, axes: &[AxisNoise]) -> Result<Self, NoiseModelError> {
+        let of = |columns: [&'static str; 3]| -> Result<TriadNoise, NoiseModelError> {
+            let mut three = Vec::new();
+            for column in columns {
+                let axis = axes.iter().find(|axis| axis.column == column);
+                three.push(axis.ok_or(NoiseModelError::Missing { column })?);
+            }
+            let units = NoiseUnits::of(&three[0].unit);
+            Ok(TriadNoise {
+                white: worst(&three, &units.white, |axis| axis.levels.white),
+                walk: worst(&three, &units.walk, |axis| axis.levels.walk),
+            })
+        };
+        Ok(Self { log: log.to_owned(), rate_hz, accel: of(ACCELEROMETERS)?, gyro: of(GYROS)? })
+    }
+}
+
+fn worst(three: &[&AxisNoise], unit: &str, level: impl Fn(&AxisNoise) -> Level) -> Worst {
+    // what was seen goes before a limit: a limit says how short the log was
+    let seen = |axis: &&AxisNoise| level(axis).value.is_some();
+    let any_seen = three.iter().any(seen);
+    let most = three
+        .iter()
+        .filter(|axis| !any_seen || seen(axis))
+        .max_by(|a, b| level(a).at_most().total_cmp(&level(b).at_most()))
+        .expect("there are three");
+    let Level { low, high, .. } = level(most);
+    let about = match low {
+        Some(low) => format!("{unit}, {}, 90 % in {low:.3e} .. {high:.3e}", most.column),
+        None => format!("{unit}, not seen in any axis: the limit that the log sets (95 %), {}", most.column),
+    };
+    Worst { value: level(most).at_most(), about }
+}
+
+impl Worst {
+    /// Its line in a file of YAML, under the name that its reader has for it.
+    pub(super) fn line(&self, key: &str) -> String {
+        yaml_line(key, self.value, &self.about)
+    }
+}
+
+/// A line of YAML: a number, and in a comment what is to be known of it.
+pub(super) fn yaml_line(key: &str, value: f64, about: &str) -> String {
+    format!("{key}: {}  # {about}\n", real(value))
+}
+
+/// A number that every reader takes for a real one: YAML 1.1 wants a point and a sign in the exponent, ORB-SLAM3 a point.
+pub(super) fn real(value: f64) -> String {
+    if value > 0.0 && value < 1.0 { format!("{value:.6e}") } else { format!("{value:.6}") }
+}

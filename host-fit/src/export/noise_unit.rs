@@ -1,0 +1,29 @@
+//! Units of N, B and K, in letters that every reader of configuration files takes.
+
+/// Units of the noise of an axis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NoiseUnits {
+    /// Of N.
+    pub white: String,
+    /// Of B.
+    pub flicker: String,
+    /// Of K.
+    pub walk: String,
+}
+
+impl NoiseUnits {
+    /// Of an axis in `unit`.
+    pub fn of(unit: &str) -> Self {
+        let per_second = match unit {
+            "m/s²" => "m/s^3".to_owned(),
+            "rad/s" => "rad/s^2".to_owned(),
+            other => format!("{other}/s"),
+        };
+        let plain = if unit == "m/s²" { "m/s^2" } else { unit };
+        Self {
+            white: format!("{plain}/sqrt(Hz)"),
+            flicker: plain.to_owned(),
+            walk: format!("{per_second}/sqrt(Hz)"),
+        }
+    }
+}

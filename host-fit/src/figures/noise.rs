@@ -1,0 +1,74 @@
+//! The Allan deviation of a log at rest, and the white noise, bias instability and random walk that make it.
+
+use fos_fit::noise::{AxisNoise, FLICKER_FLOOR, Level};
+
+use super::{Axis, Figure, Ink, Panel, Series, Shape};
+use crate::export::{NoiseUnits, SHARE};
+use fos_data::column::Column;
+use fos_data::text::number;
+
+/// One panel an axis: measured with intervals of 90 %, the lines of N, B and K as far as they were seen, their sum.
+pub fn allan_of_noise(log: &str, axes: &[AxisNoise]) -> Figure {
+    Figure { title: format!("{log}: noise by averaging time"), panels: axes.iter().map(panel).collect() }
+}
+
+fn panel(axis: &AxisNoise) -> Panel {
+    let bars = axis.allan.iter().map(|point| {
+        let (low, high) = point.interval(SHARE);
+        (point.tau_s, point.deviation, low, high)
+    });
+    let taus: Vec<f64> = axis.allan.iter().map(|point| point.tau_s).collect();
+    let units = NoiseUnits::of(&axis.unit);
+    let (lowest, highest) = axis.allan.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), point| {
+        (low.min(point.deviation), high.max(point.deviation))
+    });
+    // a line far below what was measured would make the picture of it small
+    let line = |of: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+        let points = taus.iter().map(|tau| (*tau, of(*tau)));
+        points.filter(|(_, value)| (0.5 * lowest..=2.0 * highest).contains(value)).collect()
+    };
+    let mut series = Vec::new();
+    let levels = &axis.levels;
+    let at: [fn(f64, f64) -> f64; 3] = [
+        |white, tau| white / tau.sqrt(),
+        |flicker, _| FLICKER_FLOOR * flicker,
+        |walk, tau| walk * (tau / 3.0).sqrt(),
+    ];
+    let parts = [
+        ("N", &levels.white, &units.white, Ink::Predicted),
+        ("B", &levels.flicker, &units.flicker, Ink::Residual),
+        ("K", &levels.walk, &units.walk, Ink::Other),
+    ];
+    for ((name, level, unit, ink), of) in parts.into_iter().zip(at) {
+        let points = level.value.map_or_else(Vec::new, |value| line(&|tau| of(value, tau)));
+        let drawn = if name == "B" && level.value.is_some() { ", drawn at 0.664 B" } else { "" };
+        let label = with_interval(name, level, unit) + drawn;
+        series.push(Series { label, ink, shape: Shape::Line(points) });
+    }
+    series.push(Series {
+        label: "N, B and K together".into(),
+        ink: Ink::Floor,
+        shape: Shape::Line(taus.iter().map(|tau| (*tau, levels.allan_deviation(*tau))).collect()),
+    });
+    series.push(Series {
+        label: "measured (90 %)".into(),
+        ink: Ink::Measured,
+        shape: Shape::Bars(bars.collect()),
+    });
+    Panel {
+        title: super::compare::capitalised(Column::named(&axis.column).label()),
+        x: Axis::log("Averaging time (s)"),
+        y: Axis::log(format!("Allan deviation ({})", axis.unit)),
+        series,
+        shading: Vec::new(),
+    }
+}
+
+fn with_interval(name: &str, level: &Level, unit: &str) -> String {
+    match (level.value, level.low) {
+        (Some(value), Some(low)) => {
+            format!("{name} {} ({} … {}) {unit}", number(value), number(low), number(level.high))
+        }
+        _ => format!("{name} not seen, at most {} {unit}", number(level.high)),
+    }
+}

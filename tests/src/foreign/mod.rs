@@ -1,0 +1,106 @@
+//! One flight in the formats of others: written here by what their documents say, apart from the readers under test.
+
+mod bag;
+mod dataflash;
+mod mcap;
+mod ros;
+mod text;
+mod ulog;
+mod zip;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+pub use bag::{Chunks, bag};
+pub use dataflash::dataflash;
+pub use mcap::mcap;
+pub use text::{TEXTS, Text};
+pub use ulog::{Rate, ulog};
+pub use zip::zip;
+
+/// A unit at rest: accelerations, rates and the temperature, all with the same stamps.
+#[derive(Debug, Clone)]
+pub struct Flight {
+    /// µs since boot.
+    pub stamps_us: Vec<u64>,
+    /// m/s².
+    pub acceleration: Vec<[f32; 3]>,
+    /// rad/s.
+    pub rate: Vec<[f32; 3]>,
+    /// °C.
+    pub temperature: Vec<f32>,
+}
+
+impl Flight {
+    /// So many samples, `period_us` apart, of a part that warms up and errs with it.
+    pub fn new(samples: usize, period_us: u64, seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut flight = Self {
+            stamps_us: Vec::new(),
+            acceleration: Vec::new(),
+            rate: Vec::new(),
+            temperature: Vec::new(),
+        };
+        let start_us: u64 = random.random_range(1_000_000..50_000_000);
+        for sample in 0..samples as u64 {
+            let mut noise = |size: f32| {
+                let unit: f32 = StandardNormal.sample(&mut random);
+                size * unit
+            };
+            let age_s = sample as f32 * period_us as f32 * 1e-6;
+            // a thermometer that tells twice a second
+            let warmth = 12.0 * (1.0 - (-(age_s * 2.0).floor() / 600.0).exp());
+            flight.stamps_us.push(start_us + sample * period_us);
+            flight.acceleration.push([noise(0.02) + 0.004 * warmth, noise(0.02), 9.81 + noise(0.02)]);
+            flight.rate.push([noise(0.002), noise(0.002) + 2e-4 * warmth, noise(0.002)]);
+            flight.temperature.push(25.0 + warmth);
+        }
+        flight
+    }
+
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.stamps_us.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.stamps_us.is_empty()
+    }
+
+    /// Columns as the log format names them, what every format that has all of it must come out as.
+    pub fn columns(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let axis =
+            |values: &[[f32; 3]], axis: usize| values.iter().map(|value| f64::from(value[axis])).collect();
+        vec![
+            ("ax_mps2", axis(&self.acceleration, 0)),
+            ("ay_mps2", axis(&self.acceleration, 1)),
+            ("az_mps2", axis(&self.acceleration, 2)),
+            ("gx_rads", axis(&self.rate, 0)),
+            ("gy_rads", axis(&self.rate, 1)),
+            ("gz_rads", axis(&self.rate, 2)),
+            ("temp_c", self.temperature.iter().map(|value| f64::from(*value)).collect()),
+        ]
+    }
+
+    /// Stamps, s.
+    pub fn time_s(&self) -> Vec<f64> {
+        self.stamps_us.iter().map(|us| *us as f64 / 1e6).collect()
+    }
+
+    /// In the log format, as CSV.
+    pub fn csv(&self) -> String {
+        let columns = self.columns();
+        let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        let mut text = format!("t_s,{}\n", names.join(","));
+        for (row, time_s) in self.time_s().iter().enumerate() {
+            text.push_str(&time_s.to_string());
+            for (_, values) in &columns {
+                text.push_str(&format!(",{}", values[row]));
+            }
+            text.push('\n');
+        }
+        text
+    }
+}

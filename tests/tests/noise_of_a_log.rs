@@ -1,0 +1,101 @@
+//! N, B and K of logs with known truth, from the log's rows to the intervals.
+
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_fit::noise::{AxisNoise, AxisNoiseError, Level, axis_noise};
+use fos_simulate::Colour;
+
+const RATE_HZ: f64 = 20.0;
+const N: f64 = 1.2e-4;
+const B: f64 = 4e-5;
+const K: f64 = 4e-6;
+
+/// A gyro of `n` samples at rest, beside `others`.
+fn log(values: Vec<f64>, others: Vec<(String, Vec<f64>)>) -> Recording {
+    let time: Vec<f64> = (0..values.len()).map(|row| row as f64 / RATE_HZ).collect();
+    let mut columns = vec![("t_s".to_owned(), time), ("gx_rads".to_owned(), values)];
+    columns.extend(others);
+    let options = LoadOptions { rate_hz: Some(RATE_HZ), ..LoadOptions::default() };
+    Recording::from_columns(Source::made_by("a test"), columns, &options).expect("a recording")
+}
+
+fn simulated(walk: f64, n: usize, seed: u64) -> Vec<f64> {
+    // a data sheet's density is one-sided: √2·N
+    fos_simulate::AxisNoise::new(2.0_f64.sqrt() * N, B, walk, Colour::WHITE, RATE_HZ).simulate(n, seed)
+}
+
+fn noise_of(recording: &Recording) -> Result<AxisNoise, AxisNoiseError> {
+    axis_noise(recording, &stillness::find(recording), "gx")
+}
+
+fn holds(level: Level, truth: f64) -> bool {
+    level.low.is_none_or(|low| low <= truth) && truth <= level.high
+}
+
+#[test]
+fn intervals_of_an_hour_hold_the_truth_in_nine_of_ten_logs() {
+    const LOGS: u64 = 40;
+    let mut held = [0; 3];
+    let mut seen = 0;
+    for seed in 0..LOGS {
+        let noise = noise_of(&log(simulated(K, 72_000, seed), Vec::new())).expect("long enough").levels;
+        let truths = [(noise.white, N), (noise.flicker, B), (noise.walk, K)];
+        for (held, (level, truth)) in held.iter_mut().zip(truths) {
+            *held += usize::from(holds(level, truth));
+        }
+        seen += usize::from(noise.walk.value.is_some());
+    }
+    println!("held {held:?}, K seen {seen} of {LOGS}");
+    // 36 ± 1.9 are binomial: three of them
+    assert!(held.iter().all(|held| (30..=40).contains(held)), "{held:?} of {LOGS}");
+    assert!(seen > 30, "{seen} of {LOGS}");
+}
+
+#[test]
+fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
+    let (mut named, mut held) = (0, 0);
+    for seed in 100..130 {
+        let noise = noise_of(&log(simulated(B / 200.0, 12_000, seed), Vec::new())).expect("long enough");
+        named += usize::from(noise.levels.walk.value.is_some());
+        held += usize::from(holds(noise.levels.walk, B / 200.0));
+        let needs = noise.walk_needs_s.is_some_and(|needed| needed > 2.0 * noise.span_s - 1.0);
+        assert!(needs || noise.levels.walk.value.is_some(), "{noise:?}");
+    }
+    println!("named {named}, held {held} of 30");
+    // 5 % of the logs name a walk that chance made: 1.5 ± 1.2
+    assert!(named <= 5 && held >= 24, "{named} named, {held} held, of 30");
+}
+
+#[test]
+fn what_is_no_rest_and_no_measurement_counts_for_nothing() {
+    let quiet = simulated(K, 72_000, 7);
+    let mut shaken = quiet.clone();
+    let mut still = vec![1.0; quiet.len()];
+    for row in 20_000..24_000 {
+        shaken[row] += 0.5 * (row as f64 * 0.3).sin();
+        still[row] = 0.0;
+    }
+    for row in [1000, 40_000, 60_123] {
+        shaken[row] = 30.0;
+    }
+    let with = noise_of(&log(shaken, vec![("still".to_owned(), still.clone())])).expect("long enough");
+    let without = noise_of(&log(quiet, vec![("still".to_owned(), still)])).expect("long enough");
+    assert_eq!(with.left_out, 3);
+    for (a, b) in [(with.levels.white, without.levels.white), (with.levels.flicker, without.levels.flicker)] {
+        let (a, b) = (a.value.unwrap(), b.value.unwrap());
+        assert!((a / b - 1.0).abs() < 0.01, "{a} {b}"); // three of 68 000 samples are not there
+    }
+    let furthest = with.allan.iter().map(|point| point.deviation).fold(0.0, f64::max);
+    assert!(furthest < 6e-4, "nothing of the motion: {furthest}"); // one sample: N·√20
+}
+
+#[test]
+fn a_log_too_short_and_one_without_noise_are_refused_with_what_to_do() {
+    let short = noise_of(&log(simulated(0.0, 300, 1), Vec::new())).unwrap_err().to_string();
+    assert!(
+        short.contains("15.0 s at rest are too short") && short.contains("help: a longer log"),
+        "{short}"
+    );
+    let constant = noise_of(&log(vec![0.25; 12_000], Vec::new())).unwrap_err().to_string();
+    assert!(constant.contains("gx_rads: "), "{constant}");
+}
