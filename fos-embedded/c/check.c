@@ -1,51 +1,7 @@
 /*
  * check IMAGE: every function with arguments that it must refuse, and with images and samples that it must survive.
- *
- * Memory that is handed over ends at a page that must not be touched, so that a byte too far is a crash. Runs on a host
- * with POSIX; built with the address and undefined behaviour sanitizers by `.ci/c host`.
  */
-#define _DEFAULT_SOURCE
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include "fos.h"
-
-#define EXPECT(condition) expect((condition), #condition, __LINE__)
-
-static unsigned long expected;
-
-static void expect(int holds, const char *condition, int line)
-{
-    expected++;
-    if (!holds) {
-        printf("check.c:%d: does not hold: %s\n", line, condition);
-        exit(1);
-    }
-}
-
-/* `length` bytes up to a page that must not be touched; aligned as the length is. */
-static uint8_t *before_guard(size_t length)
-{
-    size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    size_t pages = (length + page - 1) / page + 1;
-    uint8_t *start = mmap(NULL, (pages + 1) * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (start == MAP_FAILED || mprotect(start + pages * page, page, PROT_NONE) != 0) {
-        perror("mmap");
-        exit(2);
-    }
-    return start + pages * page - length;
-}
-
-static void drop(uint8_t *bytes, size_t length)
-{
-    size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    size_t pages = (length + page - 1) / page + 1;
-    munmap(bytes + length - pages * page, (pages + 1) * page);
-}
+#include "check.h"
 
 static const fos_scales SCALES = {
     .accel_mps2 = 0.001197f,
@@ -76,13 +32,6 @@ static fos_hub *loaded(void)
     fos_hub *hub = hub_with(&SCALES);
     EXPECT(fos_hub_load(hub, image, image_length) == FOS_STATUS_OK);
     return hub;
-}
-
-static uint32_t random_bits(void)
-{
-    static uint64_t state = 1; /* Knuth's linear congruential generator: the same on every run */
-    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (uint32_t)(state >> 32);
 }
 
 static fos_raw_sample lying_still(void)
@@ -128,7 +77,7 @@ static void sizes_and_texts(void)
     EXPECT(fos_hub_size() > 0 && fos_hub_size() <= FOS_HUB_BYTES);
     EXPECT(fos_hub_align() > 0 && fos_hub_align() <= FOS_HUB_ALIGN && FOS_HUB_BYTES % FOS_HUB_ALIGN == 0);
     for (int32_t status = -3; status < 100; status++) {
-        int known = status >= FOS_STATUS_OK && status <= FOS_STATUS_OTHER_QUANTITY;
+        int known = status >= FOS_STATUS_OK && status <= FOS_STATUS_NO_MODEL;
         EXPECT((strcmp(fos_status_text(status), "unknown status") != 0) == known);
     }
     EXPECT(strcmp(fos_status_text(INT32_MIN), "unknown status") == 0);
@@ -200,24 +149,6 @@ static void init_refuses(void)
     has_no_model(hub);
 }
 
-static uint32_t crc32(uint32_t crc, const uint8_t *bytes, size_t length)
-{
-    while (length-- > 0) {
-        crc ^= *bytes++;
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ (crc & 1 ? UINT32_C(0xedb88320) : 0);
-    }
-    return crc;
-}
-
-/* what the checksum of an image covers is everything but its own four bytes, 16 to 19 */
-static void seal(uint8_t *bytes)
-{
-    uint32_t crc = ~crc32(crc32(UINT32_MAX, bytes, 16), bytes + 20, image_length - 20);
-    for (int n = 0; n < 4; n++)
-        bytes[16 + n] = (uint8_t)(crc >> (8 * n));
-}
-
 static void run_random(fos_hub *hub, int samples)
 {
     fos_raw_sample raw;
@@ -280,7 +211,7 @@ static void load_refuses(void)
     for (size_t bit = 160; bit < 8 * image_length; bit++) {
         memcpy(copy, image, image_length);
         copy[bit / 8] ^= (uint8_t)(1u << bit % 8);
-        seal(copy);
+        seal(copy, image_length);
         fos_status status = fos_hub_load(hub, copy, image_length);
         seen |= 1u << status;
         EXPECT(status == FOS_STATUS_OK || status >= FOS_STATUS_TRUNCATED);
@@ -293,7 +224,7 @@ static void load_refuses(void)
         memcpy(copy, image, image_length);
         for (uint32_t left = random_bits() % 8 + 1; left > 0; left--)
             copy[20 + random_bits() % (image_length - 20)] = (uint8_t)random_bits();
-        seal(copy);
+        seal(copy, image_length);
         fos_status status = fos_hub_load(hub, copy, image_length);
         seen |= 1u << status;
         if (status == FOS_STATUS_OK) {
@@ -345,6 +276,95 @@ static void update_refuses(void)
     EXPECT(fos_hub_update(hub, last_raw, last_output) == FOS_STATUS_OK && last_output->tick == 2);
     run_random(hub, 200000);
     drop((uint8_t *)last_raw, sizeof raw);
+    drop((uint8_t *)last_output, sizeof output);
+    drop_hub(hub);
+}
+
+static void scales_of_full_scale_refuses(void)
+{
+    fos_scales scales = SCALES, before;
+    memcpy(&before, &scales, sizeof before); /* with what lies between the fields */
+    uint64_t spare[8] = {0};
+    fos_scales *odd = (fos_scales *)(void *)((uint8_t *)spare + 1);
+    EXPECT(fos_scales_of_full_scale(78.4f, 34.9f, 0.005, FOS_VALUES_RAW, NULL) == FOS_STATUS_NULL);
+    EXPECT(fos_scales_of_full_scale(78.4f, 34.9f, 0.005, FOS_VALUES_RAW, odd) == FOS_STATUS_MISALIGNED);
+    for (int n = 0; n < N_ODD; n++) {
+        if (ODD[n] == FLT_MAX)
+            continue;
+        EXPECT(fos_scales_of_full_scale(ODD[n], 34.9f, 0.005, FOS_VALUES_RAW, &scales) == FOS_STATUS_ARGUMENT);
+        EXPECT(fos_scales_of_full_scale(78.4f, ODD[n], 0.005, FOS_VALUES_RAW, &scales) == FOS_STATUS_ARGUMENT);
+    }
+    const double wrong[] = {0.0, -0.005, NAN, INFINITY, -INFINITY};
+    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++)
+        EXPECT(fos_scales_of_full_scale(78.4f, 34.9f, wrong[n], FOS_VALUES_RAW, &scales) == FOS_STATUS_ARGUMENT);
+    for (unsigned values = 2; values <= UINT8_MAX; values++)
+        EXPECT(fos_scales_of_full_scale(78.4f, 34.9f, 0.005, (uint8_t)values, &scales) == FOS_STATUS_ARGUMENT);
+    EXPECT(memcmp(&scales, &before, sizeof scales) == 0); /* nothing was written */
+
+    const float full_scales[] = {78.4532f, 1e-30f, 3.4027e38f, FLT_MAX};
+    for (int n = 0; n < 4; n++) {
+        EXPECT(fos_scales_of_full_scale(full_scales[n], full_scales[n], 0.005, n & 1, &scales) == FOS_STATUS_OK);
+        EXPECT(scales.temperature_k == 0.0f && scales.period_s == 0.005 && scales.values == (n & 1));
+        fos_hub *hub = hub_with(&scales); /* what is accepted here is accepted there */
+        fos_si_sample sample = {.accel = {full_scales[n]}, .temperature_c = NAN};
+        fos_si_output si;
+        EXPECT(fos_hub_update_si(hub, &sample, &si) == FOS_STATUS_OK);
+        EXPECT(si.output.validity[FOS_AX] & FOS_VALIDITY_SATURATED && !(si.output.validity[FOS_AY] & FOS_VALIDITY_SATURATED));
+        drop_hub(hub);
+    }
+}
+
+static void update_si_refuses(void)
+{
+    fos_hub *hub = loaded();
+    fos_si_sample sample = {.accel = {0.01f, -0.02f, 9.8f}, .gyro = {0.001f, 0.002f, -0.003f}, .temperature_c = 26.0f};
+    fos_si_output output, before;
+    EXPECT(fos_hub_update_si(hub, &sample, &output) == FOS_STATUS_OK && output.output.tick == 0);
+    before = output;
+    uint64_t spare[20] = {0};
+    uint8_t *odd = (uint8_t *)spare + 1;
+    EXPECT(fos_hub_update_si(NULL, &sample, &output) == FOS_STATUS_NULL);
+    EXPECT(fos_hub_update_si(hub, NULL, &output) == FOS_STATUS_NULL);
+    EXPECT(fos_hub_update_si(hub, &sample, NULL) == FOS_STATUS_NULL);
+    EXPECT(fos_hub_update_si((fos_hub *)odd, &sample, &output) == FOS_STATUS_MISALIGNED);
+    EXPECT(fos_hub_update_si(hub, (fos_si_sample *)(void *)odd, &output) == FOS_STATUS_MISALIGNED);
+    EXPECT(fos_hub_update_si(hub, &sample, (fos_si_output *)(void *)odd) == FOS_STATUS_MISALIGNED);
+    EXPECT(memcmp(&before, &output, sizeof output) == 0);
+    EXPECT(fos_hub_update_si(hub, &sample, &output) == FOS_STATUS_OK && output.output.tick == 1);
+
+    /* the sample may lie where the output goes */
+    union {
+        fos_si_sample sample;
+        fos_si_output output;
+    } one;
+    one.sample = sample;
+    EXPECT(fos_hub_update_si(hub, &one.sample, &one.output) == FOS_STATUS_OK && one.output.output.tick == 2);
+    EXPECT(one.output.output.measured[FOS_AZ] == 9.8f);
+
+    fos_si_sample *last_sample = (fos_si_sample *)(void *)before_guard(sizeof sample);
+    fos_si_output *last_output = (fos_si_output *)(void *)before_guard(sizeof output);
+    for (uint32_t n = 0; n < 200000; n++) {
+        *last_sample = sample;
+        float *values[] = {last_sample->accel, last_sample->gyro, &last_sample->temperature_c};
+        for (int axis = 0; axis < 7; axis++) {
+            float *value = &values[axis / 3][axis % 3], bits;
+            uint32_t random = random_bits();
+            memcpy(&bits, &random, sizeof bits);
+            random = random_bits();
+            *value = random % 16 == 0 ? ODD[random / 16 % N_ODD] : random % 16 == 1 ? bits : *value + (float)(random % 97) * 1e-5f;
+        }
+        last_sample->skipped = n % 8 == 0 ? random_bits() : 0;
+        last_sample->faults = n % 16 == 0 ? (uint16_t)random_bits() : 0;
+        EXPECT(fos_hub_update_si(hub, last_sample, last_output) == FOS_STATUS_OK);
+        for (int axis = 0; axis < FOS_AXES; axis++) {
+            EXPECT(isfinite(last_output->output.corrected[axis]) && isfinite(last_output->predicted[axis]));
+            EXPECT(!isinf(last_output->output.innovation[axis]));
+            if (!isfinite(last_output->output.measured[axis]))
+                EXPECT(last_output->output.validity[axis] & (FOS_VALIDITY_NOT_FINITE | FOS_VALIDITY_SATURATED));
+        }
+        EXPECT(!isinf(last_output->output.temperature_c));
+    }
+    drop((uint8_t *)last_sample, sizeof sample);
     drop((uint8_t *)last_output, sizeof output);
     drop_hub(hub);
 }
@@ -498,6 +518,8 @@ int main(int argc, char **argv)
     init_refuses();
     load_refuses();
     update_refuses();
+    scales_of_full_scale_refuses();
+    update_si_refuses();
     the_rest_refuses();
     telemetry_refuses();
     hubs_do_not_know_of_each_other();

@@ -1,8 +1,9 @@
 //! A gyro whose bias follows its temperature: the hub takes the bias out, at rest and in a turn.
 //!
 //! ```text
-//! cargo run -p fos-embedded --example hub                                   # here
-//! cargo run -p fos-embedded --example hub --target thumbv7em-none-eabihf   # on an emulated Cortex-M4F, the same bits
+//! cargo run -p fos-embedded --example hub                                         # here
+//! cargo run -p fos-embedded --example hub --target thumbv7em-none-eabihf          # on an emulated Cortex-M4F, the same bits
+//! cargo run -p fos-embedded --example hub --target riscv32imafc-unknown-none-elf  # and on RISC-V
 //! ```
 //!
 //! The model is compiled in; `host-fit export --rust` writes such a one of what it has fitted. One that comes as an

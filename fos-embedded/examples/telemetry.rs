@@ -11,7 +11,7 @@ use fos_core::{FittedOn, Info};
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::telemetry::{
-    AlarmRecorder, HUB_AXES, Recorder, SampleFrame, StartFrame, TelemetryError, VERSION,
+    AlarmRecorder, HUB_AXES, Recorder, Snapshot, StartFrame, TelemetryError, VERSION,
 };
 
 /// The line, here standard output; on a board a UART or USB of its HAL.
@@ -50,7 +50,7 @@ fn main() -> Result<(), TelemetryError<ErrorKind>> {
     let mut recorder: Recorder<_, 320> = Recorder::new(Line);
     for n in 0..1000 {
         let output = *hub.update(&raw(n));
-        recorder.sample(&start, SampleFrame::new(&output, &hub.logged()))?;
+        recorder.sample(&start, Snapshot::<1>::new(&output, &hub.logged()).frame())?;
     }
 
     // 1 s before an alarm and 2 s after it, for a line or a battery that cannot take everything

@@ -18,11 +18,14 @@
  *
  * - Memory is the caller's. Nothing is allocated and nothing is kept of what is passed but the memory of the hub
  *   itself. A pointer leads to one object of its type, or to as many bytes as the length beside it says; these do not
- *   overlap the hub. A `fos_hub *` is one that fos_hub_init() gave out. That much cannot be checked here.
+ *   overlap the hub. A `fos_hub *` is one that fos_hub_init() gave out. That much cannot be checked here. The same holds
+ *   of streams and fos_streams_init(), of a store and fos_store_init().
  * - Checked is: NULL, alignment, lengths that no memory can have, numbers that stand for nothing. What is refused has a
- *   status, and nothing was done but what the function says. No function panics or aborts, and none waits.
- * - Threads: a hub is in one call at a time; calls from an interrupt and a task need a lock of the caller's. Different
- *   hubs do not know of each other: there is no global state. Functions without a hub can be called at any time.
+ *   status, and nothing was done but what the function says. No function panics or aborts: the linker shows it of all but
+ *   the store's, tests with damaged flash of those. None waits but for the functions of a flash.
+ * - Threads: a hub (or streams, or a store) is in one call at a time; calls from an interrupt and a task need a lock of
+ *   the caller's. Different hubs do not know of each other: there is no global state. Functions without a hub can be
+ *   called at any time.
  * - Units are in the comment of every number: SI, but degrees Celsius. An interrupt that calls fos_hub_update() must
  *   save the registers of the floating-point unit, if there is one.
  *
@@ -35,9 +38,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Version of this interface: raised when a program that was compiled with the header before would no longer run
-// rightly. fos_api_version() is that of the library.
-#define FOS_API_VERSION 1
+// Version of this interface: raised with what is added. What a header before declares stays as it is, so that a program
+// compiled with it links and runs unchanged: with a library whose fos_api_version() is this or more.
+#define FOS_API_VERSION 2
 
 // Axes of a sensor, at these places of every array of six: accelerometer x, y, z, then gyro x, y, z.
 #define FOS_AXES 6
@@ -119,7 +122,7 @@
 // none.
 #define FOS_FAULT_GAP 4
 
-// Fault: the sensor had been reset, or was set up anew.
+// Fault: the sensor had been reset, was set up anew, or the clock of its stamps was set back.
 #define FOS_FAULT_RESET 8
 
 // Fault: the sensor does not say that it is the part it should be.
@@ -158,6 +161,25 @@
 
 // Bytes that every frame of telemetry fits.
 #define FOS_TELEMETRY_BYTES 512
+
+// Samples of gyros and of accelerometers that are queued: a batch must go in.
+#define FOS_STREAMS_DEPTH 64
+
+// Bytes that are enough for streams on every target: for memory that is reserved when compiling.
+#define FOS_STREAMS_BYTES 3584
+
+// An alignment that is enough for streams on every target, in bytes.
+#define FOS_STREAMS_ALIGN 8
+
+// The longest image that a store of six pages and more takes, bytes: it fits a page with what the store puts before it. A
+// store of four or five pages takes half a page, 2027 bytes.
+#define FOS_STORE_IMAGE_BYTES 4067
+
+// Bytes that are enough for a store on every target: for memory that is reserved when compiling.
+#define FOS_STORE_BYTES 4224
+
+// An alignment that is enough for a store on every target, in bytes.
+#define FOS_STORE_ALIGN 8
 
 // What a call came to. Every function says which of these it returns, and what that means for it.
 enum fos_status
@@ -202,6 +224,14 @@ enum fos_status
     FOS_STATUS_OTHER_AXIS = 16,
     // Loading: a quantity of the model is measured by an axis that is none of the sensor's six.
     FOS_STATUS_OTHER_QUANTITY = 17,
+    // Streams: a stamp that does not increase, or a value that is not finite.
+    FOS_STATUS_NOT_TAKEN = 18,
+    // Store: a function of the flash failed, or what is there is beyond repair.
+    FOS_STATUS_FLASH = 19,
+    // Store: it was written and did not read back: worn flash.
+    FOS_STATUS_NOT_KEPT = 20,
+    // Store: there is no valid image.
+    FOS_STATUS_NO_MODEL = 21,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -214,6 +244,24 @@ typedef int32_t fos_status;
 // One sensor of six axes and its model. It lives in memory of the caller's, from fos_hub_init() until the caller uses
 // that memory for something else; there is nothing to free. It must not be copied or moved.
 typedef struct fos_hub fos_hub;
+
+// Model images in flash: two slots, the newest valid one wins. A save goes into the slot that is not in use and is read
+// back; whatever happens to the power meanwhile, the image before or the new one is there, and after it the one before
+// can still be returned to. It lives in memory of the caller's, as a hub does; what is in the flash stays there.
+typedef struct fos_store fos_store;
+
+// Gyros, accelerometers and a thermometer, each with stamps of its own, as samples of one sensor for
+// fos_hub_update_si(). It lives in memory of the caller's, as a hub does.
+//
+// The gyros lead: every sample of theirs is one for the hub. The accelerometers are interpolated between their two
+// neighbours, and missing where a sample is lost; the temperature is the newest that is not of later, and missing where
+// it is older than three of its periods. What is missing is NaN, which the hub says. `skipped` is what the stamps say;
+// a sample that came faster than the period, because another client asked for a faster rate, is passed over and
+// counted. Streams may come in any order between them and in any batches; the samples are the same. Where a clock is set
+// back, which is certain after 8 samples, the sample says FOS_FAULT_RESET and has the 7 before as skipped.
+//
+// Stamps are ns of one clock, whatever it is; an offset between clocks is the caller's to add.
+typedef struct fos_streams fos_streams;
 
 // What the codes of a sensor mean, as it is set up.
 typedef struct fos_scales {
@@ -247,12 +295,13 @@ typedef struct fos_raw_sample {
     uint8_t has_temperature;
 } fos_raw_sample;
 
-// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is
-// NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
+// One corrected sample. Every number in it is finite but what is not known: an innovation, a temperature, and what was
+// measured where the source gave no number. That is NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of
+// six are in the order FOS_AX to FOS_GZ.
 typedef struct fos_output {
     // Sample periods since the hub took its scales; wraps.
     uint32_t tick;
-    // As the sensor gave it, m/s^2, rad/s.
+    // As the sensor gave it, m/s^2, rad/s; of fos_hub_update_si() NaN or infinite where the sample was.
     float measured[6];
     // With the predicted error taken out, m/s^2, rad/s.
     float corrected[6];
@@ -270,11 +319,91 @@ typedef struct fos_output {
     uint8_t drift;
 } fos_output;
 
+// The same in SI units: of a source that gives values, or codes of more than 16 bits. A value that is NaN or infinite is
+// missing: the output says so.
+typedef struct fos_si_sample {
+    // Sample periods without a sample before this one.
+    uint32_t skipped;
+    // Specific force x, y, z, m/s^2.
+    float accel[3];
+    // Rate x, y, z, rad/s.
+    float gyro[3];
+    // Temperature of the sensor, degrees Celsius; NaN where it is not known.
+    float temperature_c;
+    // FOS_FAULT_... since the sample before; other bits are ignored.
+    uint16_t faults;
+} fos_si_sample;
+
+// One corrected sample, and what was taken out of it.
+typedef struct fos_si_output {
+    // As of fos_hub_update().
+    struct fos_output output;
+    // The error that was predicted, offset included, m/s^2, rad/s: the bias that a phone's framework asks for. 0 on an
+    // axis that the model does not have.
+    float predicted[6];
+} fos_si_output;
+
 // A quantity that the application gives: one of the numbers that follow.
 typedef uint8_t fos_quantity;
 
 // Whether the unit is still: one of FOS_MOTION_DETECT, FOS_MOTION_MOVING, FOS_MOTION_STILL.
 typedef uint8_t fos_motion;
+
+// Nominal periods, ns.
+typedef struct fos_stream_periods {
+    // Of the gyros: that of the hub's scales. Not 0.
+    uint64_t gyro_ns;
+    // Of the accelerometers. Not 0.
+    uint64_t accel_ns;
+    // Of the thermometer; 0 if there is none.
+    uint64_t temperature_ns;
+} fos_stream_periods;
+
+// What did not go into a sample as it came; each stays at its highest value.
+typedef struct fos_stream_count {
+    // Stamps that did not increase.
+    uint32_t refused;
+    // Samples with a value that is not finite.
+    uint32_t not_finite;
+    // Samples that a full queue lost, or a clock that was set back.
+    uint32_t dropped;
+    // Times that the clock was set back.
+    uint32_t set_back;
+    // Samples given, or passed over, without a value of this stream; of the gyros see `not_finite`.
+    uint32_t missing;
+} fos_stream_count;
+
+// The same of all streams.
+typedef struct fos_stream_counts {
+    // Of the gyros.
+    struct fos_stream_count gyro;
+    // Of the accelerometers.
+    struct fos_stream_count accel;
+    // Of the thermometer.
+    struct fos_stream_count temperature;
+    // Samples of the gyros that came faster than their period.
+    uint32_t passed_over;
+} fos_stream_counts;
+
+// Flash for a store: a range of it, and the product's functions that reach it. They return 0 when all is done, and
+// anything else when it is not; they do not call the store. `context` is handed to them as it is.
+typedef struct fos_flash {
+    // For the functions that follow; may be NULL.
+    void *context;
+    // Reads `length` bytes at `address`, both multiples of 8.
+    int32_t (*read)(void *context, uint32_t address, uint8_t *bytes, size_t length);
+    // Writes `length` bytes at `address`, both multiples of 8, once after every erase; not into words of 16 bytes and
+    // more: such parts are not supported.
+    int32_t (*write)(void *context, uint32_t address, const uint8_t *bytes, size_t length);
+    // Has `length` bytes at `address` read 0xff: 4096 of them, or one sector where sectors are larger.
+    int32_t (*erase)(void *context, uint32_t address, uint32_t length);
+    // Where the range begins: a sector.
+    uint32_t address;
+    // Bytes of the range: whole pages, at least four, for images of more than 2027 bytes six. A page is 4096 bytes, or one sector where sectors are larger.
+    uint32_t capacity;
+    // Bytes of a sector, which is erased at once: divides 4096, or is a larger multiple of 8.
+    uint32_t erase_size;
+} fos_flash;
 
 // The hub finds out, by the limits in the model; a model without limits takes the unit to move always.
 #define FOS_MOTION_DETECT 0
@@ -326,6 +455,20 @@ size_t fos_hub_size(void);
 // Alignment that a hub takes, in bytes, at most FOS_HUB_ALIGN.
 size_t fos_hub_align(void);
 
+// The scales of a source that gives values, for fos_hub_init(): the accelerometers are at full scale at `accel_mps2`,
+// m/s^2, the gyros at `gyro_rads`, rad/s, where there is none at FLT_MAX; one sample every `period_s` seconds. `values` is
+// FOS_VALUES_RAW or FOS_VALUES_FACTORY_CORRECTED.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `out`.
+// - FOS_STATUS_ARGUMENT: a full scale or the period is not finite, 0 or negative, or too small to be divided into 32767
+//   codes, or `values` stands for nothing. `*out` is as before.
+fos_status fos_scales_of_full_scale(float accel_mps2,
+                                    float gyro_rads,
+                                    double period_s,
+                                    uint8_t values,
+                                    struct fos_scales *out);
+
 // Makes a hub without a model, for a sensor with these scales, in `memory` of `size` bytes; what was there before
 // does not matter. `*out` is then the hub, at the start of `memory`. `scales` is copied.
 //
@@ -355,6 +498,18 @@ fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `raw` or `output`. The sample counts as not given, `*output` is as
 //   before.
 fos_status fos_hub_update(struct fos_hub *hub, const struct fos_raw_sample *raw, struct fos_output *output);
+
+// As fos_hub_update(), of a sample in SI units; full scale, period and what the values are stay those of the hub's
+// scales: fos_scales_of_full_scale(). A hub may be given both in turn. `*sample` is read before `*output` is written.
+//
+// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
+//   output. An axis without a number says FOS_VALIDITY_NOT_FINITE, a model that uses a temperature without one
+//   FOS_VALIDITY_INPUT_NOT_FINITE.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `sample` or `output`. The sample counts as not given, `*output` is as
+//   before.
+fos_status fos_hub_update_si(struct fos_hub *hub,
+                             const struct fos_si_sample *sample,
+                             struct fos_si_output *output);
 
 // What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature
 // and the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or
@@ -445,6 +600,145 @@ fos_status fos_telemetry_start(const struct fos_hub *hub,
 // After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
 // `buffer` is not to be sent.
 fos_status fos_telemetry_sample(const struct fos_hub *hub, uint8_t *buffer, size_t capacity, size_t *used);
+
+// Bytes that streams take, at most FOS_STREAMS_BYTES.
+size_t fos_streams_size(void);
+
+// Alignment that streams take, in bytes, at most FOS_STREAMS_ALIGN.
+size_t fos_streams_align(void);
+
+// Makes streams without a sample in `memory` of `size` bytes; what was there before does not matter. `*out` is then at
+// the start of `memory`. `periods` is copied.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `periods` or `out`.
+// - FOS_STATUS_NO_ROOM: `size` is less than fos_streams_size().
+// - FOS_STATUS_ARGUMENT: a period is more than INT64_MAX, one that must not be 0 is, or no memory at `memory` can have
+//   `size` bytes.
+//
+// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+fos_status fos_streams_init(void *memory,
+                            size_t size,
+                            const struct fos_stream_periods *periods,
+                            struct fos_streams **out);
+
+// Other periods, from the next sample on: what a stream was asked for has changed. `gyro_ns` is to stay the period of the
+// hub's scales. `periods` is copied.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `periods`.
+// - FOS_STATUS_ARGUMENT: as of fos_streams_init(); the periods are as before.
+fos_status fos_streams_set_periods(struct fos_streams *streams,
+                                   const struct fos_stream_periods *periods);
+
+// Takes a sample of the gyros: rate x, y, z, rad/s. Call fos_streams_next() after it until there is nothing more: a full
+// queue loses its oldest sample.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, and nothing was done; or a value is not finite, and the sample is
+//   there without gyros. fos_streams_counts() says which.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+fos_status fos_streams_gyro(struct fos_streams *streams,
+                            int64_t stamp_ns,
+                            const float *value);
+
+// Takes a sample of the accelerometers: specific force x, y, z, m/s^2.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or a value is not finite.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+fos_status fos_streams_accel(struct fos_streams *streams, int64_t stamp_ns, const float *value);
+
+// Takes a temperature of the sensor, degrees Celsius; before the samples of the gyros that it is for.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or it is not finite.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`.
+fos_status fos_streams_temperature(struct fos_streams *streams, int64_t stamp_ns, float celsius);
+
+// The next sample for fos_hub_update_si(), and its stamp, that of the gyros; as soon as nothing that may still come can
+// change it, or the queue of the gyros is full.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NOT_KNOWN: there is nothing more yet; `*sample` and `*stamp_ns` are as before.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
+fos_status fos_streams_next(struct fos_streams *streams, struct fos_si_sample *sample, int64_t *stamp_ns);
+
+// As fos_streams_next(), with what there is, without waiting for the accelerometers: for the end, or before a long sleep.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NOT_KNOWN: there is nothing more; `*sample` and `*stamp_ns` are as before.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
+fos_status fos_streams_flush(struct fos_streams *streams,
+                             struct fos_si_sample *sample,
+                             int64_t *stamp_ns);
+
+// What was refused, missing, lost or passed over since fos_streams_init().
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `counts`.
+fos_status fos_streams_counts(const struct fos_streams *streams, struct fos_stream_counts *counts);
+
+// Bytes that a store takes, at most FOS_STORE_BYTES.
+size_t fos_store_size(void);
+
+// Alignment that a store takes, in bytes, at most FOS_STORE_ALIGN.
+size_t fos_store_align(void);
+
+// Makes a store in `memory` of `size` bytes, over the images that are in the flash, which is not yet looked at. `*out` is
+// then at the start of `memory`. `flash` is copied.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `flash` or `out`; NULL: one of the functions in `flash` too.
+// - FOS_STATUS_NO_ROOM: `size` is less than fos_store_size().
+// - FOS_STATUS_ARGUMENT: the range is not whole pages from the start of a sector, fewer than four or beyond the
+//   addresses; a sector neither divides 4096 nor is a larger multiple of 8; or no memory at `memory` can have `size`
+//   bytes.
+//
+// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+fos_status fos_store_init(void *memory,
+                          size_t size,
+                          const struct fos_flash *flash,
+                          struct fos_store **out);
+
+// Stores an image of exactly `length` bytes; from then on it is the newest. It takes the time of some writes, and now and
+// then of an erase. `image` does not overlap the store.
+//
+// - FOS_STATUS_OK: it is in the flash and was read back.
+// - FOS_STATUS_NULL: `store` or `image`. FOS_STATUS_MISALIGNED: `store`. FOS_STATUS_ARGUMENT: no memory at `image` can
+//   have `length` bytes.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: it is no image, as for fos_hub_load(). Nothing was written.
+// - FOS_STATUS_NO_ROOM: it is longer than FOS_STORE_IMAGE_BYTES, or half a page where that is all. Nothing was written.
+// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the image before is still the newest; it may be tried again.
+fos_status fos_store_save(struct fos_store *store,
+                          const uint8_t *image,
+                          size_t length);
+
+// Copies the newest valid image into `buffer`: `*used` bytes, for fos_hub_load().
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NO_MODEL: there is none. What is damaged, or of a version that this library does not run, is none.
+// - FOS_STATUS_NO_ROOM: it is longer than `capacity`; FOS_STORE_IMAGE_BYTES are always enough.
+// - FOS_STATUS_FLASH
+// - FOS_STATUS_NULL: `store`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `store` or `used`. FOS_STATUS_ARGUMENT: no memory
+//   at `buffer` can have `capacity` bytes.
+//
+// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+fos_status fos_store_load(struct fos_store *store,
+                          uint8_t *buffer,
+                          size_t capacity,
+                          size_t *used);
+
+// As fos_store_load(), of the image before the newest: what to return to if an update proves wrong. To stay with it, save
+// it: it is then the newest.
+//
+// - FOS_STATUS_OK
+// - FOS_STATUS_NO_MODEL: there is none, or it is damaged.
+// - All others as of fos_store_load().
+fos_status fos_store_load_previous(struct fos_store *store,
+                                   uint8_t *buffer,
+                                   size_t capacity,
+                                   size_t *used);
 
 #ifdef __cplusplus
 }  // extern "C"

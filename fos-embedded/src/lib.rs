@@ -6,6 +6,7 @@
 //!   behind the features `bmi323` and `lsm6dsv16x`.
 //! - [`hub`]: six axes over shared inputs: what an application calls.
 //! - [`raw`]: raw codes of a sensor, and what they mean.
+//! - [`streams`]: samples of gyros, accelerometers and a thermometer that have stamps of their own, as of a phone.
 //! - `store`: model images in flash, two slots, the newest valid one wins; behind the feature `store`.
 //! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
 //! - [`blocking`]: blocking buses, delays and flash under all of this.
@@ -30,6 +31,7 @@ pub mod raw;
 pub mod sample_source;
 #[cfg(feature = "store")]
 pub mod store;
+pub mod streams;
 mod stuffing;
 pub mod telemetry;
 #[cfg(feature = "test-log")]

@@ -17,7 +17,7 @@ bitflags! {
         /// Samples are missing: [`RawSample::skipped`] says how many. The hub sets it itself where that is more than
         /// none.
         const GAP = 1 << 2;
-        /// The sensor had been reset, or was set up anew.
+        /// The sensor had been reset, was set up anew, or the clock of its stamps was set back.
         const RESET = 1 << 3;
         /// It does not say that it is the part it should be.
         const WRONG_PART = 1 << 4;
@@ -68,6 +68,23 @@ pub struct RawSample {
     pub faults: Faults,
 }
 
+/// The same in SI units: of a source that gives values, or codes of more than 16 bits. What it does not know, or gives as
+/// NaN or infinite, is missing: the output says so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SiSample {
+    /// Ticks without a sample before this one.
+    pub skipped: u32,
+    /// Specific force, m/s².
+    pub accel: [f32; 3],
+    /// Rate, rad/s.
+    pub gyro: [f32; 3],
+    /// Temperature of the sensor, °C; NaN where it is not known.
+    pub temperature_c: f32,
+    /// What went wrong since the sample before.
+    pub faults: Faults,
+}
+
 /// What the codes of a sensor mean, as it is set up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -87,6 +104,19 @@ pub struct Scales {
 }
 
 impl Scales {
+    /// Of a source that gives values: where its axes are at full scale (accelerometers m/s², gyros rad/s), its sample
+    /// period in seconds, and what its values are. What is not known to have a full scale has `f32::MAX`.
+    pub fn of_full_scale(accel_mps2: f32, gyro_rads: f32, period_s: f64, values: FittedOn) -> Self {
+        Self {
+            accel_mps2: code_of_full_scale(accel_mps2),
+            gyro_rads: code_of_full_scale(gyro_rads),
+            temperature_k: 0.0,
+            temperature_zero_c: 0.0,
+            period_s,
+            values,
+        }
+    }
+
     /// Specific force x, y, z in m/s², then rate x, y, z in rad/s.
     #[inline]
     pub fn measured(&self, raw: &RawSample) -> [f32; 6] {
@@ -115,5 +145,29 @@ impl Scales {
     pub fn temperature_c(&self, raw: &RawSample) -> f32 {
         raw.temperature
             .map_or(f32::NAN, |code| f32::from(code) * self.temperature_k + self.temperature_zero_c)
+    }
+}
+
+/// What a code stands for if the largest stands for `full_scale`; rounded down, so that a value at full scale is there.
+fn code_of_full_scale(full_scale: f32) -> f32 {
+    let code = full_scale / FULL_SCALE;
+    if code * FULL_SCALE > full_scale { code.next_down() } else { code }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_at_full_scale_is_at_full_scale() {
+        for full_scale in [39.226_6, 78.453_2, 156.906_4, 4.363_323, 34.906_585, 1.0, f32::MAX, 1e-30] {
+            let scales = Scales::of_full_scale(full_scale, full_scale, 0.005, FittedOn::Raw);
+            for found in scales.full_scale() {
+                assert!(
+                    found <= full_scale && f64::from(found) > f64::from(full_scale) * (1.0 - 3e-7),
+                    "{full_scale} {found}"
+                );
+            }
+        }
     }
 }

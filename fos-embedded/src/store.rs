@@ -21,7 +21,7 @@ use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use fos_core::{Image, ImageError};
 use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
+use sequential_storage::map::{MapConfig, MapStorage, SerializationError, Value};
 
 /// Bytes before the image in a slot: its number, counted up with every update.
 const NUMBER: usize = 4;
@@ -37,7 +37,7 @@ pub enum StoreError<E> {
     Range,
     /// It is no image that this version of fos runs.
     Image(ImageError),
-    /// It does not fit: the buffer takes so many bytes.
+    /// It does not fit: so many bytes do, into the buffer and the flash.
     TooLong(usize),
     /// It was written and did not read back: worn flash.
     NotKept,
@@ -52,7 +52,8 @@ impl<E> From<sequential_storage::Error<E>> for StoreError<E> {
 }
 
 /// Model images in a range of flash. `BYTES` is the length of its buffer: that of the longest image and 8 bytes,
-/// rounded up to the word of the flash.
+/// rounded up to the word of the flash. An image fits a page, or half of one if a slot has two pages alone: when the first is
+/// full, the image in it moves to the second, and the new one goes behind it.
 pub struct ModelStore<F: NorFlash, const BYTES: usize> {
     flash: F,
     slots: [Range<u32>; 2],
@@ -62,6 +63,30 @@ pub struct ModelStore<F: NorFlash, const BYTES: usize> {
 /// Some flash controllers read and write aligned words only.
 #[repr(align(4))]
 struct Buffer<const BYTES: usize>([u8; BYTES]);
+
+/// What is stored in a slot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Record<'a> {
+    number: [u8; NUMBER],
+    image: &'a [u8],
+}
+
+impl<'a> Value<'a> for Record<'a> {
+    fn serialize_into(&self, buffer: &mut [u8]) -> Result<usize, SerializationError> {
+        let length = NUMBER + self.image.len();
+        let places = buffer.get_mut(..length).and_then(|buffer| buffer.split_first_chunk_mut::<NUMBER>());
+        let (number, image) = places.ok_or(SerializationError::BufferTooSmall)?;
+        *number = self.number;
+        image.copy_from_slice(self.image);
+        Ok(length)
+    }
+
+    fn deserialize_from(buffer: &'a [u8]) -> Result<(Self, usize), SerializationError> {
+        let (number, image) =
+            buffer.split_first_chunk::<NUMBER>().ok_or(SerializationError::InvalidFormat)?;
+        Ok((Self { number: *number, image }, buffer.len()))
+    }
+}
 
 /// What a slot holds: the number and length of its image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,32 +113,37 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         Ok(Self { flash, slots, buffer: Buffer([0; BYTES]) })
     }
 
-    /// Stores an image; from then on it is the newest. It is read back before the other one gives way.
+    /// Stores an image; from then on it is the newest. It is read back before the other one gives way. A slot with something
+    /// else in it is erased first.
     ///
     /// # Errors
     ///
     /// It is no valid image, it is too long, or the flash does not keep it. The newest image is then what it was.
     pub async fn store(&mut self, image: &[u8]) -> Result<(), StoreError<F::Error>> {
         Image::parse(image).map_err(StoreError::Image)?;
-        let mut record = Buffer([0; BYTES]);
         let length = NUMBER + image.len();
-        let too_long = StoreError::TooLong(BYTES.saturating_sub(NUMBER + 1));
-        // the map puts the key in front
-        if length + 1 > BYTES {
-            return Err(too_long);
+        let longest = self.longest();
+        if image.len() > longest {
+            return Err(StoreError::TooLong(longest));
         }
         let newest = self.newest().await?;
         let number = newest.map_or(0, |held| held.number.wrapping_add(1));
         let slot = newest.map_or(0, |held| 1 - held.slot);
-        let (head, body) = record.0.split_at_mut(NUMBER);
-        head.copy_from_slice(&number.to_le_bytes());
-        body[..image.len()].copy_from_slice(image);
-        let record: &[u8] = &record.0[..length];
+        let record = Record { number: number.to_le_bytes(), image };
         // a worn page may not keep it: so often that the page is full and the next one is taken
         for _ in 0..F::ERASE_SIZE / length + 2 {
             let (mut map, buffer) = self.map(slot)?;
-            map.store_item(buffer, &KEY, &record).await?;
-            let kept: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
+            match map.store_item(buffer, &KEY, &record).await {
+                Ok(()) => {}
+                Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
+                // something else was there before, and the slot is not the one in use
+                Err(_) => {
+                    warn!("slot {=usize}: erased, beyond repair", slot);
+                    map.erase_all().await?;
+                    map.store_item(buffer, &KEY, &record).await?;
+                }
+            }
+            let kept: Option<Record<'_>> = map.fetch_item(buffer, &KEY).await?;
             if kept == Some(record) {
                 info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
                 return Ok(());
@@ -151,6 +181,18 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         self.flash
     }
 
+    /// Bytes of the longest image that the buffer and a slot take.
+    fn longest(&self) -> usize {
+        let word = F::WRITE_SIZE.max(F::READ_SIZE);
+        // a word before and behind what a page holds says how full it is
+        let page = F::ERASE_SIZE.saturating_sub(2 * word);
+        let pages = self.slots[0].len() / F::ERASE_SIZE;
+        let place = if pages < 3 { page / 2 / word * word } else { page };
+        let item = place.saturating_sub(Map::<F>::item_overhead_size() as usize).min(BYTES);
+        // the map puts the key in front
+        item.saturating_sub(NUMBER + 1)
+    }
+
     /// The map of a slot, and the buffer that it works in.
     fn map(&mut self, slot: usize) -> Result<Opened<'_, F>, StoreError<F::Error>> {
         let config = MapConfig::try_new(self.slots[slot].clone()).map_err(|_| StoreError::Range)?;
@@ -170,7 +212,7 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
     /// What a slot holds, if it is a valid image. One that is damaged beyond repair holds nothing.
     async fn held(&mut self, slot: usize) -> Result<Option<Held>, StoreError<F::Error>> {
         let (mut map, buffer) = self.map(slot)?;
-        let record: Option<&[u8]> = match map.fetch_item(buffer, &KEY).await {
+        let record: Option<Record<'_>> = match map.fetch_item(buffer, &KEY).await {
             Ok(record) => record,
             Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
             Err(_) => {
@@ -179,19 +221,19 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
             }
         };
         Ok(record.and_then(|record| {
-            let (number, image) = record.split_first_chunk::<NUMBER>()?;
+            let Record { number, image } = record;
             if let Err(error) = Image::parse(image) {
                 warn!("slot {=usize}: passed over, {}", slot, error);
                 return None;
             }
-            Some(Held { slot, number: u32::from_le_bytes(*number), length: image.len() })
+            Some(Held { slot, number: u32::from_le_bytes(number), length: image.len() })
         }))
     }
 
     async fn image_of(&mut self, held: Held) -> Result<Option<&[u8]>, StoreError<F::Error>> {
         let (mut map, buffer) = self.map(held.slot)?;
-        let record: Option<&[u8]> = map.fetch_item(buffer, &KEY).await?;
-        Ok(record.and_then(|record| record.get(NUMBER..NUMBER + held.length)))
+        let record: Option<Record<'_>> = map.fetch_item(buffer, &KEY).await?;
+        Ok(record.and_then(|record| record.image.get(..held.length)))
     }
 }
 

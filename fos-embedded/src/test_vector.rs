@@ -109,11 +109,11 @@ impl TestSample {
 impl Expected {
     /// Of an output; none if there is no such channel.
     pub fn of(output: &Output, channel: u8) -> Option<Self> {
-        let channel = usize::from(channel);
+        let axis = output.corrections.get(usize::from(channel))?;
         Some(Self {
-            corrected: output.corrected.get(channel)?.to_bits(),
-            innovation: output.innovation.get(channel)?.to_bits(),
-            validity: output.validity.get(channel)?.bits(),
+            corrected: axis.corrected.to_bits(),
+            innovation: axis.innovation.unwrap_or(f32::NAN).to_bits(),
+            validity: axis.validity.bits(),
         })
     }
 }

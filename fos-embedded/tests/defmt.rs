@@ -9,20 +9,24 @@ use std::path::Path;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::i2c::Mock;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use fos_core::align::{self, Aligner, Held, Interpolated, Joined};
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Factor, FittedOn, Image, ImageError, Info,
-    InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate, Predictor, Quantity, Range, Sample,
-    Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
+    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Evaluator, Factor, FittedOn, Image,
+    ImageError, Info, InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate, Predictor, Quantity,
+    Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
 };
 use fos_embedded::blocking::Blocking;
 use fos_embedded::c_api;
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
-use fos_embedded::raw::{Faults, RawSample, Scales};
+use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use fos_embedded::sample_source::{
     self, Address, Batch, Bmi323, Counts, Lsm6dsv16x, SampleSource, SensorClock, SourceError,
 };
 use fos_embedded::store::{ModelStore, StoreError};
-use fos_embedded::telemetry::{self, AlarmRecorder, Recorder, SampleFrame, StartFrame, TelemetryError};
+use fos_embedded::streams::{Periods, StampedSample, StreamCounts, Streams};
+use fos_embedded::telemetry::{
+    self, AlarmRecorder, Recorder, SampleFrame, Snapshot, StartFrame, TelemetryError,
+};
 use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
     TestLogError,
@@ -73,7 +77,16 @@ fn named<T: defmt::Format>(file: &str) -> String {
 /// All of them.
 fn loggable() -> BTreeSet<String> {
     let types = [
+        named::<align::Counts>("fos-core/align/counts.rs"),
+        named::<align::Refused>("fos-core/align/counts.rs"),
+        named::<Interpolated<f32>>("fos-core/align/follower.rs"),
+        named::<Aligner<f32, 1, 1, 32>>("fos-core/align/mod.rs"),
+        named::<Joined<f32, 1, 1>>("fos-core/align/mod.rs"),
+        named::<align::Stream>("fos-core/align/mod.rs"),
+        named::<Held<f32>>("fos-core/align/slow.rs"),
         named::<Correction<f32>>("fos-core/axis.rs"),
+        named::<Evaluator<f32, 6, 8, 64, 128>>("fos-core/evaluator/mod.rs"),
+        named::<Sample<'_, f32>>("fos-core/evaluator/mod.rs"),
         named::<image::AxisImage<'_>>("fos-core/image/read.rs"),
         named::<Image<'_>>("fos-core/image/read.rs"),
         named::<image::Terms<'_>>("fos-core/image/read.rs"),
@@ -93,7 +106,6 @@ fn loggable() -> BTreeSet<String> {
         named::<Monitor<f32>>("fos-core/monitor.rs"),
         named::<PoseGate<f32>>("fos-core/pose.rs"),
         named::<Predictor<f32, 6, 8, 64, 128>>("fos-core/predictor.rs"),
-        named::<Sample<'_, f32>>("fos-core/predictor.rs"),
         named::<Range<f32>>("fos-core/range.rs"),
         named::<StillnessDetector<f32>>("fos-core/stillness.rs"),
         named::<StillnessLimits<f32>>("fos-core/stillness.rs"),
@@ -104,11 +116,19 @@ fn loggable() -> BTreeSet<String> {
         named::<Transformer<f32>>("fos-core/transformer.rs"),
         named::<Validity>("fos-core/validity.rs"),
         named::<Blocking<u8>>("fos-embedded/blocking.rs"),
+        named::<c_api::fos_flash>("fos-embedded/c_api/flash.rs"),
+        named::<c_api::fos_store>("fos-embedded/c_api/store.rs"),
         named::<c_api::fos_hub>("fos-embedded/c_api/hub.rs"),
         named::<c_api::fos_status>("fos-embedded/c_api/status.rs"),
+        named::<c_api::fos_stream_count>("fos-embedded/c_api/streams.rs"),
+        named::<c_api::fos_stream_counts>("fos-embedded/c_api/streams.rs"),
+        named::<c_api::fos_stream_periods>("fos-embedded/c_api/streams.rs"),
+        named::<c_api::fos_streams>("fos-embedded/c_api/streams.rs"),
         named::<c_api::fos_output>("fos-embedded/c_api/values.rs"),
         named::<c_api::fos_raw_sample>("fos-embedded/c_api/values.rs"),
         named::<c_api::fos_scales>("fos-embedded/c_api/values.rs"),
+        named::<c_api::fos_si_output>("fos-embedded/c_api/values.rs"),
+        named::<c_api::fos_si_sample>("fos-embedded/c_api/values.rs"),
         named::<HubError>("fos-embedded/hub/error.rs"),
         named::<Hub<8, 64, 128>>("fos-embedded/hub/mod.rs"),
         named::<Motion>("fos-embedded/hub/mod.rs"),
@@ -116,6 +136,7 @@ fn loggable() -> BTreeSet<String> {
         named::<Faults>("fos-embedded/raw.rs"),
         named::<RawSample>("fos-embedded/raw.rs"),
         named::<Scales>("fos-embedded/raw.rs"),
+        named::<SiSample>("fos-embedded/raw.rs"),
         named::<Bmi323<(), ()>>("fos-embedded/sample_source/bmi323.rs"),
         named::<Counts>("fos-embedded/sample_source/counts.rs"),
         named::<SourceError<u8>>("fos-embedded/sample_source/error.rs"),
@@ -127,8 +148,13 @@ fn loggable() -> BTreeSet<String> {
         named::<SensorClock>("fos-embedded/sample_source/timeline.rs"),
         named::<ModelStore<NoFlash, 2048>>("fos-embedded/store.rs"),
         named::<StoreError<u8>>("fos-embedded/store.rs"),
+        named::<Periods>("fos-embedded/streams.rs"),
+        named::<StampedSample>("fos-embedded/streams.rs"),
+        named::<StreamCounts>("fos-embedded/streams.rs"),
+        named::<Streams<64>>("fos-embedded/streams.rs"),
         named::<AlarmRecorder<Vec<u8>, 320, 1, 8>>("fos-embedded/telemetry/alarm.rs"),
         named::<Recorder<Vec<u8>, 320>>("fos-embedded/telemetry/mod.rs"),
+        named::<Snapshot<8>>("fos-embedded/telemetry/snapshot.rs"),
         named::<telemetry::Borrowed<'_>>("fos-embedded/telemetry/mod.rs"),
         named::<SampleFrame<&[f32], &[Validity]>>("fos-embedded/telemetry/mod.rs"),
         named::<StartFrame<&str>>("fos-embedded/telemetry/mod.rs"),

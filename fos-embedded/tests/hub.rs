@@ -7,7 +7,7 @@ use fos_core::{
     Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
-use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use models::{AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters};
 
 fn loaded(made: &Made<'_>) -> TestHub {
@@ -25,9 +25,9 @@ fn still(made: &Made<'_>) -> TestHub {
 
 fn same(output: &Output, corrections: &[Correction<f32>]) {
     for (axis, correction) in corrections.iter().enumerate() {
-        assert_eq!(output.corrected[axis].to_bits(), correction.corrected.to_bits());
-        assert_eq!(output.validity[axis], correction.validity);
-        let innovation = output.innovation[axis];
+        assert_eq!(output.corrected()[axis].to_bits(), correction.corrected.to_bits());
+        assert_eq!(output.validity()[axis], correction.validity);
+        let innovation = output.innovation()[axis];
         assert_eq!((!innovation.is_nan()).then_some(innovation), correction.innovation);
     }
 }
@@ -70,6 +70,106 @@ fn it_says_what_the_predictor_says_bit_for_bit() {
         tracked += u32::from(is_still);
     }
     assert!((8_000..16_000).contains(&tracked) && skips > 5, "{tracked} tracked, {skips} gaps");
+}
+
+/// What the codes mean, as values.
+fn si(raw: &RawSample) -> SiSample {
+    let [ax, ay, az, gx, gy, gz] = SCALES.measured(raw);
+    SiSample {
+        skipped: raw.skipped,
+        accel: [ax, ay, az],
+        gyro: [gx, gy, gz],
+        temperature_c: SCALES.temperature_c(raw),
+        faults: raw.faults,
+    }
+}
+
+/// The bits of all that is a number, so that what is absent equals itself.
+fn bits(output: &Output) -> Vec<u32> {
+    let numbers = [output.measured, output.corrected(), output.innovation()].concat();
+    let numbers = numbers.iter().chain([&output.temperature_c]).map(|value| value.to_bits());
+    let rest = output.validity().into_iter().map(|validity| u32::from(validity.bits()));
+    let flags =
+        u32::from(output.faults.bits()) << 16 | u32::from(output.still) << 1 | u32::from(output.drift);
+    numbers.chain(rest).chain([output.tick, flags]).collect()
+}
+
+#[test]
+fn values_give_the_bits_that_codes_give() {
+    let made = Made { stillness: Some(limits()), ..MADE };
+    let [mut by_codes, mut by_values] = [loaded(&made), loaded(&made)];
+    let mut random = Random(6);
+    for n in 0..5_000_u32 {
+        let mut raw = random.at_rest();
+        raw.skipped = if random.next() > 0.999 { 3 } else { 0 };
+        raw.temperature = raw.temperature.filter(|_| random.next() < 0.98);
+        raw.faults = if n % 700 == 5 { Faults::BUS } else { Faults::empty() };
+        raw.gyro[2] = if n % 900 < 5 { i16::MAX } else { raw.gyro[2] };
+        let codes = bits(by_codes.update(&raw));
+        assert_eq!(codes, bits(by_values.update_si(&si(&raw))), "sample {n}");
+        assert_eq!(
+            by_codes.output().predicted().map(f32::to_bits),
+            by_values.output().predicted().map(f32::to_bits)
+        );
+    }
+}
+
+#[test]
+fn what_is_predicted_is_what_is_taken_out() {
+    let mut hub = still(&MADE);
+    assert_eq!(hub.output().predicted(), [0.0; 6], "before the first sample");
+    let mut random = Random(11);
+    for _ in 0..500 {
+        let output = *hub.update(&random.at_rest());
+        for (axis, predicted) in hub.output().predicted().into_iter().enumerate() {
+            let left = output.measured[axis] - predicted;
+            assert_eq!(left.to_bits(), output.corrected()[axis].to_bits(), "axis {axis}");
+        }
+    }
+}
+
+#[test]
+fn whatever_value_comes_what_comes_out_is_finite_and_says_so() {
+    let wild =
+        [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e20, -0.0, f32::MIN_POSITIVE];
+    let scales = Scales::of_full_scale(f32::MAX, f32::MAX, SCALES.period_s, SCALES.values);
+    let some = Made { axes: &[Axis::Ax, Axis::Ay, Axis::Az, Axis::Gy], ..MADE };
+    for (made, motion) in [(&MADE, Motion::Still), (&MADE, Motion::Moving), (&some, Motion::Still)] {
+        let mut hub = TestHub::new(scales);
+        hub.load(&image(made)).expect("a model for this sensor");
+        hub.set_motion(Some(motion));
+        let mut random = Random(12);
+        for n in 0..20_000_usize {
+            let mut sample = si(&random.at_rest());
+            let mut pick = |value: &mut f32| {
+                let chosen = (wild.len() as f32 * random.next().abs()) as usize;
+                *value = if random.next() > 0.8 { wild[chosen.min(wild.len() - 1)] } else { *value };
+            };
+            sample.accel.iter_mut().chain(&mut sample.gyro).for_each(&mut pick);
+            pick(&mut sample.temperature_c);
+            let given = [sample.accel, sample.gyro].concat();
+            let output = *hub.update_si(&sample);
+            assert!(
+                output.corrected().iter().chain(&hub.output().predicted()).all(|value| value.is_finite()),
+                "sample {n}"
+            );
+            assert!(output.temperature_c.is_finite() || output.temperature_c.is_nan());
+            for (axis, given) in given.into_iter().enumerate() {
+                if !given.is_finite() {
+                    assert!(
+                        output.validity()[axis].contains(Validity::NOT_FINITE),
+                        "sample {n}, axis {axis}"
+                    );
+                }
+            }
+        }
+        for _ in 0..200 {
+            hub.give(Quantity::Supply, 3.3);
+            let _ = hub.update_si(&si(&random.at_rest()));
+        }
+        let recovered = hub.output().validity();
+        assert!(recovered.iter().all(|validity| !validity.contains(Validity::NOT_FINITE)), "{recovered:?}");
+    }
 }
 
 #[test]
@@ -116,7 +216,7 @@ fn a_model_that_is_taken_up_later_finds_the_sensor_as_warm_as_it_is() {
     let mut random = Random(9);
     for _ in 0..2000 {
         let raw = random.at_rest();
-        let [early, late] = [&mut early, &mut late].map(|hub| hub.update(&raw).corrected[3]);
+        let [early, late] = [&mut early, &mut late].map(|hub| hub.update(&raw).corrected()[3]);
         assert!(early != late, "one is without a model");
     }
     late.load_model(&model).expect("a model");
@@ -124,8 +224,8 @@ fn a_model_that_is_taken_up_later_finds_the_sensor_as_warm_as_it_is() {
         let raw = random.at_rest();
         let [early, late] = [&mut early, &mut late].map(|hub| *hub.update(&raw));
         // a factor a tick, or one for all of them
-        assert!((early.corrected[3] - late.corrected[3]).abs() < 1e-7);
-        assert!(late.validity[3].is_valid());
+        assert!((early.corrected()[3] - late.corrected()[3]).abs() < 1e-7);
+        assert!(late.validity()[3].is_valid());
     }
 }
 
@@ -142,8 +242,8 @@ fn without_a_model_it_gives_what_it_measures_and_says_so() {
     let mut hub = TestHub::new(SCALES);
     let raw = Random(1).at_rest();
     let output = hub.update(&raw);
-    assert_eq!(output.corrected, SCALES.measured(&raw));
-    assert!(output.validity.iter().all(|validity| *validity == Validity::NOT_MODELLED));
+    assert_eq!(output.corrected(), SCALES.measured(&raw));
+    assert!(output.validity().iter().all(|validity| *validity == Validity::NOT_MODELLED));
     assert!(!output.is_valid());
 }
 
@@ -157,15 +257,15 @@ fn an_axis_that_the_model_does_not_have_is_as_measured() {
         let measured = SCALES.measured(&raw);
         for axis in [0, 2, 3, 4] {
             assert_eq!(
-                (output.corrected[axis], output.validity[axis]),
+                (output.corrected()[axis], output.validity()[axis]),
                 (measured[axis], Validity::NOT_MODELLED)
             );
         }
-        assert!((output.corrected[5] - AT_REST[5]).abs() < 0.01);
-        assert!((output.corrected[1] - AT_REST[1]).abs() < 0.05);
+        assert!((output.corrected()[5] - AT_REST[5]).abs() < 0.01);
+        assert!((output.corrected()[1] - AT_REST[1]).abs() < 0.05);
     }
-    assert!(hub.output().validity[5].is_valid() && hub.output().validity[1].is_valid());
-    assert!((hub.output().corrected[5] - hub.output().measured[5]).abs() > 1e-4, "something was taken out");
+    assert!(hub.output().validity()[5].is_valid() && hub.output().validity()[1].is_valid());
+    assert!((hub.output().corrected()[5] - hub.output().measured[5]).abs() > 1e-4, "something was taken out");
 }
 
 #[test]
@@ -189,14 +289,14 @@ fn a_model_for_other_values_or_another_rate_or_another_sensor_is_refused_by_name
     // afterwards there is no model, and the next good one runs as if it were the first
     let mut random = Random(3);
     let raw = random.at_rest();
-    assert_eq!(hub.update(&raw).corrected, SCALES.measured(&raw));
+    assert_eq!(hub.update(&raw).corrected(), SCALES.measured(&raw));
     hub.load(&image(&MADE)).expect("a good one");
     hub.give(Quantity::Supply, 3.3);
     let mut fresh = still(&MADE);
     for _ in 0..100 {
         let raw = random.at_rest();
         let (ours, theirs) = (*hub.update(&raw), *fresh.update(&raw));
-        assert_eq!((ours.corrected, ours.validity), (theirs.corrected, theirs.validity));
+        assert_eq!((ours.corrected(), ours.validity()), (theirs.corrected(), theirs.validity()));
     }
 }
 
@@ -234,15 +334,15 @@ fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
     for n in 0..2000 {
         let output = hub.update(&on_its_side(&mut random));
         for (axis, truth) in [(0, 9.81), (2, 0.0)] {
-            assert!((output.corrected[axis] - truth).abs() < 0.25, "{n}: {:?}", output.corrected);
-            assert!(n == 0 || output.validity[axis].contains(Validity::OWN_HISTORY));
+            assert!((output.corrected()[axis] - truth).abs() < 0.25, "{n}: {:?}", output.corrected());
+            assert!(n == 0 || output.validity()[axis].contains(Validity::OWN_HISTORY));
         }
-        assert!(output.validity[3].is_valid(), "gyros do not mind");
+        assert!(output.validity()[3].is_valid(), "gyros do not mind");
     }
     for _ in 0..100 {
         let _ = hub.update(&random.at_rest());
     }
-    assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity);
+    assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity());
 }
 
 /// A model of two poses takes the half of what tells them apart for an error, and fits: |a| was 3 m/s² where it had
@@ -275,7 +375,7 @@ fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise(
         hub.set_motion(Some(Motion::Still));
         hub
     };
-    let away = |hub: &TestHub| hub.output().validity.map(|v| v.contains(Validity::AWAY_FROM_GRAVITY));
+    let away = |hub: &TestHub| hub.output().validity().map(|v| v.contains(Validity::AWAY_FROM_GRAVITY));
     const ACCELEROMETERS: [bool; 6] = [true, true, true, false, false, false];
     let mut random = Random(8);
     let mut hub = of_two_poses(&SIX);
@@ -321,13 +421,13 @@ fn full_scale_and_stuck_samples_do_not_enter_the_history() {
         }
         let (output, _) = (*hub.update(&hit), clean.update(&raw));
         let expected = [n == 200, n == 200];
-        assert_eq!(output.validity[1].contains(Validity::SATURATED), expected[0]);
-        assert_eq!(output.validity[3].contains(Validity::SATURATED), expected[1]);
+        assert_eq!(output.validity()[1].contains(Validity::SATURATED), expected[0]);
+        assert_eq!(output.validity()[3].contains(Validity::SATURATED), expected[1]);
         assert_eq!(output.faults.contains(Faults::SATURATED), n == 200);
-        assert_eq!(output.validity[4].contains(Validity::STUCK), n == 220);
-        assert!(output.corrected.iter().all(|value| value.is_finite()));
+        assert_eq!(output.validity()[4].contains(Validity::STUCK), n == 220);
+        assert!(output.corrected().iter().all(|value| value.is_finite()));
     }
-    let off = (hub.output().corrected[3] - clean.output().corrected[3]).abs();
+    let off = (hub.output().corrected()[3] - clean.output().corrected()[3]).abs();
     assert!(off < 1e-6 && hub.output().is_valid(), "{off}");
 }
 
@@ -336,7 +436,7 @@ fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
     let mut hub = TestHub::new(SCALES);
     hub.load(&image(&MADE)).expect("a model");
     let mut random = Random(8);
-    assert!(hub.update(&random.at_rest()).validity[0].contains(Validity::INPUT_NOT_FINITE));
+    assert!(hub.update(&random.at_rest()).validity()[0].contains(Validity::INPUT_NOT_FINITE));
     assert!(
         !hub.give(Quantity::Load, 3.0)
             && !hub.give(Quantity::Temperature, 3.0)
@@ -344,10 +444,10 @@ fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
     );
     assert!(hub.give(Quantity::Supply, 3.3));
     let raw = random.at_rest();
-    assert!(!hub.update(&raw).validity[0].contains(Validity::INPUT_NOT_FINITE));
-    let before = hub.output().corrected[3];
+    assert!(!hub.update(&raw).validity()[0].contains(Validity::INPUT_NOT_FINITE));
+    let before = hub.output().corrected()[3];
     assert!(hub.give_application(0, 3.4));
-    let change = hub.update(&raw).corrected[3] - before;
+    let change = hub.update(&raw).corrected()[3] - before;
     // 0.1 V are a scaled unit of supply: 0.2 scaled units of error, 0.0004 rad/s
     assert!((change + 0.0004).abs() < 1e-5, "{change}");
     assert_eq!(hub.logged().as_slice(), [25.0, 3.4]);
@@ -399,7 +499,7 @@ fn whatever_the_codes_the_output_is_finite_and_bounded() {
         };
         hub.give(Quantity::Supply, [f32::NAN, f32::INFINITY, 1e38, 3.3][n as usize % 4]);
         let output = hub.update(&raw);
-        for (axis, value) in output.corrected.iter().enumerate() {
+        for (axis, value) in output.corrected().iter().enumerate() {
             let correction = OFFSET[axis].abs() + 22.0 * models::SPREAD[axis];
             assert!(value.abs() <= full[axis / 3] + correction, "{n}, axis {axis}: {value}");
         }

@@ -284,7 +284,7 @@ enum Stage {
 /// What both must say alike, bit for bit if not said otherwise. The alarms only if both were begun at once: the axes
 /// are watched in turn.
 fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool {
-    let values = |output: &Output| output.corrected.into_iter().chain(output.innovation);
+    let values = |output: &Output| output.corrected().into_iter().chain(output.innovation());
     let [of_noise, of_value] = ALIKE;
     let mut pairs = values(one).zip(values(other)).zip(SPREAD.into_iter().cycle());
     let alike = pairs.all(|((one, other), spread)| {
@@ -292,7 +292,7 @@ fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool
             || !bit_for_bit && (one - other).abs() <= of_noise * spread + of_value
     });
     !alike
-        || (one.validity, one.still) != (other.validity, other.still)
+        || (one.validity(), one.still) != (other.validity(), other.still)
         // the rate is of the last 10 s of each
         || one.faults - Faults::RATE != other.faults - Faults::RATE
         || alarms && one.drift != other.drift
@@ -364,7 +364,7 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
         if found.counted != found.ticks as u32 {
             return Err(format!("{} ticks counted of {} sent", found.counted, found.ticks));
         }
-        if !output.corrected.iter().all(|value| value.is_finite()) {
+        if !output.corrected().iter().all(|value| value.is_finite()) {
             return Err(format!("not finite: {output:?}"));
         }
         if let Some(Twin { hub: other, stage, ticks }) = &mut twin {
@@ -386,7 +386,7 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
                 Stage::Gap if raw.skipped > 0 => *stage = Stage::Measured,
                 Stage::Measured => {
                     let measured =
-                        |output: &Output| output.validity.iter().all(|validity| validity.is_valid());
+                        |output: &Output| output.validity().iter().all(|validity| validity.is_valid());
                     if measured(&output) && measured(&expected) {
                         *stage = Stage::Settling(0);
                     }

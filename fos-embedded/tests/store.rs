@@ -1,11 +1,11 @@
 //! The model store on a simulated NOR flash whose power is cut at every single operation.
 
-use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Range, Term, image, y,
-};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::{ModelStore, StoreError};
 use fos_testkit::flash::{Fault, Flash, PAGE, PAGES};
+use models::numbered;
+
+mod models;
 
 type Store = ModelStore<Blocking<Flash>, 1024>;
 
@@ -27,36 +27,7 @@ fn put(store: &mut Store, image: &[u8]) -> Result<(), StoreError<Fault>> {
 
 /// A model of its own for every number.
 fn model(number: u32) -> Vec<u8> {
-    let terms = [Term::try_new(0.5 + f64::from(number) * 1e-3, &[y(1)]).expect("a term").convert::<f32>()];
-    let axes = [AxisModel {
-        parameters: AxisParameters {
-            axis: Axis::Gx,
-            reference: 0.0_f32,
-            offset: 0.0,
-            scale: 1.0,
-            constant: 0.0,
-            range: Range::new(-10.0, 10.0),
-            physical_range: Range::new(0.0, 0.0),
-            full_scale: 0.0,
-            stuck_after_repeats: 200,
-            gap_limit_samples: 20,
-            coast_limit_s: 60.0,
-            innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
-        },
-        physical: &[],
-        stochastic: &terms,
-    }];
-    let model = Model {
-        period_s: 0.005,
-        fitted_on: FittedOn::Raw,
-        stillness: None,
-        quantities: &[],
-        inputs: &[],
-        axes: &axes,
-    };
-    let mut buffer = [0; 512];
-    let info = image::Info { sensor: "simulated", provenance: "", quantities: "", effects: "" };
-    image::encode(&model, &info, &mut buffer).expect("an image").to_vec()
+    numbered(number, 0)
 }
 
 #[test]
@@ -72,6 +43,32 @@ fn the_newest_wins_and_the_one_before_can_be_returned_to() {
     // and after a restart
     let mut again = store(unit.release().0);
     assert_eq!(load(&mut again), Some(model(199)));
+}
+
+#[test]
+fn flash_that_held_something_else_is_taken() {
+    let random = |place: usize| (place as u64).wrapping_mul(6_364_136_223_846_793_005).to_be_bytes()[0];
+    for before in [|_| 0, |place| (place % 251) as u8, random] {
+        let mut flash = Flash::new();
+        for (place, byte) in flash.bytes.iter_mut().enumerate() {
+            *byte = before(place);
+        }
+        let mut unit = store(flash);
+        assert_eq!(load(&mut unit), None);
+        for number in 0..30 {
+            assert_eq!(put(&mut unit, &model(number)), Ok(()));
+            assert_eq!(load(&mut unit), Some(model(number)));
+            assert_eq!(previous(&mut unit), number.checked_sub(1).map(model));
+        }
+    }
+    // what is in use stays when the other slot is lost
+    let mut unit = store(Flash::new());
+    put(&mut unit, &model(1)).expect("stored");
+    let mut flash = unit.release().0;
+    flash.bytes[PAGES / 2 * PAGE..].fill(0x55);
+    let mut cuts = Cuts::default();
+    cuts.cut_everywhere(&flash, Some(&model(1)), &model(2));
+    cuts.print("a slot beyond repair");
 }
 
 /// What was valid after cuts of power.

@@ -4,7 +4,8 @@
 
 pub(crate) use semihosting::println;
 
-#[cortex_m_rt::entry]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn entry() -> ! {
     crate::run();
     semihosting::process::exit(0)

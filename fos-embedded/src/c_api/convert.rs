@@ -6,18 +6,34 @@ use super::{
     FOS_MOTION_DETECT, FOS_MOTION_MOVING, FOS_MOTION_STILL, FOS_QUANTITY_LOAD_PCT,
     FOS_QUANTITY_MAGNETIC_X_UT, FOS_QUANTITY_MAGNETIC_Y_UT, FOS_QUANTITY_MAGNETIC_Z_UT,
     FOS_QUANTITY_REFERENCE, FOS_QUANTITY_SUPPLY_V, FOS_VALUES_FACTORY_CORRECTED, FOS_VALUES_RAW, fos_motion,
-    fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_status,
+    fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_si_sample, fos_status,
 };
 use crate::hub::{Motion, Output, SIX};
-use crate::raw::{Faults, RawSample, Scales};
+use crate::raw::{Faults, RawSample, Scales, SiSample};
+
+/// A full scale above it counts as it: the code -32768 would stand for more than a float holds.
+const LARGEST_FULL_SCALE: f32 = 3.4027e38;
 
 impl fos_scales {
+    pub(super) fn of_full_scale(
+        accel_mps2: f32,
+        gyro_rads: f32,
+        period_s: f64,
+        values: u8,
+    ) -> Result<Self, fos_status> {
+        if !accel_mps2.is_finite() || !gyro_rads.is_finite() {
+            return Err(fos_status::Argument);
+        }
+        let (accel, gyro) = (accel_mps2.min(LARGEST_FULL_SCALE), gyro_rads.min(LARGEST_FULL_SCALE));
+        let of_full_scale = Scales::of_full_scale(accel, gyro, period_s, fitted_on(values)?);
+        let Scales { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, .. } = of_full_scale;
+        let scales = Self { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, period_s, values };
+        // what a hub would refuse is refused here already
+        scales.to_scales().map(|_| scales)
+    }
+
     pub(super) fn to_scales(self) -> Result<Scales, fos_status> {
-        let values = match self.values {
-            FOS_VALUES_RAW => FittedOn::Raw,
-            FOS_VALUES_FACTORY_CORRECTED => FittedOn::FactoryCorrected,
-            _ => return Err(fos_status::Argument),
-        };
+        let values = fitted_on(self.values)?;
         // what the largest code stands for must be a number
         let largest = |scale: f32| (scale * 32_768.0).is_finite();
         let valid = self.accel_mps2 > 0.0
@@ -54,19 +70,46 @@ impl fos_raw_sample {
     }
 }
 
+impl fos_si_sample {
+    pub(super) fn to_sample(self) -> SiSample {
+        SiSample {
+            skipped: self.skipped,
+            accel: self.accel,
+            gyro: self.gyro,
+            temperature_c: self.temperature_c,
+            faults: Faults::from_bits_truncate(self.faults),
+        }
+    }
+}
+
+impl From<&SiSample> for fos_si_sample {
+    fn from(sample: &SiSample) -> Self {
+        let SiSample { skipped, accel, gyro, temperature_c, faults } = *sample;
+        Self { skipped, accel, gyro, temperature_c, faults: faults.bits() }
+    }
+}
+
 impl From<&Output> for fos_output {
     fn from(output: &Output) -> Self {
         Self {
             tick: output.tick,
             measured: output.measured,
-            corrected: output.corrected,
-            innovation: output.innovation,
+            corrected: output.corrected(),
+            innovation: output.innovation(),
             temperature_c: output.temperature_c,
-            validity: output.validity.map(|validity| validity.bits()),
+            validity: output.validity().map(|validity| validity.bits()),
             faults: output.faults.bits(),
             still: u8::from(output.still),
             drift: u8::from(output.drift),
         }
+    }
+}
+
+fn fitted_on(values: u8) -> Result<FittedOn, fos_status> {
+    match values {
+        FOS_VALUES_RAW => Ok(FittedOn::Raw),
+        FOS_VALUES_FACTORY_CORRECTED => Ok(FittedOn::FactoryCorrected),
+        _ => Err(fos_status::Argument),
     }
 }
 

@@ -3,10 +3,11 @@
 use core::ffi::{c_char, c_void};
 
 use super::convert::{axis_of, motion_of, quantity_of};
-use super::place::{Place, bytes, check_extent, exclusive, shared};
+use super::place::{Place, bytes, exclusive, make_in, shared};
 use super::{
     FOS_API_VERSION, FOS_DRIFT_MEAN, FOS_DRIFT_VARIANCE, FOS_MAX_HISTORY, FOS_MAX_INPUTS, FOS_MAX_TERMS,
-    fos_motion, fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_status,
+    fos_motion, fos_output, fos_quantity, fos_raw_sample, fos_scales, fos_si_output, fos_si_sample,
+    fos_status,
 };
 use crate::hub::{CHub, Hub};
 
@@ -58,6 +59,30 @@ pub extern "C" fn fos_hub_align() -> usize {
     align_of::<fos_hub>()
 }
 
+/// The scales of a source that gives values, for fos_hub_init(): the accelerometers are at full scale at `accel_mps2`,
+/// m/s^2, the gyros at `gyro_rads`, rad/s, where there is none at FLT_MAX; one sample every `period_s` seconds. `values` is
+/// FOS_VALUES_RAW or FOS_VALUES_FACTORY_CORRECTED.
+///
+/// - FOS_STATUS_OK
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `out`.
+/// - FOS_STATUS_ARGUMENT: a full scale or the period is not finite, 0 or negative, or too small to be divided into 32767
+///   codes, or `values` stands for nothing. `*out` is as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fos_scales_of_full_scale(
+    accel_mps2: f32,
+    gyro_rads: f32,
+    period_s: f64,
+    values: u8,
+    out: *mut fos_scales,
+) -> fos_status {
+    fos_status::of((|| {
+        // SAFETY: `out` leads to memory for scales, as the header asks
+        let out = unsafe { Place::new(out) }?;
+        out.put(fos_scales::of_full_scale(accel_mps2, gyro_rads, period_s, values)?);
+        Ok(())
+    })())
+}
+
 /// Makes a hub without a model, for a sensor with these scales, in `memory` of `size` bytes; what was there before
 /// does not matter. `*out` is then the hub, at the start of `memory`. `scales` is copied.
 ///
@@ -75,25 +100,15 @@ pub unsafe extern "C" fn fos_hub_init(
     scales: *const fos_scales,
     out: *mut *mut fos_hub,
 ) -> fos_status {
-    // SAFETY: `out` leads to a pointer, as the header asks
-    let out = match unsafe { Place::new(out) } {
-        Ok(out) => out,
-        Err(status) => return status,
-    };
-    let made = (|| {
-        check_extent(memory, size)?;
-        if size < fos_hub_size() {
-            return Err(fos_status::NoRoom);
-        }
-        // SAFETY: `memory` leads to `size` bytes, as the header asks, and they are enough
-        let place = unsafe { Place::new(memory.cast::<fos_hub>()) }?;
-        // SAFETY: `scales` leads to scales that are not being changed, as the header asks
-        let scales = unsafe { shared(scales) }?.to_scales()?;
-        place.put(fos_hub { hub: Hub::new(scales) });
-        Ok(())
-    })();
-    out.put(if made.is_ok() { memory.cast() } else { core::ptr::null_mut() });
-    fos_status::of(made)
+    // SAFETY: `out` leads to a pointer and `memory` to `size` bytes, as the header asks
+    unsafe {
+        make_in(memory, size, out, |place| {
+            // SAFETY: `scales` leads to scales that are not being changed, as the header asks
+            let scales = shared(scales)?.to_scales()?;
+            place.put(fos_hub { hub: Hub::new(scales) });
+            Ok(())
+        })
+    }
 }
 
 /// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The
@@ -135,6 +150,33 @@ pub unsafe extern "C" fn fos_hub_update(
         // SAFETY: `output` leads to memory for an output, as the header asks
         let output = unsafe { Place::new(output) }?;
         output.put(fos_output::from(hub.hub.update(&raw)));
+        Ok(())
+    })())
+}
+
+/// As fos_hub_update(), of a sample in SI units; full scale, period and what the values are stay those of the hub's
+/// scales: fos_scales_of_full_scale(). A hub may be given both in turn. `*sample` is read before `*output` is written.
+///
+/// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
+///   output. An axis without a number says FOS_VALIDITY_NOT_FINITE, a model that uses a temperature without one
+///   FOS_VALIDITY_INPUT_NOT_FINITE.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `sample` or `output`. The sample counts as not given, `*output` is as
+///   before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fos_hub_update_si(
+    hub: *mut fos_hub,
+    sample: *const fos_si_sample,
+    output: *mut fos_si_output,
+) -> fos_status {
+    fos_status::of((|| {
+        // SAFETY: a hub that is in no other call, as the header asks
+        let hub = unsafe { exclusive(hub) }?;
+        // SAFETY: a sample that is not being changed, as the header asks; it is copied at once
+        let sample = unsafe { shared(sample) }?.to_sample();
+        // SAFETY: `output` leads to memory for an output, as the header asks
+        let place = unsafe { Place::new(output) }?;
+        let output = hub.hub.update_si(&sample);
+        place.put(fos_si_output { output: fos_output::from(output), predicted: output.predicted() });
         Ok(())
     })())
 }

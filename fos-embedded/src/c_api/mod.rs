@@ -9,14 +9,20 @@
 #![allow(non_camel_case_types, reason = "the names of the header")]
 
 mod convert;
+mod flash;
 mod hub;
 mod panic;
 mod place;
 mod status;
+mod store;
+mod streams;
 mod telemetry;
 mod values;
 
+pub use flash::fos_flash;
 pub use hub::*;
 pub use status::*;
+pub use store::*;
+pub use streams::*;
 pub use telemetry::*;
 pub use values::*;

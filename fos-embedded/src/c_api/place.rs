@@ -57,6 +57,54 @@ impl<T> Place<T> {
     }
 }
 
+/// Has `make` put a `T` at the start of `size` bytes of C's, and leaves there where it is, or NULL if it could not.
+///
+/// # Safety
+///
+/// If they are neither NULL nor misaligned, `out` leads to a pointer, and `memory` to `size` bytes that nobody else uses.
+#[inline(always)]
+pub(super) unsafe fn make_in<T>(
+    memory: *mut c_void,
+    size: usize,
+    out: *mut *mut T,
+    make: impl FnOnce(Place<T>) -> Result<(), fos_status>,
+) -> fos_status {
+    // SAFETY: the caller's promise
+    let out = match unsafe { Place::new(out) } {
+        Ok(out) => out,
+        Err(status) => return status,
+    };
+    let made = (|| {
+        check_extent(memory, size)?;
+        if size < size_of::<T>() {
+            return Err(fos_status::NoRoom);
+        }
+        // SAFETY: the caller's promise, and the bytes are enough
+        make(unsafe { Place::new(memory.cast::<T>()) }?)
+    })();
+    out.put(if made.is_ok() { memory.cast() } else { core::ptr::null_mut() });
+    fos_status::of(made)
+}
+
+/// Leaves in `used` how many bytes `fill` has written: 0 after any error.
+///
+/// # Safety
+///
+/// As of [`Place::new`].
+pub(super) unsafe fn count_in(
+    used: *mut usize,
+    fill: impl FnOnce() -> Result<usize, fos_status>,
+) -> fos_status {
+    // SAFETY: the caller's promise
+    let used = match unsafe { Place::new(used) } {
+        Ok(used) => used,
+        Err(status) => return status,
+    };
+    let filled = fill();
+    used.put(filled.unwrap_or(0));
+    fos_status::of(filled.map(|_| ()))
+}
+
 /// A buffer of C's to write into, which need not hold anything yet.
 pub(super) struct Room {
     start: *mut u8,
@@ -90,7 +138,7 @@ fn check<T>(pointer: *const T) -> Result<(), fos_status> {
 }
 
 /// No object is larger than half the address space, and none wraps around its end.
-pub(super) fn check_extent(start: *const c_void, length: usize) -> Result<(), fos_status> {
+fn check_extent(start: *const c_void, length: usize) -> Result<(), fos_status> {
     if start.is_null() {
         return Err(fos_status::Null);
     }

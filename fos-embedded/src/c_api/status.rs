@@ -50,13 +50,21 @@ pub enum fos_status {
     OtherAxis = 16,
     /// Loading: a quantity of the model is measured by an axis that is none of the sensor's six.
     OtherQuantity = 17,
+    /// Streams: a stamp that does not increase, or a value that is not finite.
+    NotTaken = 18,
+    /// Store: a function of the flash failed, or what is there is beyond repair.
+    Flash = 19,
+    /// Store: it was written and did not read back: worn flash.
+    NotKept = 20,
+    /// Store: there is no valid image.
+    NoModel = 21,
 }
 
 // c/layout.c has the same number
 const _: () = assert!(size_of::<fos_status>() == 4);
 
 /// In the order of their numbers.
-const ALL: [fos_status; 18] = [
+const ALL: [fos_status; 22] = [
     fos_status::Ok,
     fos_status::Null,
     fos_status::Misaligned,
@@ -75,6 +83,10 @@ const ALL: [fos_status; 18] = [
     fos_status::OtherPeriod,
     fos_status::OtherAxis,
     fos_status::OtherQuantity,
+    fos_status::NotTaken,
+    fos_status::Flash,
+    fos_status::NotKept,
+    fos_status::NoModel,
 ];
 
 impl fos_status {
@@ -105,6 +117,10 @@ impl fos_status {
             Self::OtherPeriod => c"the model was fitted at another sample period",
             Self::OtherAxis => c"an axis of the model is none of the sensor's",
             Self::OtherQuantity => c"a quantity of the model is none of the sensor's",
+            Self::NotTaken => c"the sample was not taken",
+            Self::Flash => c"the flash failed",
+            Self::NotKept => c"the flash did not keep the image",
+            Self::NoModel => c"no model is stored",
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use fos_core::Image;
 
-use super::place::{Place, Room, bytes, shared};
+use super::place::{Room, bytes, count_in, shared};
 use super::{fos_hub, fos_status};
-use crate::telemetry::{Borrowed, Frame, HUB_AXES, SampleFrame, StartFrame, VERSION, encode};
+use crate::hub::MAX_LOGGED;
+use crate::telemetry::{Borrowed, Frame, HUB_AXES, Snapshot, StartFrame, VERSION, encode};
 
 /// Bytes that every frame of telemetry fits.
 pub const FOS_TELEMETRY_BYTES: usize = 512;
@@ -79,9 +80,8 @@ pub unsafe extern "C" fn fos_telemetry_sample(
     let frame = |room: &mut Room| {
         // SAFETY: a hub that is in no other call, as the header asks
         let hub = &unsafe { shared(hub) }?.hub;
-        let logged = hub.logged();
-        let frame = Frame::Sample(SampleFrame::new(hub.output(), &logged));
-        write(&frame, room)
+        let snapshot: Snapshot<MAX_LOGGED> = Snapshot::new(hub.output(), &hub.logged());
+        write(&Frame::Sample(snapshot.frame()), room)
     };
     // SAFETY: `used`, `buffer` and `capacity` are what the header asks
     unsafe { write_into(buffer, capacity, used, frame) }
@@ -98,16 +98,13 @@ unsafe fn write_into(
     used: *mut usize,
     frame: impl FnOnce(&mut Room) -> Result<usize, fos_status>,
 ) -> fos_status {
-    // SAFETY: the caller's promise
-    let used = match unsafe { Place::new(used) } {
-        Ok(used) => used,
-        Err(status) => return status,
+    let write = || {
+        // SAFETY: the caller's promise
+        let mut room = unsafe { Room::new(buffer, capacity) }?;
+        frame(&mut room)
     };
     // SAFETY: the caller's promise
-    let room = unsafe { Room::new(buffer, capacity) };
-    let written = room.and_then(|mut room| frame(&mut room));
-    used.put(written.unwrap_or(0));
-    fos_status::of(written.map(|_| ()))
+    unsafe { count_in(used, write) }
 }
 
 fn write(frame: &Borrowed<'_>, room: &mut Room) -> Result<usize, fos_status> {

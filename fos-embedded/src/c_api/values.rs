@@ -7,9 +7,9 @@ use fos_core::Validity;
 use crate::hub::AXES;
 use crate::raw::Faults;
 
-/// Version of this interface: raised when a program that was compiled with the header before would no longer run
-/// rightly. fos_api_version() is that of the library.
-pub const FOS_API_VERSION: u32 = 1;
+/// Version of this interface: raised with what is added. What a header before declares stays as it is, so that a program
+/// compiled with it links and runs unchanged: with a library whose fos_api_version() is this or more.
+pub const FOS_API_VERSION: u32 = 2;
 
 /// Axes of a sensor, at these places of every array of six: accelerometer x, y, z, then gyro x, y, z.
 pub const FOS_AXES: usize = 6;
@@ -68,7 +68,7 @@ pub const FOS_FAULT_OVERRUN: u16 = 2;
 /// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than
 /// none.
 pub const FOS_FAULT_GAP: u16 = 4;
-/// Fault: the sensor had been reset, or was set up anew.
+/// Fault: the sensor had been reset, was set up anew, or the clock of its stamps was set back.
 pub const FOS_FAULT_RESET: u16 = 8;
 /// Fault: the sensor does not say that it is the part it should be.
 pub const FOS_FAULT_WRONG_PART: u16 = 16;
@@ -154,15 +154,34 @@ pub struct fos_raw_sample {
     pub has_temperature: u8,
 }
 
-/// One corrected sample. Every number in it is finite but an innovation or a temperature that is not known: that is
-/// NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the order FOS_AX to FOS_GZ.
+/// The same in SI units: of a source that gives values, or codes of more than 16 bits. A value that is NaN or infinite is
+/// missing: the output says so.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct fos_si_sample {
+    /// Sample periods without a sample before this one.
+    pub skipped: u32,
+    /// Specific force x, y, z, m/s^2.
+    pub accel: [f32; 3],
+    /// Rate x, y, z, rad/s.
+    pub gyro: [f32; 3],
+    /// Temperature of the sensor, degrees Celsius; NaN where it is not known.
+    pub temperature_c: f32,
+    /// FOS_FAULT_... since the sample before; other bits are ignored.
+    pub faults: u16,
+}
+
+/// One corrected sample. Every number in it is finite but what is not known: an innovation, a temperature, and what was
+/// measured where the source gave no number. That is NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of
+/// six are in the order FOS_AX to FOS_GZ.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_output {
     /// Sample periods since the hub took its scales; wraps.
     pub tick: u32,
-    /// As the sensor gave it, m/s^2, rad/s.
+    /// As the sensor gave it, m/s^2, rad/s; of fos_hub_update_si() NaN or infinite where the sample was.
     pub measured: [f32; 6],
     /// With the predicted error taken out, m/s^2, rad/s.
     pub corrected: [f32; 6],
@@ -180,11 +199,25 @@ pub struct fos_output {
     pub drift: u8,
 }
 
+/// One corrected sample, and what was taken out of it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct fos_si_output {
+    /// As of fos_hub_update().
+    pub output: fos_output,
+    /// The error that was predicted, offset included, m/s^2, rad/s: the bias that a phone's framework asks for. 0 on an
+    /// axis that the model does not have.
+    pub predicted: [f32; 6],
+}
+
 const _: () = {
     // c/layout.c has the same numbers, and those of the fields
     assert!(size_of::<fos_scales>() == 32 && align_of::<fos_scales>() == 8);
     assert!(size_of::<fos_raw_sample>() == 24 && align_of::<fos_raw_sample>() == 4);
     assert!(size_of::<fos_output>() == 96 && align_of::<fos_output>() == 4);
+    assert!(size_of::<fos_si_sample>() == 36 && align_of::<fos_si_sample>() == 4);
+    assert!(size_of::<fos_si_output>() == 120 && align_of::<fos_si_output>() == 4);
     assert!(FOS_AXES == AXES);
     assert!(FOS_VALIDITY_VALID == Validity::VALID.bits());
     assert!(FOS_VALIDITY_WARMING_UP == Validity::WARMING_UP.bits());

@@ -1,6 +1,6 @@
 //! The six axes of a sensor, and which of them a model has.
 
-use fos_core::{Axis, PoseGate};
+use fos_core::{Axis, Correction, PoseGate};
 
 /// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
 pub const AXES: usize = 6;
@@ -8,12 +8,21 @@ pub const AXES: usize = 6;
 /// The axes of a hub, in their order everywhere.
 pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
-/// An axis of the model.
+/// The gate of an axis that is in the pose of its fit, or is not.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Modelled {
+pub(super) struct Gate {
     /// Which of the six it is.
     pub(super) channel: u8,
-    pub(super) gate: PoseGate<f32>,
+    pub(super) pose: PoseGate<f32>,
+}
+
+impl Gate {
+    #[inline(always)]
+    pub(super) fn is_open_after(&self, corrections: &[Correction<f32>; AXES]) -> bool {
+        corrections
+            .get(usize::from(self.channel))
+            .is_some_and(|correction| self.pose.is_open_after(correction.corrected))
+    }
 }
 
 /// Which axis one of the six is.

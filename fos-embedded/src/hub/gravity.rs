@@ -58,8 +58,7 @@ impl Gravity {
     pub(super) const NEW: Self = Self { measured: 0.0, corrected: 0.0, left: SAMPLES, away: false };
 
     /// A sample, of which every [`EVERY`]th at rest counts. The verdict stays until the next.
-    // a function of its own leaves the registers to the others
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn look_at(&mut self, output: &mut Output) {
         if !output.still {
             // no mean over two rests
@@ -68,12 +67,18 @@ impl Gravity {
             self.add(output);
         }
         if self.away {
-            for validity in output.validity.iter_mut().take(3) {
-                *validity |= Validity::AWAY_FROM_GRAVITY;
-            }
+            Self::flag(output);
         }
     }
 
+    #[cold]
+    fn flag(output: &mut Output) {
+        for correction in output.corrections.iter_mut().take(3) {
+            correction.validity |= Validity::AWAY_FROM_GRAVITY;
+        }
+    }
+
+    #[inline(never)]
     fn add(&mut self, output: &Output) {
         if self.left == SAMPLES {
             (self.measured, self.corrected) = (0.0, 0.0);

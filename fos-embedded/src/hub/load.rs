@@ -4,7 +4,7 @@ use fos_core::{
     AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, StillnessDetector, StillnessLimits,
 };
 
-use super::axes::{Modelled, at, channel_of};
+use super::axes::{Gate, at, channel_of};
 use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
 use super::{Hub, HubError, Output};
@@ -13,9 +13,8 @@ use super::{Hub, HubError, Output};
 /// of such sensors are up to 5 % off, on either side of the fit.
 pub const PERIOD_TOLERANCE: f64 = 0.1;
 
-/// Whether a model with this sample period, s, runs on samples that come in that one:
-/// within [`PERIOD_TOLERANCE`]. A period that
-/// is not a number is near none.
+/// Whether a model with this sample period, s, runs on samples that come in that one: within [`PERIOD_TOLERANCE`]. A
+/// period that is not a number is near none.
 pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
     let off = model_s - sensor_s;
     off.max(-off) <= PERIOD_TOLERANCE * sensor_s
@@ -53,35 +52,37 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             self.unload();
         } else {
             // what a sensor does after power-on it has done
-            self.predictor.begin_after(self.ticks);
+            self.evaluator.begin_after(self.ticks);
             info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
         loaded
     }
 
     fn unload(&mut self) {
-        self.predictor.clear();
+        self.evaluator.clear();
         self.axes.clear();
-        self.in_order = true;
+        self.gates.clear();
+        self.first = Some(0);
         self.sources.clear();
         self.quantities.clear();
         self.detector = None;
         self.watch.clear();
         self.gravity = None;
-        (self.model_rate_hz, self.rate_off, self.in_pose) = (0.0, false, 0);
+        (self.model_rate_hz, self.rate_off) = (0.0, false);
+        (self.in_pose, self.without_gate) = (false, 0);
         self.output = Output::NONE;
     }
 
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
         self.check_fitted_on(image.fitted_on())?;
-        image.load(&mut self.predictor).map_err(HubError::Image)?;
+        image.load_evaluator(&mut self.evaluator).map_err(HubError::Image)?;
         let axes = image.axes().map(|axis| axis.parameters);
         self.connect(image.period_s(), axes, image.quantities(), image.stillness())
     }
 
     fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.check_fitted_on(model.fitted_on)?;
-        self.predictor.load(model).map_err(|error| HubError::Image(error.into()))?;
+        self.evaluator.load(model).map_err(|error| HubError::Image(error.into()))?;
         let axes = model.axes.iter().map(|axis| axis.parameters);
         self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
     }
@@ -111,19 +112,25 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         self.model_rate_hz = 1.0 / model as f32;
         for (index, parameters) in axes.enumerate() {
             let channel = channel_of(parameters.axis).ok_or(HubError::Axis(index))?;
-            if self.axes.iter().any(|other| other.channel == channel) {
+            if self.axes.contains(&channel) {
                 return Err(HubError::Axis(index));
             }
-            self.in_order &= usize::from(channel) == index;
-            let gate = PoseGate::new(&parameters);
-            self.in_pose |= u32::from(gate.is_open_at_first()).checked_shl(index as u32).unwrap_or(0);
-            self.axes.push(Modelled { channel, gate }).map_err(|_| HubError::Axis(index))?;
-            self.predictor.limit_full_scale(index, at(&self.scales.full_scale(), channel));
+            if index == 0 {
+                self.first = Some(channel);
+            }
+            self.first = self.first.filter(|first| usize::from(*first) + index == usize::from(channel));
+            self.axes.push(channel).map_err(|_| HubError::Axis(index))?;
+            let pose = PoseGate::new(&parameters);
+            if pose.is_open_at_first() {
+                self.without_gate |= 1_u32.checked_shl(index as u32).unwrap_or(0);
+            } else {
+                self.gates.push(Gate { channel, pose }).map_err(|_| HubError::Axis(index))?;
+            }
+            self.evaluator.limit_full_scale(index, at(&self.scales.full_scale(), channel));
             self.watch.add(&parameters, model);
         }
-        let accelerometers = self.axes.iter().filter(|axis| axis.channel < 3).count();
-        self.without_gate = self.in_pose;
-        self.gravity = (accelerometers == 3).then_some(Gravity::NEW);
+        self.in_pose = self.gates.is_empty();
+        self.gravity = self.gates.is_full().then_some(Gravity::NEW);
         for (index, quantity) in quantities.enumerate() {
             let source = match quantity {
                 Quantity::Temperature => QuantitySource::Thermometer,

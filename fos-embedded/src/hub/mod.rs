@@ -10,13 +10,15 @@ mod quantity_source;
 mod rate;
 mod watch;
 
-use fos_core::{Axis, Drift, InnovationStatistics, Predictor, Sample, StillnessDetector, Validity};
+use fos_core::{
+    Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, StillnessDetector, Validity,
+};
 // the pose gate is fos-core's, for the host too
 pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
 use heapless::Vec;
 
 pub use axes::{AXES, SIX};
-use axes::{Modelled, at, axis_of, channel_of};
+use axes::{Gate, at, axis_of, channel_of};
 pub use error::HubError;
 use gravity::Gravity;
 pub use gravity::leads_away;
@@ -28,7 +30,7 @@ pub use quantity_source::is_given;
 use rate::RateEstimator;
 use watch::Watch;
 
-use crate::raw::{Faults, RawSample, Scales};
+use crate::raw::{Faults, RawSample, Scales, SiSample};
 
 /// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
 /// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
@@ -54,7 +56,7 @@ pub enum Motion {
 /// it.
 ///
 /// Capacities: `INPUTS` and as many logged quantities, `TERMS` of all axes together, `HISTORY` values, as of
-/// [`Predictor`]. A model that needs more is refused.
+/// [`Predictor`](fos_core::Predictor). A model that needs more is refused.
 ///
 /// ```
 /// use fos_core::FittedOn;
@@ -79,13 +81,16 @@ pub enum Motion {
 #[derive(Debug, Clone)]
 pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     scales: Scales,
-    predictor: Predictor<f32, AXES, INPUTS, TERMS, HISTORY>,
+    evaluator: Evaluator<f32, AXES, INPUTS, TERMS, HISTORY>,
     detector: Option<StillnessDetector<f32>>,
     /// As the application says; none if it leaves that to the detector.
     motion: Option<Motion>,
-    axes: Vec<Modelled, AXES>,
-    /// Axis i of the model is the i-th of the six.
-    in_order: bool,
+    /// Which of the six each axis of the model is.
+    axes: Vec<u8, AXES>,
+    /// Axis i of the model is the i-th of the six from this one on; none if they are in another order.
+    first: Option<u8>,
+    /// Of the axes that have a pose.
+    gates: Vec<Gate, 3>,
     quantities: Vec<f32, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
     watch: Watch,
@@ -94,8 +99,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     rate: RateEstimator,
     model_rate_hz: f32,
     rate_off: bool,
-    /// Bit i: the gate of the model's axis i is open, so that it may be tracked.
-    in_pose: u32,
+    /// All gates are open.
+    in_pose: bool,
     /// Bit i: the model's axis i has no gate that shuts.
     without_gate: u32,
     ticks: u32,
@@ -108,11 +113,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         Self {
             scales,
             // evaluated when compiling: nothing but zeros, which are set in place and not copied over the stack
-            predictor: const { Predictor::empty() },
+            evaluator: const { Evaluator::empty() },
             detector: None,
             motion: None,
             axes: Vec::new(),
-            in_order: true,
+            first: Some(0),
+            gates: Vec::new(),
             quantities: Vec::new(),
             sources: Vec::new(),
             watch: Watch::NOTHING,
@@ -120,7 +126,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             rate: RateEstimator::new(),
             model_rate_hz: 0.0,
             rate_off: false,
-            in_pose: 0,
+            in_pose: false,
             without_gate: 0,
             ticks: 0,
             output: Output::NONE,
@@ -171,70 +177,117 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     }
 
     /// One sample, and what was skipped before it.
+    pub fn update(&mut self, raw: &RawSample) -> &Output {
+        self.output.measured = self.scales.measured(raw);
+        self.output.temperature_c = self.scales.temperature_c(raw);
+        self.take_measured(raw.skipped, raw.faults)
+    }
+
+    /// The same of a sample in SI units; full scale, period and what the values are stay those of the hub's
+    /// [`Scales`]: [`Scales::of_full_scale`].
+    ///
+    /// ```
+    /// use fos_core::{FittedOn, Validity};
+    /// use fos_embedded::hub::Hub;
+    /// use fos_embedded::raw::{Faults, Scales, SiSample};
+    ///
+    /// let mut hub: Hub<8, 60, 128> =
+    ///     Hub::new(Scales::of_full_scale(78.45, 34.9, 1.0 / 208.0, FittedOn::FactoryCorrected));
+    /// let sample = SiSample {
+    ///     skipped: 0,
+    ///     accel: [0.0, 0.1, 9.8],
+    ///     gyro: [0.01, -0.02, f32::NAN],
+    ///     temperature_c: 31.5,
+    ///     faults: Faults::empty(),
+    /// };
+    /// let output = hub.update_si(&sample);
+    /// assert_eq!(output.corrected(), [0.0, 0.1, 9.8, 0.01, -0.02, 0.0]);
+    /// assert!(output.validity()[5].contains(Validity::NOT_FINITE));
+    /// ```
+    pub fn update_si(&mut self, sample: &SiSample) -> &Output {
+        let [ax, ay, az] = sample.accel;
+        let [gx, gy, gz] = sample.gyro;
+        self.output.measured = [ax, ay, az, gx, gy, gz];
+        self.output.temperature_c =
+            if sample.temperature_c.is_finite() { sample.temperature_c } else { f32::NAN };
+        self.take_measured(sample.skipped, sample.faults)
+    }
+
+    /// The sample that the output has as measured.
     // a function of its own has the registers to itself
     #[inline(never)]
-    pub fn update(&mut self, raw: &RawSample) -> &Output {
-        let ticks = raw.skipped.saturating_add(1);
+    fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output {
+        let ticks = skipped.saturating_add(1);
         self.ticks = self.ticks.wrapping_add(ticks);
         self.rate.tick(ticks);
-        let mut faults = raw.faults;
-        if raw.skipped > 0 || !faults.is_empty() {
-            faults = self.disturbed(raw);
+        let mut faults = reported;
+        if skipped > 0 || !faults.is_empty() {
+            faults = self.disturbed(skipped, reported);
         }
-        let measured = self.scales.measured(raw);
-        let stuck = raw.faults.contains(Faults::STUCK);
-        let still = !stuck && self.is_still(&measured);
-        let temperature_c = self.scales.temperature_c(raw);
+        let stuck = reported.contains(Faults::STUCK);
+        let still = !stuck && self.is_still();
         if !self.sources.is_empty() {
-            self.update_quantities(temperature_c, &measured);
+            self.update_quantities();
         }
-
-        let mut values = measured;
-        if !self.in_order {
-            for (axis, value) in self.axes.iter().zip(&mut values) {
-                *value = at(&measured, axis.channel);
-            }
-        }
-        let sample =
-            Sample { measured: values.get(..self.axes.len()).unwrap_or(&[]), quantities: &self.quantities };
-        let tracked = if still { self.in_pose } else { 0 };
-        let corrections = self.predictor.track_some(&sample, tracked);
+        let tracked = match (still, self.in_pose) {
+            (true, true) => u32::MAX,
+            (true, false) => self.without_gate,
+            (false, _) => 0,
+        };
+        self.evaluate(tracked);
 
         let output = &mut self.output;
         (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, faults);
-        (output.measured, output.temperature_c) = (measured, temperature_c);
-        let (mut in_pose, mut bit, mut suspect) = (0, 1_u32, Validity::VALID);
-        for (axis, correction) in self.axes.iter().zip(corrections) {
-            if axis.gate.is_open_after(correction.corrected) {
-                in_pose |= bit;
-            }
-            bit <<= 1;
-            suspect |= correction.validity;
-            output.set(axis.channel, correction);
-        }
         // turned about one of them an accelerometer feels the same gravity: the pose is that of all
-        if in_pose != bit.wrapping_sub(1) {
-            in_pose &= self.without_gate;
-        }
-        self.in_pose = in_pose;
+        self.in_pose = self.gates.iter().all(|gate| gate.is_open_after(&output.corrections));
         if self.axes.len() < AXES {
             output.pass_others(&self.axes, self.scales.full_scale());
         }
         if let Some(gravity) = &mut self.gravity {
             gravity.look_at(output);
         }
-        if stuck || suspect.contains(Validity::SATURATED) {
+        if stuck || output.suspect().contains(Validity::SATURATED) {
             output.flag(stuck);
         }
         if self.rate_off {
             output.faults |= Faults::RATE;
         }
-        if let Some(index) = self.watch.update(corrections) {
-            let axis = self.axes.get(index).map(|axis| axis_of(axis.channel));
+        if let Some(index) = self.watch.update(&self.axes, &output.corrections) {
+            let axis = self.axes.get(index).map(|channel| axis_of(*channel));
             warn!("model stopped fitting: {}, {}", axis, self.watch.drift(index));
         }
         output.drift = self.watch.any();
         output
+    }
+
+    /// The sample through the model, of which the axes whose bit in `tracked` is set are tracked.
+    #[inline(always)]
+    fn evaluate(&mut self, tracked: u32) {
+        let Some(first) = self.first else { return self.evaluate_reordered(tracked) };
+        let (first, n) = (usize::from(first), self.axes.len());
+        let measured = self.output.measured.get(first..).and_then(|from_first| from_first.get(..n));
+        let corrections = self.output.corrections.get_mut(first..).unwrap_or(&mut []);
+        let sample = Sample { measured: measured.unwrap_or(&[]), quantities: &self.quantities };
+        self.evaluator.track_some(&sample, tracked, corrections);
+    }
+
+    /// The same where the axes of the model are not some of the six in a row.
+    #[cold]
+    #[inline(never)]
+    fn evaluate_reordered(&mut self, tracked: u32) {
+        let mut values = [0.0; AXES];
+        let mut corrections = [Correction::NONE; AXES];
+        for (channel, value) in self.axes.iter().zip(&mut values) {
+            *value = at(&self.output.measured, *channel);
+        }
+        let sample =
+            Sample { measured: values.get(..self.axes.len()).unwrap_or(&[]), quantities: &self.quantities };
+        self.evaluator.track_some(&sample, tracked, &mut corrections);
+        for (channel, correction) in self.axes.iter().zip(corrections) {
+            if let Some(place) = self.output.corrections.get_mut(usize::from(*channel)) {
+                *place = correction;
+            }
+        }
     }
 
     /// Whether the model of an axis has stopped fitting; none if it has no model. All are watched in turn, a second
@@ -267,45 +320,56 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// Place of an axis in the model.
     fn index_of(&self, axis: Axis) -> Option<usize> {
         let channel = channel_of(axis)?;
-        self.axes.iter().position(|modelled| modelled.channel == channel)
+        self.axes.iter().position(|modelled| *modelled == channel)
     }
 
     /// Something is missing, or something went wrong; what.
     #[cold]
-    fn disturbed(&mut self, raw: &RawSample) -> Faults {
-        if raw.skipped > 0 {
-            let _ = self.predictor.skip(raw.skipped);
+    fn disturbed(&mut self, skipped: u32, reported: Faults) -> Faults {
+        if skipped > 0 {
+            self.skip(skipped);
         }
         // neither a gap nor codes that stand still say whether the unit does
-        if (raw.skipped > 0 || raw.faults.contains(Faults::STUCK))
+        if (skipped > 0 || reported.contains(Faults::STUCK))
             && let Some(detector) = &mut self.detector
         {
             detector.disturbed();
         }
-        if raw.faults.intersects(Faults::BUS | Faults::OVERRUN | Faults::RESET) {
+        if reported.intersects(Faults::BUS | Faults::OVERRUN | Faults::RESET) {
             self.rate.disturbed();
         }
-        if raw.skipped > 0 { raw.faults | Faults::GAP } else { raw.faults }
+        if skipped > 0 { reported | Faults::GAP } else { reported }
+    }
+
+    /// Samples are missing; the next one speaks for them.
+    fn skip(&mut self, ticks: u32) {
+        match self.first.and_then(|first| self.output.corrections.get_mut(usize::from(first)..)) {
+            Some(corrections) => self.evaluator.skip(ticks, corrections),
+            None => self.skip_reordered(ticks),
+        }
+    }
+
+    #[inline(never)]
+    fn skip_reordered(&mut self, ticks: u32) {
+        self.evaluator.skip(ticks, &mut [Correction::NONE; AXES]);
     }
 
     /// What the sensor itself measures of the logged quantities.
-    fn update_quantities(&mut self, temperature_c: f32, measured: &[f32; AXES]) {
+    fn update_quantities(&mut self) {
+        let Output { temperature_c, measured, .. } = &self.output;
         for (source, value) in self.sources.iter().zip(&mut self.quantities) {
             match source {
-                QuantitySource::Thermometer => *value = temperature_c,
+                QuantitySource::Thermometer => *value = *temperature_c,
                 QuantitySource::Measured(channel) => *value = at(measured, *channel),
                 QuantitySource::Application(_) => {}
             }
         }
     }
 
-    fn is_still(&mut self, measured: &[f32; AXES]) -> bool {
+    fn is_still(&mut self) -> bool {
         match (self.motion, &mut self.detector) {
             (Some(motion), _) => motion == Motion::Still,
-            (None, Some(detector)) => {
-                let [ax, ay, az, gx, gy, gz] = *measured;
-                detector.update([ax, ay, az], [gx, gy, gz])
-            }
+            (None, Some(detector)) => detector.update_six(&self.output.measured),
             (None, None) => false,
         }
     }
@@ -317,7 +381,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Forma
     for Hub<INPUTS, TERMS, HISTORY>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
-        let axes: Vec<Axis, AXES> = self.axes.iter().map(|axis| axis_of(axis.channel)).collect();
+        let axes: Vec<Axis, AXES> = self.axes.iter().map(|channel| axis_of(*channel)).collect();
         defmt::write!(
             f,
             "Hub {{ axes: {}, still: {=bool}, faults: {}, drift: {=bool} }}",

@@ -2,14 +2,13 @@
 
 use fos_core::{Correction, Validity};
 
-use super::axes::{AXES, Modelled};
+use super::axes::AXES;
 use crate::raw::Faults;
 
 /// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Everything is finite but what is absent: an
-/// innovation, a temperature.
+/// innovation, a temperature, and what was measured where the source gave no number.
 #[must_use = "carries whether the corrected values can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
     /// Ticks since the hub was made; wraps.
     pub tick: u32,
@@ -19,12 +18,8 @@ pub struct Output {
     pub measured: [f32; AXES],
     /// Temperature of the sensor, °C; NaN where it is not known.
     pub temperature_c: f32,
-    /// With the predicted error taken out.
-    pub corrected: [f32; AXES],
-    /// Measured minus predicted error; NaN where the true value is not known.
-    pub innovation: [f32; AXES],
-    /// What speaks against trusting each axis.
-    pub validity: [Validity; AXES],
+    /// What the model says of each axis.
+    pub corrections: [Correction<f32>; AXES],
     /// What went wrong on the way from the sensor, and with its clock.
     pub faults: Faults,
     /// The model has stopped fitting on at least one axis.
@@ -37,71 +32,112 @@ impl Output {
         still: false,
         measured: [0.0; AXES],
         temperature_c: f32::NAN,
-        corrected: [0.0; AXES],
-        innovation: [f32::NAN; AXES],
-        validity: [Validity::NOT_MODELLED; AXES],
+        corrections: [Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE }; AXES],
         faults: Faults::empty(),
         drift: false,
     };
 
+    /// With the predicted error taken out.
+    pub fn corrected(&self) -> [f32; AXES] {
+        self.each(|axis| axis.corrected)
+    }
+
+    /// The predicted error: the bias, offset included. 0 where the model does not have the axis.
+    pub fn predicted(&self) -> [f32; AXES] {
+        self.each(|axis| axis.predicted)
+    }
+
+    /// Measured minus predicted error; NaN where the true value is not known.
+    pub fn innovation(&self) -> [f32; AXES] {
+        self.each(|axis| axis.innovation.unwrap_or(f32::NAN))
+    }
+
+    /// What speaks against trusting each axis.
+    pub fn validity(&self) -> [Validity; AXES] {
+        self.each(|axis| axis.validity)
+    }
+
     /// Corrected specific force x, y, z, m/s².
     pub fn accel(&self) -> [f32; 3] {
-        let [ax, ay, az, ..] = self.corrected;
+        let [ax, ay, az, ..] = self.corrected();
         [ax, ay, az]
     }
 
     /// Corrected rate x, y, z, rad/s.
     pub fn gyro(&self) -> [f32; 3] {
-        let [.., gx, gy, gz] = self.corrected;
+        let [.., gx, gy, gz] = self.corrected();
         [gx, gy, gz]
     }
 
     /// Nothing speaks against any axis, and nothing went wrong.
     pub fn is_valid(&self) -> bool {
-        self.faults.is_empty() && !self.drift && self.validity.iter().all(|validity| validity.is_valid())
+        self.faults.is_empty() && !self.drift && self.suspect().is_valid()
     }
 
-    /// What the model says of an axis.
     #[inline(always)]
-    pub(super) fn set(&mut self, channel: u8, correction: &Correction<f32>) {
-        let channel = usize::from(channel);
-        let places = (
-            self.corrected.get_mut(channel),
-            self.innovation.get_mut(channel),
-            self.validity.get_mut(channel),
-        );
-        if let (Some(corrected), Some(innovation), Some(validity)) = places {
-            *corrected = correction.corrected;
-            *innovation = correction.innovation.unwrap_or(f32::NAN);
-            *validity = correction.validity;
-        }
+    fn each<T>(&self, of: impl Fn(&Correction<f32>) -> T) -> [T; AXES] {
+        let [ax, ay, az, gx, gy, gz] = &self.corrections;
+        [of(ax), of(ay), of(az), of(gx), of(gy), of(gz)]
     }
 
-    /// Axes that the model does not have: as measured.
-    pub(super) fn pass_others(&mut self, axes: &[Modelled], full_scale: [f32; AXES]) {
-        let places = self.corrected.iter_mut().zip(&mut self.validity).zip(self.measured).zip(full_scale);
-        for (channel, (((corrected, validity), measured), full_scale)) in (0..).zip(places) {
-            if axes.iter().all(|axis| axis.channel != channel) {
-                let saturated = measured.abs() >= full_scale;
-                *corrected = measured;
-                *validity = Validity::NOT_MODELLED;
-                if saturated {
-                    *validity |= Validity::SATURATED;
-                    self.faults |= Faults::SATURATED;
-                }
+    /// All that speaks against any axis.
+    // axis after axis, not a loop: it runs with every sample
+    #[inline(always)]
+    pub(super) fn suspect(&self) -> Validity {
+        let [ax, ay, az, gx, gy, gz] = &self.corrections;
+        ax.validity | ay.validity | az.validity | gx.validity | gy.validity | gz.validity
+    }
+
+    /// Axes that the model does not have: as measured, or as last measured where there is no number.
+    #[inline(never)]
+    pub(super) fn pass_others(&mut self, axes: &[u8], full_scale: [f32; AXES]) {
+        let places = self.corrections.iter_mut().zip(self.measured).zip(full_scale);
+        for (channel, ((correction, measured), full_scale)) in (0..).zip(places) {
+            if axes.contains(&channel) {
+                continue;
+            }
+            correction.validity = Validity::NOT_MODELLED;
+            if measured.is_finite() {
+                correction.corrected = measured;
+            } else {
+                correction.validity |= Validity::NOT_FINITE;
+            }
+            if measured.abs() >= full_scale {
+                correction.validity |= Validity::SATURATED;
             }
         }
     }
 
     #[cold]
     pub(super) fn flag(&mut self, stuck: bool) {
-        for validity in &mut self.validity {
-            if validity.contains(Validity::SATURATED) {
+        for correction in &mut self.corrections {
+            if correction.validity.contains(Validity::SATURATED) {
                 self.faults |= Faults::SATURATED;
             }
             if stuck {
-                *validity |= Validity::STUCK;
+                correction.validity |= Validity::STUCK;
             }
         }
+    }
+}
+
+/// Value by value, not axis by axis: so they are compared.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Output {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "Output {{ tick: {=u32}, still: {=bool}, measured: {}, temperature_c: {=f32}, corrected: {}, innovation: {}, \
+             validity: {}, faults: {}, drift: {=bool} }}",
+            self.tick,
+            self.still,
+            self.measured,
+            self.temperature_c,
+            self.corrected(),
+            self.innovation(),
+            self.validity(),
+            self.faults,
+            self.drift
+        );
     }
 }

@@ -34,10 +34,11 @@ impl Watch {
 
     /// The axis whose model has just stopped fitting, by its index in the model.
     #[inline]
-    pub(super) fn update(&mut self, corrections: &[Correction<f32>]) -> Option<usize> {
+    pub(super) fn update(&mut self, axes: &[u8], corrections: &[Correction<f32>; AXES]) -> Option<usize> {
         let mut stopped = None;
         let index = usize::from(self.watched);
-        if let (Some(monitor), Some(correction)) = (self.monitors.get_mut(index), corrections.get(index)) {
+        let correction = axes.get(index).and_then(|channel| corrections.get(usize::from(*channel)));
+        if let (Some(monitor), Some(correction)) = (self.monitors.get_mut(index), correction) {
             let drift = monitor.update(correction);
             if drift.mean || drift.variance {
                 let bit = 1_u8.checked_shl(u32::from(self.watched)).unwrap_or(0);

@@ -1,10 +1,9 @@
 //! Only what matters: the stretch before and after an alarm.
 
-use fos_core::Validity;
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
-use super::{Recorder, SampleFrame, StartFrame, TelemetryError};
-use crate::hub::{AXES, Output};
+use super::{Recorder, Snapshot, StartFrame, TelemetryError};
+use crate::hub::Output;
 
 /// So many frames are sent a sample while there is something to send: one more than come in, so that the stretch
 /// before drains.
@@ -18,23 +17,13 @@ const FRAMES_A_SAMPLE: usize = 2;
 #[derive(Debug)]
 pub struct AlarmRecorder<W, const BYTES: usize, const LOGGED: usize, const BEFORE: usize> {
     recorder: Recorder<W, BYTES>,
-    kept: Deque<Kept<LOGGED>, BEFORE>,
+    kept: Deque<Snapshot<LOGGED>, BEFORE>,
     after: u32,
     /// Samples that are still to come into the stretch under way.
     to_come: u32,
     /// Kept samples that belong to it: the oldest ones.
     to_send: usize,
     drifted: bool,
-}
-
-#[derive(Debug, Clone)]
-struct Kept<const LOGGED: usize> {
-    tick: u32,
-    still: bool,
-    measured: [f32; AXES],
-    innovation: [f32; AXES],
-    validity: [Validity; AXES],
-    logged: Vec<f32, LOGGED>,
 }
 
 impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFORE: usize>
@@ -73,19 +62,16 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
             frames -= usize::from(self.to_send > 0);
             sent = sent.and(self.oldest(start));
         }
-        let &Output { tick, still, measured, innovation, validity, drift, .. } = output;
-        let logged = Vec::from_slice(logged.get(..logged.len().min(LOGGED)).unwrap_or(&[]));
-        let logged = logged.unwrap_or_default();
         // there is room: the oldest has gone
-        let _ = self.kept.push_back(Kept { tick, still, measured, innovation, validity, logged });
+        let _ = self.kept.push_back(Snapshot::new(output, logged));
         if self.to_come > 0 {
             self.to_come -= 1;
             self.to_send += 1;
         }
-        if drift && !self.drifted {
+        if output.drift && !self.drifted {
             self.trigger();
         }
-        self.drifted = drift;
+        self.drifted = output.drift;
         for _ in 0..frames {
             if self.to_send > 0 {
                 sent = sent.and(self.oldest(start));
@@ -111,16 +97,7 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
             return Ok(());
         }
         self.to_send -= 1;
-        let Kept { tick, still, measured, innovation, validity, logged } = &kept;
-        let frame = SampleFrame {
-            tick: *tick,
-            still: *still,
-            measured: measured.as_slice(),
-            quantities: logged.as_slice(),
-            innovations: innovation.as_slice(),
-            validity: validity.as_slice(),
-        };
-        self.recorder.sample(start, frame)
+        self.recorder.sample(start, kept.frame())
     }
 }
 

@@ -17,6 +17,7 @@
 //! ```
 
 mod alarm;
+mod snapshot;
 
 use core::fmt;
 
@@ -25,8 +26,8 @@ use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use fos_core::Validity;
 use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Deserialize, Serialize};
+pub use snapshot::Snapshot;
 
-use crate::hub::Output;
 use crate::stuffing::Stuffing;
 
 /// The version that this crate writes, and the only one it reads.
@@ -81,20 +82,6 @@ pub struct SampleFrame<V, B> {
     pub innovations: V,
     /// [`Validity`] of every axis: its bits, as u16.
     pub validity: B,
-}
-
-impl<'a> SampleFrame<&'a [f32], &'a [Validity]> {
-    /// What a hub made of its latest sample; `logged` is [`Hub::logged`](crate::hub::Hub::logged).
-    pub fn new(output: &'a Output, logged: &'a [f32]) -> Self {
-        Self {
-            tick: output.tick,
-            still: output.still,
-            measured: &output.measured,
-            quantities: logged,
-            innovations: &output.innovation,
-            validity: &output.validity,
-        }
-    }
 }
 
 /// A frame of the device: everything borrowed.

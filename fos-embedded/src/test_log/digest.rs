@@ -33,12 +33,10 @@ impl Default for HubDigest {
 impl HubDigest {
     /// Takes what was said of one sample.
     pub fn update(&mut self, output: &Output) {
-        for ((corrected, innovation), validity) in
-            output.corrected.into_iter().zip(output.innovation).zip(output.validity)
-        {
-            self.0.update(&bytes_of(corrected));
-            self.0.update(&bytes_of(innovation));
-            self.0.update(&validity.bits().to_le_bytes());
+        for axis in &output.corrections {
+            self.0.update(&bytes_of(axis.corrected));
+            self.0.update(&bytes_of(axis.innovation.unwrap_or(f32::NAN)));
+            self.0.update(&axis.validity.bits().to_le_bytes());
         }
         let [low, high] = output.faults.bits().to_le_bytes();
         self.0.update(&[u8::from(output.still), low, high, u8::from(output.drift)]);

@@ -151,15 +151,15 @@ impl Corrector for TestHub {
             self.clock(tick.clock_us);
         }
         let known = |value: f32| Some(value).filter(|value| !value.is_nan());
-        let rest = output.innovation.iter().all(|value| value.is_nan() || value.is_finite());
+        let rest = output.innovation().iter().all(|value| value.is_nan() || value.is_finite());
         Out {
-            predicted: core::array::from_fn(|axis| output.measured[axis] - output.corrected[axis]),
-            innovation: output.innovation.map(known),
+            predicted: core::array::from_fn(|axis| output.measured[axis] - output.corrected()[axis]),
+            innovation: output.innovation().map(known),
             still: output.still,
             temperature_c: known(output.temperature_c),
             means: [0.0; AXES],
-            finite: rest && output.corrected.iter().chain(&output.measured).all(|value| value.is_finite()),
-            validity: output.validity,
+            finite: rest && output.corrected().iter().chain(&output.measured).all(|value| value.is_finite()),
+            validity: output.validity(),
             faults: output.faults,
             drift: output.drift,
             left_out: false,

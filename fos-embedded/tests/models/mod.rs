@@ -136,3 +136,20 @@ impl Random {
         RawSample { accel: [ax, ay, az], gyro: [gx, gy, gz], temperature: Some(0), ..RawSample::default() }
     }
 }
+
+/// An image of its own for every number, for a store: one axis, `provenance` bytes of provenance.
+pub(crate) fn numbered(number: u32, provenance: usize) -> Vec<u8> {
+    let terms = [Term::try_new(0.5 + f64::from(number) * 1e-3, &[y(1)]).expect("a term").convert::<f32>()];
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &[], stochastic: &terms }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[],
+        inputs: &[],
+        axes: &axes,
+    };
+    let provenance = "x".repeat(provenance);
+    let info = Info { sensor: "simulated", provenance: &provenance, quantities: "", effects: "" };
+    encode(&model, &info, &mut [0; 8192]).expect("an image").to_vec()
+}

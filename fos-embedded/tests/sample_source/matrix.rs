@@ -275,7 +275,7 @@ fn assess<P: Imu<BusError = NoAnswer>>(
     };
     let mut flagged = Faults::empty();
     for At { tick, output } in &run.outputs {
-        for (axis, corrected) in output.corrected.iter().enumerate() {
+        for (axis, corrected) in output.corrected().iter().enumerate() {
             let truth = if axis == 2 { 9.80665 } else { 0.0 };
             let off = (f64::from(*corrected) - truth).abs();
             let furthest = &mut row.furthest[axis / 3];
@@ -318,7 +318,7 @@ fn assess<P: Imu<BusError = NoAnswer>>(
     row.miscounted = i64::from(counted) - (last.tick - first.tick) as i64;
     for At { tick, output } in run.outputs.iter().rev().take(100) {
         let clean = undisturbed.get(tick).ok_or("no such tick")?;
-        for (value, clean) in output.corrected.iter().zip(clean) {
+        for (value, clean) in output.corrected().iter().zip(clean) {
             if (value - clean).abs() > 1e-5 {
                 return Err(format!("{value} instead of {clean} after recovery"));
             }
@@ -340,7 +340,7 @@ fn undisturbed<P: Simulated>() -> HashMap<u64, [f32; AXES]> {
     assert!(run.errors.is_empty());
     let flagged = run.outputs.iter().skip(100).find(|at| !at.output.is_valid());
     assert!(flagged.is_none(), "{:?}", flagged.map(|at| at.output));
-    run.outputs.into_iter().map(|at| (at.tick, at.output.corrected)).collect()
+    run.outputs.into_iter().map(|at| (at.tick, at.output.corrected())).collect()
 }
 
 fn input(centre_c: f32) -> Input<f32> {

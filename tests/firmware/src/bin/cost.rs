@@ -2,11 +2,12 @@
 //! today.
 //!
 //! ```text
-//! cost
+//! cost [profile]
 //! ```
 //!
-//! Prints tables in Markdown. On the host it runs without counting; sizes are those of the machine it runs on.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+//! Prints tables in Markdown. With `profile` it takes samples at rest between two marks, for a trace of the emulator
+//! (`.ci/device profile`). On the host it runs without counting; sizes are those of the machine it runs on.
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
 use core::hint::black_box;
 
@@ -17,8 +18,8 @@ use fos_core::{
 };
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
-use fos_embedded::telemetry::{Frame, HUB_AXES, SampleFrame, StartFrame, VERSION, encode as encode_frame};
-use fos_firmware::{Instructions, Tally, fail, println, stack_of};
+use fos_embedded::telemetry::{Frame, HUB_AXES, Snapshot, StartFrame, VERSION, encode as encode_frame};
+use fos_firmware::{Instructions, Tally, argument, fail, println, stack_of};
 
 const PERIOD_S: f64 = 0.005;
 const STEPS: u32 = 2000;
@@ -146,28 +147,21 @@ fn row(name: &str, tally: &Tally) {
     println!("| {name} | {} | {} |", tally.median(), tally.worst());
 }
 
-/// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its
-/// image.
-fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
-    instructions: &mut Instructions,
+/// A hub that counts as still, bytes of its image, and what `load` has of it.
+fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     name: &str,
     (physical, stochastic): (&[Term<f32>], &[Term<f32>]),
-) -> (f64, usize, usize) {
+) -> (Hub<INPUTS, TERMS, HISTORY>, Sensor, [u8; 4096], usize) {
     let mut buffer = [0; 4096];
     let image =
         with_model(physical, stochastic, |model| match encode(model, &Info::default(), &mut buffer) {
             Ok(image) => image.len(),
             Err(error) => fail(format_args!("{error}")),
         });
-    let bytes = &buffer[..image];
-    let mut hub: Hub<INPUTS, TERMS, HISTORY> = Hub::new(SCALES);
-    let mut loaded = Ok(());
-    let load_stack = stack_of(|| loaded = hub.load(bytes));
-    if let Err(error) = loaded {
+    let mut hub = Hub::new(SCALES);
+    if let Err(error) = hub.load(&buffer[..image]) {
         fail(format_args!("{name}: {error}"));
     }
-    let loading = instructions.of(|| loaded = hub.load(bytes));
-    // until it counts as still
     let mut sensor = Sensor(2);
     for _ in 0..4 * LIMITS.window {
         let _ = hub.update(&sensor.sample());
@@ -175,6 +169,18 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     if !hub.output().is_valid() {
         fail(format_args!("{name}: {:?}", hub.output()));
     }
+    (hub, sensor, buffer, image)
+}
+
+/// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its
+/// image.
+fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+    instructions: &mut Instructions,
+    name: &str,
+    terms: (&[Term<f32>], &[Term<f32>]),
+) -> (f64, usize, usize) {
+    let (mut hub, mut sensor, buffer, image) = resting_hub::<INPUTS, TERMS, HISTORY>(name, terms);
+    let bytes = &buffer[..image];
     let mut still = true;
     let tracked = tally(instructions, |raw| still &= hub.update(raw).still);
     if !still {
@@ -187,6 +193,13 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     hub.set_motion(None);
     // a gap is the deepest way through
     let gap = RawSample { skipped: 1000, ..sensor.sample() };
+    let mut other: Hub<INPUTS, TERMS, HISTORY> = Hub::new(SCALES);
+    let mut loaded = Ok(());
+    let load_stack = stack_of(|| loaded = other.load(bytes));
+    let loading = instructions.of(|| loaded = other.load(bytes));
+    if let Err(error) = loaded {
+        fail(format_args!("{name}: {error}"));
+    }
     let stack = stack_of(|| {
         let _ = hub.update(&sensor.sample());
         let _ = hub.update(&gap);
@@ -268,8 +281,8 @@ fn parts(instructions: &mut Instructions) {
     row(
         "a frame of telemetry",
         &tally(instructions, |_| {
-            let logged = hub.logged();
-            black_box(encode_frame(&Frame::Sample(SampleFrame::new(hub.output(), &logged)), &mut buffer));
+            let snapshot: Snapshot<1> = Snapshot::new(hub.output(), &hub.logged());
+            black_box(encode_frame(&Frame::Sample(snapshot.frame()), &mut buffer));
         }),
     );
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c" };
@@ -295,7 +308,34 @@ fn cubic_correction(raw: &RawSample, coefficients: &[[f32; 4]; 6]) -> [f32; 6] {
     corrected
 }
 
+/// Samples that are traced.
+const TRACED: usize = 64;
+
+/// Where counting begins and ends in a trace.
+#[unsafe(no_mangle)]
+#[inline(never)]
+extern "C" fn trace_mark() {
+    black_box(());
+}
+
+/// A hub at rest, ten linear terms an axis: [`TRACED`] samples between two marks.
+fn profile() {
+    let mut hub = resting_hub::<0, 60, 64>("profile", (&[], &LINEAR)).0;
+    let mut sensor = Sensor(3);
+    let samples: [RawSample; TRACED] = core::array::from_fn(|_| sensor.sample());
+    trace_mark();
+    for raw in &samples {
+        let _ = black_box(hub.update(black_box(raw)));
+    }
+    trace_mark();
+    println!("{TRACED}");
+}
+
 fn run() {
+    let mut buffer = [0; 1024];
+    if argument(1, &mut buffer).is_some_and(|mode| mode == c"profile") {
+        return profile();
+    }
     let mut instructions = Instructions::start();
     println!(
         "| hub, six axes | still, median | worst | moving, median | worst | RAM, bytes | stack, bytes | image, bytes |"

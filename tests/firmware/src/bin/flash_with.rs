@@ -2,9 +2,9 @@
 //!
 //! Its size less that of `flash_without.rs`, the same without a hub, is what the code takes of a device's flash; the
 //! stored model comes on top. For the target; on the host there is nothing to see.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cfg(target_os = "none")]
 mod firmware {
     use core::hint::black_box;
 
@@ -26,7 +26,8 @@ mod firmware {
         values: FittedOn::Raw,
     };
 
-    #[cortex_m_rt::entry]
+    #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+    #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
     fn main() -> ! {
         let mut hub: Hub<2, 72, 128> = Hub::new(SCALES);
         black_box(hub.load(black_box(&[0; 64]))).ok();
@@ -37,7 +38,7 @@ mod firmware {
     }
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+#[cfg(not(target_os = "none"))]
 fn main() {
     println!("for the target: its size is what is looked at");
 }

@@ -206,11 +206,11 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         log.extend(record.encode());
         let output = *record.step(&mut hub);
         digest.update(&output);
-        for each in output.validity {
+        for each in output.validity() {
             validity |= each;
         }
         faults |= output.faults;
-        let innovation = output.innovation.iter().any(|innovation| innovation.is_finite());
+        let innovation = output.innovation().iter().any(|innovation| innovation.is_finite());
         for (seen, now) in seen.iter_mut().zip([innovation, output.drift, output.still, !output.still]) {
             *seen += u32::from(now);
         }

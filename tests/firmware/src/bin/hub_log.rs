@@ -8,14 +8,14 @@
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
 //! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part
 //! costs.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
 use core::convert::Infallible;
 
 use embedded_io::{ErrorType, Write};
 use fos_core::Image;
-use fos_embedded::hub::Hub;
-use fos_embedded::telemetry::{HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION};
+use fos_embedded::hub::{Hub, MAX_LOGGED};
+use fos_embedded::telemetry::{HUB_AXES, Recorder, Snapshot, StartFrame, VERSION};
 use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 
@@ -125,7 +125,8 @@ fn run() {
             if let Some(recorder) = &mut telemetry {
                 let logged = hub.logged();
                 frames.add(instructions.of(|| {
-                    let frame = SampleFrame::new(hub.output(), &logged);
+                    let snapshot: Snapshot<MAX_LOGGED> = Snapshot::new(hub.output(), &logged);
+                    let frame = snapshot.frame();
                     if recorder.sample(&start, frame).is_err() {
                         fail(format_args!("a frame does not fit"));
                     }

@@ -7,9 +7,9 @@
 //! DEVICE_RUSTFLAGS='-C opt-level=3 -C llvm-args=-inline-threshold=1000000' \
 //!   device_build thumbv7em-none-eabihf --package fos-firmware --bin panic_free_sources
 //! ```
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cfg(target_os = "none")]
 mod image {
     use core::hint::black_box;
 
@@ -28,7 +28,8 @@ mod image {
         a_panic_can_be_reached()
     }
 
-    #[cortex_m_rt::entry]
+    #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+    #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
     fn main() -> ! {
         run(Lsm6dsv16x::new(Blocking(Bus), Address::Low, Blocking(Wait)));
         run(Bmi323::new(Blocking(Bus), Blocking(Wait)));
@@ -103,7 +104,7 @@ mod image {
     }
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+#[cfg(not(target_os = "none"))]
 fn main() {
     println!("checked on the target: the image links only if no panic can be reached");
 }

@@ -1,14 +1,15 @@
 //! The counter-check of `panic_free`: one index that may be out of bounds, so that this must not link on the target.
 //!
 //! It must fail for want of `a_panic_can_be_reached`, the function that the panic handler calls, and for nothing else.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cfg(target_os = "none")]
 #[path = "panic_free/image.rs"]
 mod image;
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-#[cortex_m_rt::entry]
+#[cfg(target_os = "none")]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
     use core::hint::black_box;
 
@@ -17,7 +18,7 @@ fn main() -> ! {
     loop {}
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+#[cfg(not(target_os = "none"))]
 fn main() {
     println!("checked on the target: this must not link, for one index may be out of bounds");
 }

@@ -7,7 +7,7 @@
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints how many
 //! samples there were, a digest of all corrections and one of the innovations, what a step costs (board only) and how
 //! much memory the model takes.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_core::{Image, Predictor};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};

@@ -105,7 +105,7 @@ fn samples(image: &[u8]) {
     info!("still: {}", *hub.output());
     let raw = RawSample { skipped: 30, faults: Faults::BUS | Faults::GAP, ..at_rest(0, 0) };
     let output = hub.update(&raw);
-    info!("after a gap: {}, gyro z {}", output.faults, output.validity[5]);
+    info!("after a gap: {}, gyro z {}", output.faults, output.validity()[5]);
     hub.clock(0);
     for n in 0..400 {
         let _ = hub.update(&at_rest(n, 0));

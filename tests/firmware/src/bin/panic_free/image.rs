@@ -2,16 +2,17 @@
 
 use core::hint::black_box;
 
+use fos_core::align::{Aligner, Stream};
 use fos_core::image::encode;
 use fos_core::{
     Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, Info, InnovationStatistics, Input, Model,
     Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
     Validity, u, y,
 };
-use fos_embedded::hub::{Hub, Motion};
+use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::telemetry::{
-    AlarmRecorder, Frame, HUB_AXES, Recorder, SampleFrame, StartFrame, VERSION, encode as encode_frame,
+    AlarmRecorder, Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode as encode_frame,
 };
 use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
@@ -34,6 +35,7 @@ pub(crate) fn exercise() {
     from_image(black_box(&[0; 64]));
     from_model();
     stillness();
+    joined();
     log(black_box(&[0; 64]));
     written();
     hub(black_box(&[0; 64]));
@@ -175,6 +177,21 @@ fn stillness() {
     }
 }
 
+fn joined() {
+    let [stamp, period, index]: [i64; 3] = black_box([0; 3]);
+    let (values, index) = (black_box([0.0_f32; 3]), index as usize);
+    let mut aligner = Aligner::<f32, 2, 2, 32>::new([period; 2], [period; 2]);
+    aligner.set_follower_period(index, period);
+    aligner.set_slow_period(index, period);
+    let _ = black_box(aligner.push_lead(stamp, values));
+    let _ = black_box(aligner.push_follower(index, stamp, values));
+    let _ = black_box(aligner.push_slow(index, stamp, values[0]));
+    black_box((aligner.pop(), aligner.flush()));
+    for stream in [Stream::Lead, Stream::Follower(index), Stream::Slow(index)] {
+        black_box(aligner.counts(stream));
+    }
+}
+
 fn log(bytes: &[u8]) {
     let Ok(header) = PredictorLogHeader::decode(bytes) else { return };
     let (mut measured, mut quantities) = (black_box([0.0; 6]), black_box([0.0; 2]));
@@ -195,14 +212,14 @@ fn log(bytes: &[u8]) {
     black_box(record.encode().count());
 }
 
-/// A stream that takes some of what it is given.
-struct Stream;
+/// A writer that takes some of what it is given.
+struct Writer;
 
-impl embedded_io::ErrorType for Stream {
+impl embedded_io::ErrorType for Writer {
     type Error = embedded_io::ErrorKind;
 }
 
-impl embedded_io::Write for Stream {
+impl embedded_io::Write for Writer {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, embedded_io::ErrorKind> {
         black_box(bytes);
         black_box(Ok(1))
@@ -247,13 +264,14 @@ fn hub(bytes: &[u8]) {
         axes: HUB_AXES,
         quantities: names.as_deref().unwrap_or(""),
     };
-    let mut alarmed: AlarmRecorder<_, 320, 4, 8> = AlarmRecorder::new(Recorder::new(Stream), black_box(8));
+    let mut alarmed: AlarmRecorder<_, 320, 4, 8> = AlarmRecorder::new(Recorder::new(Writer), black_box(8));
     black_box(alarmed.sample(&start, &output, &logged).is_ok());
     alarmed.trigger();
     black_box((alarmed.is_sending(), alarmed.recorder().failed()));
     let mut buffer = black_box([0; 320]);
     let room = buffer.get_mut(..black_box(320)).unwrap_or_default();
-    black_box(encode_frame(&Frame::Sample(SampleFrame::new(&output, &logged)), room).map(<[u8]>::len));
+    let snapshot: Snapshot<MAX_LOGGED> = Snapshot::new(&output, &logged);
+    black_box(encode_frame(&Frame::Sample(snapshot.frame()), room).map(<[u8]>::len));
 
     let mut given = black_box([0.0; 16]);
     if let (Ok(header), Ok(record)) = (HubLogHeader::decode(bytes), HubLogRecord::decode(bytes, &mut given)) {

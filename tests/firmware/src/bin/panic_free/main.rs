@@ -5,19 +5,20 @@
 //! function. `panic_reachable.rs` is the same with one index that may be out of bounds, and must not link.
 //!
 //! It takes the release profile of the device: link-time optimisation in one unit. On the host there is nothing to see.
-#![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[cfg(target_os = "none")]
 mod image;
 
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-#[cortex_m_rt::entry]
+#[cfg(target_os = "none")]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
     image::exercise();
     loop {}
 }
 
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+#[cfg(not(target_os = "none"))]
 fn main() {
     println!("checked on the target: the image links only if no panic can be reached");
 }
