@@ -123,7 +123,7 @@ int main(int argc, char **argv)
     printf("\n");
     for (int status = 0; status <= FOS_STATUS_OTHER_QUANTITY; status++)
         printf("%s: %lu\n", fos_status_text(status), statuses[status]);
-    for (unsigned bit = 1; bit <= FOS_VALIDITY_AWAY_FROM_GRAVITY; bit *= 2)
+    for (unsigned bit = 1; bit <= FOS_VALIDITY_NOT_MODELLED; bit *= 2)
         printf("%s\n", fos_validity_text((uint16_t)bit));
     printf("hub %lu bytes, aligned to %lu\n", (unsigned long)fos_hub_size(), (unsigned long)fos_hub_align());
     if (!untouched(memory.guard, sizeof memory.guard) || !untouched(place.guard, sizeof place.guard)) {
