@@ -5,7 +5,7 @@ use core::hint::cold_path;
 use crate::function::exp_m1;
 use crate::model::AxisParameters;
 use crate::program::Part;
-use crate::{Range, Real, Validity};
+use crate::{Range, Scalar, Validity};
 
 /// By how much of its width the fitted range of the remainder is widened before a value is limited: half the
 /// width on either side doubles it. The extreme of a normal record of 10⁴ samples is 3.9 σ, of 10¹⁰ samples
@@ -31,15 +31,26 @@ pub struct Correction<R> {
     pub validity: Validity,
 }
 
-impl<R: Real> Correction<R> {
+impl<R: Scalar> Correction<R> {
     /// Before the first sample.
     pub const NONE: Self =
         Self { predicted: R::ZERO, innovation: None, corrected: R::ZERO, validity: Validity::WARMING_UP };
+
+    /// The same in the scalar of the model.
+    #[inline(always)]
+    pub fn stored(&self) -> Correction<R::Stored> {
+        Correction {
+            predicted: self.predicted.stored(),
+            innovation: self.innovation.map(R::stored),
+            corrected: self.corrected.stored(),
+            validity: self.validity,
+        }
+    }
 }
 
 /// The constants of an axis, as the hot path needs them, and its state.
 #[derive(Debug, Clone)]
-pub(crate) struct RunningAxis<R> {
+pub(crate) struct RunningAxis<R: Scalar> {
     pub(crate) physical: Part<R>,
     pub(crate) stochastic: Part<R>,
     /// Bit i is set if a term uses input i.
@@ -48,8 +59,8 @@ pub(crate) struct RunningAxis<R> {
     depth: u16,
     pub(crate) reference: R,
     offset: R,
-    scale: R,
-    per_scale: R,
+    scale: R::Gain,
+    per_scale: R::Gain,
     range: Range<R>,
     physical_range: Range<R>,
     /// A remainder in it, against the model's own reference, is one of a measured value below full scale and in range.
@@ -59,7 +70,7 @@ pub(crate) struct RunningAxis<R> {
     stuck_after_repeats: u32,
     gap_limit_samples: u8,
     coast_limit: u32,
-    fade: R,
+    fade: R::Gain,
 
     /// p at this tick.
     pub(crate) p: R,
@@ -93,26 +104,30 @@ pub(crate) struct AxisProgram<R> {
     pub(crate) depth: u16,
 }
 
-impl<R: Real> RunningAxis<R> {
+impl<R: Scalar> RunningAxis<R> {
     /// It has to be [begun](Self::begin) where it is to stay.
     #[inline(never)]
-    pub(crate) fn new(parameters: &AxisParameters<R>, program: AxisProgram<R>, period_s: f64) -> Self {
+    pub(crate) fn new(
+        parameters: &AxisParameters<R::Stored>,
+        program: AxisProgram<R>,
+        period_s: f64,
+    ) -> Self {
         // −0 is a limit of 0: to divide by it must not turn the sign of the fading
         let coast_limit_s = parameters.coast_limit_s.to_f64().abs();
-        let full_scale = if parameters.full_scale > R::ZERO { parameters.full_scale } else { R::MAX };
+        let full_scale = R::of(parameters.full_scale);
         Self {
             physical: program.physical,
             stochastic: program.stochastic,
             inputs_used: program.inputs_used,
             depth: program.depth,
-            reference: parameters.reference,
-            offset: parameters.offset,
-            scale: parameters.scale,
-            per_scale: R::from_f64(1.0 / parameters.scale.to_f64()),
-            range: Self::limits(parameters),
-            physical_range: parameters.physical_limits(),
+            reference: R::of(parameters.reference),
+            offset: R::of(parameters.offset),
+            scale: R::gain(parameters.scale.to_f64()),
+            per_scale: R::gain(1.0 / parameters.scale.to_f64()),
+            range: Self::limits(parameters).convert(),
+            physical_range: parameters.physical_limits().convert(),
             sound: Range::new(R::ONE, R::ZERO),
-            full_scale,
+            full_scale: if full_scale > R::ZERO { full_scale } else { R::MAX },
             stuck_after_repeats: match parameters.stuck_after_repeats {
                 0 => u32::MAX,
                 repeats => u32::from(repeats),
@@ -120,7 +135,7 @@ impl<R: Real> RunningAxis<R> {
             gap_limit_samples: parameters.gap_limit_samples,
             // the conversion saturates
             coast_limit: (coast_limit_s / period_s) as u32,
-            fade: R::from_f64(1.0 + exp_m1(-period_s / coast_limit_s)),
+            fade: R::gain(1.0 + exp_m1(-period_s / coast_limit_s)),
             p: R::ZERO,
             predicted_remainder: R::ZERO,
             limited: false,
@@ -139,7 +154,7 @@ impl<R: Real> RunningAxis<R> {
     }
 
     /// Within these the remainder is kept, whatever happens.
-    pub(crate) fn limits(parameters: &AxisParameters<R>) -> Range<R> {
+    pub(crate) fn limits(parameters: &AxisParameters<R::Stored>) -> Range<R::Stored> {
         parameters.range.widened(MARGIN)
     }
 
@@ -173,7 +188,7 @@ impl<R: Real> RunningAxis<R> {
     /// The whole range of the remainder if nothing in it is at full scale, else nothing: full scale is then looked at.
     fn find_sound(&mut self) {
         let p = if self.physical.is_empty { 0.0 } else { self.physical_range.magnitude() };
-        let error = self.scale.to_f64() * (self.range.magnitude() + p);
+        let error = R::gain_to_f64(self.scale) * (self.range.magnitude() + p);
         let furthest = self.reference.to_f64().abs() + self.offset.to_f64().abs() + error;
         // for what rounding adds
         let below = furthest * 1.000_01 < self.full_scale.to_f64();
@@ -192,7 +207,7 @@ impl<R: Real> RunningAxis<R> {
         (self.repeats, self.missing, self.coasted, self.gain) = (0, 0, 0, R::ONE);
         self.corrected = self.reference;
         // equals nothing, so that the first sample is no repetition
-        self.last_measured = R::from_f64(f64::NAN);
+        self.last_measured = R::NAN;
     }
 
     /// Too many samples are missing, `ticks` of them unseen. Forgets the history: the axis warms up again. What had
@@ -225,7 +240,11 @@ impl<R: Real> RunningAxis<R> {
     #[inline(always)]
     pub(crate) fn track(&mut self, measured: R, correction: &mut Correction<R>) {
         let remainder = self.remainder_of(measured, self.reference);
-        if !(self.is_fresh(measured) && self.sound.contains(remainder) && self.steady) {
+        if !(self.is_fresh(measured)
+            && !measured.is_absent()
+            && self.sound.contains(remainder)
+            && self.steady)
+        {
             return self.track_unsound(measured, remainder, correction);
         }
         let (stochastic, validity) = self.in_range(self.predicted_remainder);
@@ -244,14 +263,14 @@ impl<R: Real> RunningAxis<R> {
     fn track_unsound(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
         let stuck = u32::from(self.repeats) >= self.stuck_after_repeats;
         // NaN is not below
-        let below_full_scale = measured.abs() < self.full_scale;
+        let below_full_scale = !measured.is_absent() && measured.abs() < self.full_scale;
         if stuck || !below_full_scale {
             return self.track_faulty(measured, remainder, correction);
         }
         let (kept, out_of_range) = self.in_range(remainder);
         if !out_of_range.is_valid() {
             // in the axis' unit, and twice that: what is finite then, stays so in the innovation
-            let error = (remainder + remainder) * self.scale;
+            let error = (remainder + remainder).times(self.scale);
             if !error.is_finite() {
                 return self.track_faulty(measured, error, correction);
             }
@@ -267,8 +286,8 @@ impl<R: Real> RunningAxis<R> {
     /// What was measured against what is predicted.
     #[inline(always)]
     fn compare(&mut self, measured: R, remainder: R, stochastic: R, correction: &mut Correction<R>) {
-        correction.predicted = self.offset + self.scale * (self.p + stochastic);
-        correction.innovation = Some(self.scale * (remainder - stochastic));
+        correction.predicted = self.offset + (self.p + stochastic).times(self.scale);
+        correction.innovation = Some((remainder - stochastic).times(self.scale));
         self.corrected = measured - correction.predicted;
         correction.corrected = self.corrected;
     }
@@ -285,7 +304,7 @@ impl<R: Real> RunningAxis<R> {
     #[inline(never)]
     pub(crate) fn coast(&mut self, measured: R, correction: &mut Correction<R>) {
         // what is below full scale is finite
-        if !(self.is_fresh(measured) && measured.abs() < self.full_scale) {
+        if !(self.is_fresh(measured) && !measured.is_absent() && measured.abs() < self.full_scale) {
             return self.coast_faulty(measured, correction);
         }
         self.missing = 0;
@@ -334,7 +353,7 @@ impl<R: Real> RunningAxis<R> {
     /// y − p, scaled.
     #[inline(always)]
     fn remainder_of(&self, measured: R, reference: R) -> R {
-        (measured - reference - self.offset) * self.per_scale - self.p
+        (measured - reference - self.offset).times(self.per_scale) - self.p
     }
 
     /// r̂ as it is used, and what speaks against it: 0 until the history is full, and never beyond the limits.
@@ -360,7 +379,7 @@ impl<R: Real> RunningAxis<R> {
     /// Counts how often a measured value has repeated; whether that is still in order.
     #[inline(always)]
     fn is_fresh(&mut self, measured: R) -> bool {
-        if measured == self.last_measured {
+        if measured == self.last_measured && !measured.is_absent() {
             self.repeats = self.repeats.saturating_add(1);
             return u32::from(self.repeats) < self.stuck_after_repeats;
         }
@@ -370,7 +389,7 @@ impl<R: Real> RunningAxis<R> {
 
     /// What is wrong with a measured value: it is not finite, saturated or stuck.
     fn fault(&self, measured: R, remainder: R) -> Validity {
-        Validity::when(!remainder.is_finite(), Validity::NOT_FINITE)
+        Validity::when(!(measured.is_finite() && remainder.is_finite()), Validity::NOT_FINITE)
             | Validity::when(measured.abs() >= self.full_scale, Validity::SATURATED)
             | Validity::when(u32::from(self.repeats) >= self.stuck_after_repeats, Validity::STUCK)
     }
@@ -408,7 +427,7 @@ impl<R: Real> RunningAxis<R> {
         } else {
             (self.remainder, self.known) = (R::ZERO, false);
         }
-        let predicted = self.offset + self.scale * (self.p + stochastic * self.gain);
+        let predicted = self.offset + (self.p + stochastic * self.gain).times(self.scale);
         if !validity.intersects(Validity::NOT_FINITE | Validity::MISSING) {
             self.corrected = measured - predicted;
         }
@@ -417,7 +436,7 @@ impl<R: Real> RunningAxis<R> {
 
     /// Lets what is subtracted of the stochastic part die away.
     fn fade(&mut self) {
-        self.gain = self.gain * self.fade;
+        self.gain = self.gain.times(self.fade);
         if self.gain < R::from_f64(FADED) {
             self.gain = R::ZERO;
         }

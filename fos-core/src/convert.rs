@@ -1,14 +1,16 @@
 //! The same model in another scalar. On the way to the image this is where f64 is rounded to f32, once.
 
-use crate::{AxisParameters, InnovationStatistics, Input, Range, Real, StillnessLimits, Term, Transform};
+use crate::{
+    AxisParameters, InnovationStatistics, Input, Range, Real, Scalar, StillnessLimits, Term, Transform,
+};
 
-fn scalar<S: Real, R: Real>(value: S) -> R {
+fn scalar<S: Scalar, R: Scalar>(value: S) -> R {
     R::from_f64(value.to_f64())
 }
 
-impl<S: Real> Range<S> {
+impl<S: Scalar> Range<S> {
     /// The same range in another scalar.
-    pub fn convert<R: Real>(&self) -> Range<R> {
+    pub fn convert<R: Scalar>(&self) -> Range<R> {
         Range { low: scalar(self.low), high: scalar(self.high) }
     }
 }

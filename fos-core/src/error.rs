@@ -86,6 +86,17 @@ pub enum ModelError {
         /// Its place in the model.
         axis: usize,
     },
+    /// The axis does not fit [`Fixed`](crate::Fixed): a constant of it, its limits, or all its terms together come to 256
+    /// and more, in its unit or in scaled units.
+    AxisNotInFixedPoint {
+        /// Its place in the model.
+        axis: usize,
+    },
+    /// The input does not fit [`Fixed`](crate::Fixed): its centre or a limit of it comes to 256 and more.
+    InputNotInFixedPoint {
+        /// Its place in the model.
+        input: usize,
+    },
     /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
     Stillness,
 }
@@ -118,6 +129,12 @@ impl fmt::Display for ModelError {
                 write!(f, "input {input}: a parameter is not finite or out of bounds")
             }
             Self::InputSource { input } => write!(f, "input {input}: its source does not fit its transform"),
+            Self::AxisNotInFixedPoint { axis } => {
+                write!(f, "axis {axis}: it needs values of 256 and more, which fixed point does not have")
+            }
+            Self::InputNotInFixedPoint { input } => {
+                write!(f, "input {input}: it needs values of 256 and more, which fixed point does not have")
+            }
             Self::Unbounded { axis } => write!(f, "axis {axis}: the terms can overflow"),
             Self::Stillness => write!(f, "a limit of stillness is not a positive number"),
         }

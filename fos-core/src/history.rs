@@ -1,6 +1,6 @@
 //! The ring that holds the latest samples, value after value.
 
-use crate::Real;
+use crate::Scalar;
 
 /// The last `N` values written; `N` is a power of two up to 65536.
 ///
@@ -22,7 +22,7 @@ pub(crate) struct History<R, const N: usize> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Window<'a, R, const N: usize>(&'a [R; N]);
 
-impl<R: Real, const N: usize> History<R, N> {
+impl<R: Scalar, const N: usize> History<R, N> {
     const MASK: usize = {
         assert!(N.is_power_of_two() && N <= 1 << 16, "a history's capacity is a power of two up to 65536");
         N - 1
@@ -62,7 +62,7 @@ impl<R: Real, const N: usize> History<R, N> {
     }
 }
 
-impl<R: Real, const N: usize> Window<'_, R, N> {
+impl<R: Scalar, const N: usize> Window<'_, R, N> {
     /// Where to find the value written `back` writes ago, 1 for the latest; none if it has been overwritten.
     pub(crate) fn place(back: usize) -> Option<u16> {
         if back == 0 { None } else { N.checked_sub(back).and_then(|place| u16::try_from(place).ok()) }

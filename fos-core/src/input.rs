@@ -4,7 +4,7 @@ use core::hint::cold_path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Range, Real, Transform, Transformer, Validity};
+use crate::{Range, Real, Scalar, Transform, Transformer, Validity};
 
 /// By how much of its width a fitted range of an input is widened before a value counts as outside: the noise
 /// and the steps of a thermometer, not an extrapolation.
@@ -46,28 +46,34 @@ impl<R: Real> Input<R> {
     pub fn limits(&self) -> Range<R> {
         self.range.widened(MARGIN)
     }
+
+    /// The same of x.
+    pub(crate) fn source_limits(&self) -> Range<R> {
+        self.source_range.widened(MARGIN)
+    }
 }
 
 /// The coefficients and the state of an input.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RunningInput<R> {
+pub(crate) struct RunningInput<R: Scalar> {
     source: Source,
     centre: R,
-    per_scale: R,
+    per_scale: R::Gain,
     source_range: Range<R>,
     range: Range<R>,
     transformer: Transformer<R>,
 }
 
-impl<R: Real> RunningInput<R> {
-    pub(crate) fn new(input: &Input<R>, period_s: f64) -> Self {
-        let transformer = Transformer::scaled(&input.transform, period_s, input.centre, input.scale);
+impl<R: Scalar> RunningInput<R> {
+    pub(crate) fn new(input: &Input<R::Stored>, period_s: f64) -> Self {
+        let transformer =
+            Transformer::scaled(&input.transform, period_s, input.centre.to_f64(), input.scale.to_f64());
         let mut running = Self {
             source: input.source,
-            centre: input.centre,
-            per_scale: R::from_f64(1.0 / input.scale.to_f64()),
-            source_range: input.source_range.widened(MARGIN),
-            range: input.limits(),
+            centre: R::of(input.centre),
+            per_scale: R::gain(1.0 / input.scale.to_f64()),
+            source_range: input.source_limits().convert(),
+            range: input.limits().convert(),
             transformer,
         };
         running.start();
@@ -106,7 +112,7 @@ impl<R: Real> RunningInput<R> {
         let mut validity = Validity::VALID;
         let x = match logged {
             Some(value) if value.is_finite() => {
-                let mut x = (value - self.centre) * self.per_scale;
+                let mut x = (value - self.centre).times(self.per_scale);
                 if !self.source_range.contains(x) {
                     cold_path();
                     x = self.source_range.limit(x);

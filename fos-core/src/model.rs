@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::real::is_positive;
-use crate::{Channel, Input, ModelError, Range, Real, Source, StillnessLimits, Term};
+use crate::arithmetic::is_positive;
+use crate::{Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -169,6 +169,22 @@ impl<R: Real> Input<R> {
         };
         if source { Ok(()) } else { Err(ModelError::InputSource { input }) }
     }
+
+    /// Whether a scalar holds all that the input comes to, from the logged quantity on.
+    pub(crate) fn fits<S: Scalar<Stored = R>>(&self) -> bool {
+        let (centre, scale) = (self.centre.to_f64().abs(), self.scale.to_f64());
+        let x = self.source_limits().magnitude();
+        let logged = match self.source {
+            Source::Quantity(_) => centre + scale * x,
+            Source::Clock | Source::Remainder(_) => 0.0,
+        };
+        let own = match self.transform {
+            Transform::Backlash { half_width } => x + half_width.to_f64() / scale,
+            Transform::Time => centre / scale,
+            _ => 0.0,
+        };
+        [logged, x, own, self.limits().magnitude()].into_iter().all(S::holds)
+    }
 }
 
 impl<R: Real> AxisParameters<R> {
@@ -181,7 +197,7 @@ impl<R: Real> AxisParameters<R> {
         let finite = [self.reference, self.offset, self.constant, self.innovation.mean];
         let not_negative = |value: R| value.is_finite() && value >= R::ZERO;
         let correlation = self.innovation.lag_1_correlation;
-        let valid = finite.into_iter().all(Real::is_finite)
+        let valid = finite.into_iter().all(Scalar::is_finite)
             && is_positive(self.scale)
             && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
             && self.range.is_valid()

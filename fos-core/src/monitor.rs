@@ -5,7 +5,7 @@ use core::hint::cold_path;
 use crate::axis::Correction;
 use crate::function::exp_m1;
 use crate::model::{AxisParameters, InnovationStatistics};
-use crate::{Range, Real, Validity, root};
+use crate::{Range, Scalar, Validity, root};
 
 /// Shift of the innovation's mean, in standard deviations, that the drift test lets pass (Page 1954: k).
 ///
@@ -41,29 +41,29 @@ pub struct Drift {
 /// Running mean, variance and lag-1 correlation of an axis' innovation, and a two-sided cumulative-sum test
 /// (CUSUM, Page 1954) of its mean and of its power against the values stored with the model. Constant memory.
 #[derive(Debug, Clone)]
-pub struct Monitor<R> {
+pub struct Monitor<R: Scalar> {
     fitted_mean: R,
-    per_deviation: R,
-    deviation: f64,
-    scale: f64,
-    mean_threshold: R,
-    power_threshold: R,
-    gain: R,
+    per_deviation: R::Gain,
+    deviation: R::Stored,
+    scale: R::Stored,
+    mean_threshold: R::Sum,
+    power_threshold: R::Sum,
+    gain: R::Gain,
 
     samples: u32,
-    mean: R,
-    variance: R,
-    lag_1: R,
+    mean: R::Mean,
+    variance: R::Mean,
+    lag_1: R::Mean,
     previous: R,
-    above: R,
-    below: R,
-    power: R,
+    above: R::Sum,
+    below: R::Sum,
+    power: R::Sum,
     drift: Drift,
 }
 
-impl<R: Real> Monitor<R> {
+impl<R: Scalar> Monitor<R> {
     /// A monitor for the axis of `parameters`, sampled every `period_s` seconds.
-    pub fn new(parameters: &AxisParameters<R>, period_s: f64) -> Self {
+    pub fn new(parameters: &AxisParameters<R::Stored>, period_s: f64) -> Self {
         let fitted = parameters.innovation;
         let scale = parameters.scale.to_f64();
         let deviation = libm::sqrt(fitted.variance.to_f64());
@@ -72,20 +72,20 @@ impl<R: Real> Monitor<R> {
         let inflation = (1.0 + correlation.max(0.0)) / (1.0 - correlation.max(0.0));
         Self {
             fitted_mean: R::from_f64(fitted.mean.to_f64() / deviation),
-            per_deviation: R::from_f64(1.0 / (scale * deviation)),
-            deviation,
-            scale,
-            mean_threshold: R::from_f64(MEAN_THRESHOLD * inflation),
-            power_threshold: R::from_f64(POWER_THRESHOLD * power_inflation(correlation)),
-            gain: R::from_f64(-exp_m1(-period_s / TAU_S)),
+            per_deviation: R::gain(1.0 / (scale * deviation)),
+            deviation: R::Stored::from_f64(deviation),
+            scale: parameters.scale,
+            mean_threshold: sum::<R>(MEAN_THRESHOLD * inflation),
+            power_threshold: sum::<R>(POWER_THRESHOLD * power_inflation(correlation)),
+            gain: R::gain(-exp_m1(-period_s / TAU_S)),
             samples: 0,
-            mean: R::ZERO,
-            variance: R::ONE,
-            lag_1: R::from_f64(fitted.lag_1_correlation.to_f64()),
+            mean: R::ZERO.mean_at(),
+            variance: R::ONE.mean_at(),
+            lag_1: R::of(fitted.lag_1_correlation).mean_at(),
             previous: R::ZERO,
-            above: R::ZERO,
-            below: R::ZERO,
-            power: R::ZERO,
+            above: R::NOTHING,
+            below: R::NOTHING,
+            power: R::NOTHING,
             drift: Drift::default(),
         }
     }
@@ -99,27 +99,29 @@ impl<R: Real> Monitor<R> {
         if correction.validity.intersects(reasons) || !innovation.is_finite() {
             return self.drift;
         }
-        let normalised = innovation * self.per_deviation - self.fitted_mean;
+        let normalised = innovation.times(self.per_deviation) - self.fitted_mean;
         let outlier = R::from_f64(OUTLIER);
         let (mut e, mut tested) = (normalised, normalised);
         if !Range::new(-outlier, outlier).contains(normalised) {
             cold_path();
             // beyond the limits of the remainder the innovation is bounded, but squares should stay small
-            let bound = R::from_f64(1e6);
+            let bound = R::LARGEST_SQUARED;
             (e, tested) = (normalised.limit(-bound, bound), normalised.limit(-outlier, outlier));
         }
         self.samples = self.samples.saturating_add(1);
-        self.mean = self.mean + self.gain * (e - self.mean);
-        let deviation = e - self.mean;
-        self.variance = self.variance + self.gain * (deviation * deviation - self.variance);
-        self.lag_1 = self.lag_1 + self.gain * (deviation * self.previous - self.lag_1);
+        e.averaged_by(&mut self.mean, self.gain);
+        let deviation = e - R::mean(self.mean);
+        (deviation * deviation).averaged_by(&mut self.variance, self.gain);
+        (deviation * self.previous).averaged_by(&mut self.lag_1, self.gain);
         self.previous = deviation;
 
-        let slack = R::from_f64(MEAN_SLACK);
-        self.drift.mean |= reach(&mut self.above, self.mean_threshold, |sum| sum + tested - slack);
-        self.drift.mean |= reach(&mut self.below, self.mean_threshold, |sum| sum - tested - slack);
-        let excess = tested * tested - R::from_f64(1.0 + POWER_SLACK);
-        self.drift.variance |= reach(&mut self.power, self.power_threshold, |sum| sum + excess);
+        let (above, below, slack) = (tested.begin(), (-tested).begin(), sum::<R>(-MEAN_SLACK));
+        self.drift.mean |=
+            reach::<R>(&mut self.above, self.mean_threshold, |sum| R::plus(R::plus(sum, above), slack));
+        self.drift.mean |=
+            reach::<R>(&mut self.below, self.mean_threshold, |sum| R::plus(R::plus(sum, below), slack));
+        let excess = R::plus(tested.square(), sum::<R>(-1.0 - POWER_SLACK));
+        self.drift.variance |= reach::<R>(&mut self.power, self.power_threshold, |sum| R::plus(sum, excess));
         self.drift
     }
 
@@ -129,20 +131,20 @@ impl<R: Real> Monitor<R> {
     }
 
     /// The running statistics, in the scaled units of the model, to compare with the model's own.
-    pub fn statistics(&self) -> InnovationStatistics<R> {
-        let variance = self.variance.to_f64();
-        let mean = self.mean.to_f64() + self.fitted_mean.to_f64();
-        let correlation = if variance > 0.0 { self.lag_1.to_f64() / variance } else { 0.0 };
+    pub fn statistics(&self) -> InnovationStatistics<R::Stored> {
+        let (variance, deviation) = (R::mean(self.variance).to_f64(), self.deviation.to_f64());
+        let mean = R::mean(self.mean).to_f64() + self.fitted_mean.to_f64();
+        let correlation = if variance > 0.0 { R::mean(self.lag_1).to_f64() / variance } else { 0.0 };
         InnovationStatistics {
-            mean: R::from_f64(mean * self.deviation),
-            variance: R::from_f64(variance * self.deviation * self.deviation),
-            lag_1_correlation: R::from_f64(correlation.clamp(-1.0, 1.0)),
+            mean: R::Stored::from_f64(mean * deviation),
+            variance: R::Stored::from_f64(variance * deviation * deviation),
+            lag_1_correlation: R::Stored::from_f64(correlation.clamp(-1.0, 1.0)),
         }
     }
 
     /// The running mean of the innovation in the axis' unit; the largest f64 if it is beyond that.
     pub fn mean_in_unit(&self) -> f64 {
-        (self.statistics().mean.to_f64() * self.scale).limit(-f64::MAX, f64::MAX)
+        (self.statistics().mean.to_f64() * self.scale.to_f64()).limit(-f64::MAX, f64::MAX)
     }
 
     /// Running standard deviation of the innovation over that of the fit: 1 as fitted, 2 twice the noise.
@@ -150,13 +152,14 @@ impl<R: Real> Monitor<R> {
     /// A square root, to be asked for now and then: good to 6·10⁻⁸, with the feature `micromath` to 6 %.
     pub fn deviation_ratio(&self) -> f32 {
         // the running variance is in variances of the fit
-        root::sqrt(self.variance.to_f64() as f32)
+        root::sqrt(R::mean(self.variance).to_f64() as f32)
     }
 
     /// Running standard deviation of the innovation in the axis' unit, as good as the
     /// [ratio](Self::deviation_ratio); the largest f32 if it is beyond that.
     pub fn deviation_in_unit(&self) -> f32 {
-        ((f64::from(self.deviation_ratio()) * self.deviation * self.scale) as f32).min(f32::MAX)
+        let unit = self.deviation.to_f64() * self.scale.to_f64();
+        ((f64::from(self.deviation_ratio()) * unit) as f32).min(f32::MAX)
     }
 
     /// Whether the model has stopped fitting.
@@ -166,24 +169,30 @@ impl<R: Real> Monitor<R> {
 
     /// Forgets an alarm and starts the tests anew; the running statistics stay.
     pub fn restart(&mut self) {
-        (self.above, self.below, self.power) = (R::ZERO, R::ZERO, R::ZERO);
+        (self.above, self.below, self.power) = (R::NOTHING, R::NOTHING, R::NOTHING);
         self.drift = Drift::default();
     }
 }
 
 /// The next value of a one-sided cumulative sum, which stays within 0 and its threshold; whether it is there.
 #[inline(always)]
-fn reach<R: Real>(sum: &mut R, threshold: R, next: impl FnOnce(R) -> R) -> bool {
+fn reach<R: Scalar>(sum: &mut R::Sum, threshold: R::Sum, next: impl FnOnce(R::Sum) -> R::Sum) -> bool {
     let next = next(*sum);
     let reached = next >= threshold;
     *sum = if reached {
         threshold
-    } else if next > R::ZERO {
+    } else if next > R::NOTHING {
         next
     } else {
-        R::ZERO
+        R::NOTHING
     };
     reached
+}
+
+/// What a sum has come to.
+#[inline(always)]
+fn sum<R: Scalar>(value: f64) -> R::Sum {
+    R::sum_of(R::Stored::from_f64(value))
 }
 
 /// How much further the sum of the squares of correlated innovations wanders, so that an alarm stays as rare:
@@ -197,7 +206,10 @@ fn power_inflation(correlation: f64) -> f64 {
 
 /// What it has found, not what it was made with.
 #[cfg(feature = "defmt")]
-impl<R: Real + defmt::Format> defmt::Format for Monitor<R> {
+impl<R: Scalar> defmt::Format for Monitor<R>
+where
+    R::Stored: defmt::Format,
+{
     fn format(&self, f: defmt::Formatter<'_>) {
         let (samples, statistics) = (self.samples, self.statistics());
         defmt::write!(

@@ -1,8 +1,8 @@
 //! Is the true value of an accelerometer at rest the one that the model knows? Decides whether a still axis may be
 //! tracked.
 
-use crate::Real;
 use crate::model::{Axis, AxisParameters};
+use crate::{Real, Scalar};
 
 /// Standard gravity, m/s²; anywhere on the ground it is within 0.3 % of this.
 pub const GRAVITY_MPS2: f32 = 9.80665;
@@ -73,9 +73,16 @@ impl<R: Real> PoseGate<R> {
         Self { reference: parameters.reference, limit }
     }
 
+    /// The same gate in another scalar.
+    pub fn convert<S: Scalar<Stored = R>>(&self) -> PoseGate<S> {
+        PoseGate { reference: S::of(self.reference), limit: S::of(self.limit) }
+    }
+}
+
+impl<R: Scalar> PoseGate<R> {
     /// Whether the very first sample may be tracked.
     pub fn is_open_at_first(&self) -> bool {
-        !self.limit.is_finite()
+        self.limit >= R::MAX
     }
 
     /// Whether the next sample may be tracked, after one that was `corrected` to this, in the axis' unit: a

@@ -1,7 +1,7 @@
 //! One step per sample: tracks from measurements, coasts on its own output.
 
 use crate::axis::Correction;
-use crate::{Evaluator, Model, ModelError, Real, Sample};
+use crate::{Evaluator, Model, ModelError, Sample, Scalar};
 
 /// Evaluates a model sample by sample and takes the predicted error out.
 ///
@@ -52,7 +52,13 @@ use crate::{Evaluator, Model, ModelError, Real, Sample};
 /// # Ok::<(), fos_core::ModelError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
+pub struct Predictor<
+    R: Scalar,
+    const AXES: usize,
+    const INPUTS: usize,
+    const TERMS: usize,
+    const HISTORY: usize,
+> {
     evaluator: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     corrections: [Correction<R>; AXES],
     /// There has been a sample.
@@ -61,8 +67,13 @@ pub struct Predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usi
 
 /// What the latest sample came to, not the model.
 #[cfg(feature = "defmt")]
-impl<R: defmt::Format, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
-    defmt::Format for Predictor<R, AXES, INPUTS, TERMS, HISTORY>
+impl<
+    R: Scalar + defmt::Format,
+    const AXES: usize,
+    const INPUTS: usize,
+    const TERMS: usize,
+    const HISTORY: usize,
+> defmt::Format for Predictor<R, AXES, INPUTS, TERMS, HISTORY>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
         let (inputs, corrections) = (self.evaluator.n_inputs(), &self.corrections);
@@ -70,7 +81,7 @@ impl<R: defmt::Format, const AXES: usize, const INPUTS: usize, const TERMS: usiz
     }
 }
 
-impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Predictor<R, AXES, INPUTS, TERMS, HISTORY>
 {
     /// A predictor for `model`, of which it keeps its own compiled copy.
@@ -78,7 +89,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// # Errors
     ///
     /// The first thing that is wrong with the model, or that there is no room for.
-    pub fn new(model: &Model<'_, R>) -> Result<Self, ModelError> {
+    pub fn new(model: &Model<'_, R::Stored>) -> Result<Self, ModelError> {
         let mut predictor = Self::empty();
         predictor.load(model)?;
         Ok(predictor)
@@ -89,7 +100,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// # Errors
     ///
     /// As [`new`](Self::new); it is then without a model.
-    pub fn load(&mut self, model: &Model<'_, R>) -> Result<(), ModelError> {
+    pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         self.begun = false;
         self.evaluator.load(model)
     }

@@ -8,7 +8,7 @@ use core::hint::cold_path;
 use heapless::Vec;
 
 use crate::history::Window;
-use crate::{Channel, Factor, MAX_DEGREE, ModelError, Real, Term};
+use crate::{Channel, Factor, MAX_DEGREE, ModelError, Scalar, Term};
 
 /// A part of an axis' model, p or r̂: which of the terms it has.
 #[derive(Debug, Clone)]
@@ -32,17 +32,23 @@ pub(crate) struct Record<R> {
     places: [u16; 2],
 }
 
-impl<R: Real> Record<R> {
+impl<R: Scalar> Record<R> {
     #[inline(always)]
-    fn linear<const N: usize>(&self, window: Window<'_, R, N>) -> R {
+    fn linear<const N: usize>(&self, sum: R::Sum, window: Window<'_, R, N>) -> R::Sum {
         let [a, _] = self.places;
-        self.coefficient * window.at(a)
+        R::add_product(sum, self.coefficient, window.at(a))
     }
 
     #[inline(always)]
-    fn quadratic<const N: usize>(&self, window: Window<'_, R, N>) -> R {
+    fn quadratic<const N: usize>(&self, sum: R::Sum, window: Window<'_, R, N>) -> R::Sum {
         let [a, b] = self.places;
-        self.coefficient * window.at(a) * window.at(b)
+        R::add_product(sum, self.coefficient * window.at(a), window.at(b))
+    }
+
+    #[inline(always)]
+    fn cubic<const N: usize>(&self, sum: R::Sum, third: u16, window: Window<'_, R, N>) -> R::Sum {
+        let [a, b] = self.places;
+        R::add_product(sum, self.coefficient * window.at(a) * window.at(b), window.at(third))
     }
 }
 
@@ -72,7 +78,7 @@ impl Layout {
     }
 }
 
-impl<R: Real, const TERMS: usize> Program<R, TERMS> {
+impl<R: Scalar, const TERMS: usize> Program<R, TERMS> {
     pub(crate) const fn new() -> Self {
         Self { records: Vec::new(), thirds: Vec::new() }
     }
@@ -86,7 +92,7 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
     pub(crate) fn append<const N: usize>(
         &mut self,
         start: R,
-        terms: impl Iterator<Item = Term<R>> + Clone,
+        terms: impl Iterator<Item = Term<R::Stored>> + Clone,
         axis: usize,
         layout: Layout,
     ) -> Result<Part<R>, ModelError> {
@@ -102,7 +108,7 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
                     *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;
                 }
                 let [a, b, c] = places;
-                let record = Record { coefficient: term.coefficient, places: [a, b] };
+                let record = Record { coefficient: R::of(term.coefficient), places: [a, b] };
                 self.records.push(record).map_err(|_| too_many)?;
                 if degree > 2 {
                     self.thirds.push(c).map_err(|_| too_many)?;
@@ -129,7 +135,7 @@ impl<R: Real, const TERMS: usize> Program<R, TERMS> {
     }
 }
 
-impl<R: Real> Part<R> {
+impl<R: Scalar> Part<R> {
     /// The value of the part, whose records are the first of `records`, and those after it; its constant, were they too
     /// few.
     #[inline(always)]
@@ -139,21 +145,21 @@ impl<R: Real> Part<R> {
         thirds: &[u16],
         window: Window<'_, R, N>,
     ) -> (R, &'r [Record<R>]) {
-        let mut sum = self.start;
+        let mut sum = self.start.begin();
         let Some((linear, rest)) = records.split_at_checked(usize::from(self.n_linear)) else {
             cold_path();
-            return (sum, records);
+            return (R::end(sum), records);
         };
         // two at a time: most terms are linear, and the loop itself would be a quarter of their cost
         let (pairs, last) = linear.as_chunks::<2>();
         for [first, second] in pairs {
-            sum = sum + first.linear(window);
-            sum = sum + second.linear(window);
+            sum = first.linear(sum, window);
+            sum = second.linear(sum, window);
         }
         if let [last] = last {
-            sum = sum + last.linear(window);
+            sum = last.linear(sum, window);
         }
-        if self.has_products { self.products(sum, rest, thirds, window) } else { (sum, rest) }
+        if self.has_products { self.products(sum, rest, thirds, window) } else { (R::end(sum), rest) }
     }
 
     /// `sum` and the terms with more than one factor, and the records after them. A function of its own, so that its
@@ -161,24 +167,24 @@ impl<R: Real> Part<R> {
     #[inline(never)]
     fn products<'r, const N: usize>(
         &self,
-        mut sum: R,
+        mut sum: R::Sum,
         records: &'r [Record<R>],
         thirds: &[u16],
         window: Window<'_, R, N>,
     ) -> (R, &'r [Record<R>]) {
         let Some((quadratic, rest)) = records.split_at_checked(usize::from(self.n_quadratic)) else {
-            return (sum, records);
+            return (R::end(sum), records);
         };
         for term in quadratic {
-            sum = sum + term.quadratic(window);
+            sum = term.quadratic(sum, window);
         }
         let Some((cubic, rest)) = rest.split_at_checked(usize::from(self.n_cubic)) else {
-            return (sum, rest);
+            return (R::end(sum), rest);
         };
         let thirds = thirds.get(usize::from(self.first_third)..).unwrap_or(&[]);
         for (term, third) in cubic.iter().zip(thirds) {
-            sum = sum + term.quadratic(window) * window.at(*third);
+            sum = term.cubic(sum, *third, window);
         }
-        (sum, rest)
+        (R::end(sum), rest)
     }
 }

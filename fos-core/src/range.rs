@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::Real;
+use crate::Scalar;
 
 /// The smallest and the largest value of a quantity in the data that a model was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -14,7 +14,7 @@ pub struct Range<R> {
     pub high: R,
 }
 
-impl<R: Real> Range<R> {
+impl<R: Scalar> Range<R> {
     /// From `low` to `high`.
     pub const fn new(low: R, high: R) -> Self {
         Self { low, high }

@@ -1,36 +1,36 @@
-//! The scalar: f32 on the device, f32 and f64 on the host, one source for both.
+//! The scalar: f32 on the device, f32 and f64 on the host, fixed point where there is no float; one source for all.
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
+use crate::arithmetic::Arithmetic;
 
-/// The scalar in which a model is evaluated.
+/// What a model is evaluated in: a [`Real`], or [`Fixed`](crate::Fixed).
 ///
 /// Per sample only `+`, `−`, `×` and comparisons are used, in a fixed order and never fused, so that every
-/// machine with IEEE 754 arithmetic gives the same bits. There is no division on purpose: what divides is
-/// inverted once, when a model is built, in f64.
-pub trait Real:
-    Copy
+/// machine gives the same bits. There is no division on purpose: what divides is inverted once, when a model is built,
+/// in f64.
+pub trait Scalar:
+    Arithmetic
     + PartialOrd
     + Debug
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
     + Neg<Output = Self>
-    + sealed::Sealed
     + 'static
 {
+    /// Of the models that it evaluates: itself, if that is a float.
+    type Stored: Real;
+
     /// 0.
     const ZERO: Self;
     /// 1.
     const ONE: Self;
     /// The largest finite value.
     const MAX: Self;
+    /// Not a number.
+    const NAN: Self;
 
     /// The value nearest to `value`.
     fn from_f64(value: f64) -> Self;
@@ -38,6 +38,10 @@ pub trait Real:
     fn from_u32(value: u32) -> Self;
     /// The same value, or nearest to it, as f64.
     fn to_f64(self) -> f64;
+    /// The value nearest to that of a model or a log.
+    fn of(stored: Self::Stored) -> Self;
+    /// The same value, or nearest to it, as a model or a log has it.
+    fn stored(self) -> Self::Stored;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 
@@ -57,61 +61,52 @@ pub trait Real:
     }
 }
 
-/// Finite and above 0.
-pub(crate) fn is_positive<R: Real>(value: R) -> bool {
-    value.is_finite() && value > R::ZERO
+/// A float: the scalar of models.
+pub trait Real: Scalar<Stored = Self> {}
+
+impl<R: Scalar<Stored = R>> Real for R {}
+
+macro_rules! float {
+    ($float:ty) => {
+        impl Scalar for $float {
+            type Stored = $float;
+
+            const ZERO: $float = 0.0;
+            const ONE: $float = 1.0;
+            const MAX: $float = <$float>::MAX;
+            const NAN: $float = <$float>::NAN;
+
+            #[inline]
+            fn from_f64(value: f64) -> $float {
+                value as $float
+            }
+            #[inline]
+            fn from_u32(value: u32) -> $float {
+                value as $float
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn of(stored: $float) -> $float {
+                stored
+            }
+            #[inline(always)]
+            fn stored(self) -> $float {
+                self
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
+            }
+            #[inline]
+            fn abs(self) -> $float {
+                <$float>::abs(self)
+            }
+        }
+    };
 }
 
-impl Real for f32 {
-    const ZERO: f32 = 0.0;
-    const ONE: f32 = 1.0;
-    const MAX: f32 = f32::MAX;
-
-    #[inline]
-    fn from_f64(value: f64) -> f32 {
-        value as f32
-    }
-    #[inline]
-    fn from_u32(value: u32) -> f32 {
-        value as f32
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-    #[inline]
-    fn is_finite(self) -> bool {
-        f32::is_finite(self)
-    }
-    #[inline]
-    fn abs(self) -> f32 {
-        f32::abs(self)
-    }
-}
-
-impl Real for f64 {
-    const ZERO: f64 = 0.0;
-    const ONE: f64 = 1.0;
-    const MAX: f64 = f64::MAX;
-
-    #[inline]
-    fn from_f64(value: f64) -> f64 {
-        value
-    }
-    #[inline]
-    fn from_u32(value: u32) -> f64 {
-        f64::from(value)
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self
-    }
-    #[inline]
-    fn is_finite(self) -> bool {
-        f64::is_finite(self)
-    }
-    #[inline]
-    fn abs(self) -> f64 {
-        f64::abs(self)
-    }
-}
+float!(f32);
+float!(f64);

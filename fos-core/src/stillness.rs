@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::real::is_positive;
-use crate::{ModelError, Real};
+use crate::arithmetic::is_positive;
+use crate::{ModelError, Real, Scalar};
 
 /// Windows that must be quiet in a row before the unit counts as still.
 const QUIET_WINDOWS: u8 = 2;
@@ -39,7 +39,7 @@ impl<R: Real> StillnessLimits<R> {
         let positive = [self.accel_variance, self.gyro_variance, self.gyro_deviation];
         let valid = self.window >= 2
             && positive.into_iter().all(is_positive)
-            && self.gyro_at_rest.into_iter().all(Real::is_finite);
+            && self.gyro_at_rest.into_iter().all(Scalar::is_finite);
         if valid { Ok(()) } else { Err(ModelError::Stillness) }
     }
 }
@@ -47,84 +47,85 @@ impl<R: Real> StillnessLimits<R> {
 /// Sums of one triad over the window under way, taken from a value near its own so that f32 keeps its digits: while the
 /// unit is still the mean of the window before, else the first sample.
 #[derive(Debug, Clone, Copy)]
-struct Triad<R> {
+struct Triad<R: Scalar> {
     origin: [R; 3],
-    sum: [R; 3],
-    sum_of_squares: R,
+    sum: [R::Sum; 3],
+    sum_of_squares: R::Sum,
     /// Mean of the last complete window.
     mean: [R; 3],
 }
 
-impl<R: Real> Triad<R> {
+impl<R: Scalar> Triad<R> {
     const EMPTY: Self =
-        Self { origin: [R::ZERO; 3], sum: [R::ZERO; 3], sum_of_squares: R::ZERO, mean: [R::ZERO; 3] };
+        Self { origin: [R::ZERO; 3], sum: [R::NOTHING; 3], sum_of_squares: R::NOTHING, mean: [R::ZERO; 3] };
 
     fn begin(&mut self, origin: [R; 3]) {
-        (self.origin, self.sum, self.sum_of_squares) = (origin, [R::ZERO; 3], R::ZERO);
+        (self.origin, self.sum, self.sum_of_squares) = (origin, [R::NOTHING; 3], R::NOTHING);
     }
 
     /// How far a value is from the origin, and the square of it.
     // axis after axis, not a loop: it runs with every sample
     #[inline(always)]
-    fn deviation(&self, [x, y, z]: [R; 3]) -> ([R; 3], R) {
+    fn deviation(&self, [x, y, z]: [R; 3]) -> ([R; 3], R::Sum) {
         let [origin_x, origin_y, origin_z] = self.origin;
         let (x, y, z) = (x - origin_x, y - origin_y, z - origin_z);
-        ([x, y, z], x * x + y * y + z * z)
+        ([x, y, z], R::plus(R::plus(x.square(), y.square()), z.square()))
     }
 
     #[inline(always)]
-    fn add(&mut self, ([x, y, z], square): ([R; 3], R)) {
+    fn add(&mut self, ([x, y, z], square): ([R; 3], R::Sum)) {
         let [sum_x, sum_y, sum_z] = self.sum;
-        self.sum = [sum_x + x, sum_y + y, sum_z + z];
-        self.sum_of_squares = self.sum_of_squares + square;
+        self.sum = [R::plus(sum_x, x.begin()), R::plus(sum_y, y.begin()), R::plus(sum_z, z.begin())];
+        self.sum_of_squares = R::plus(self.sum_of_squares, square);
     }
 
     /// Ends the window; its variance, and the square of how far its mean is from that of the window before.
-    fn end(&mut self, per_window: R) -> (R, R) {
-        let (mut square_of_mean, mut shift) = (R::ZERO, R::ZERO);
+    fn end(&mut self, per_window: R::Stored) -> (R::Stored, R::Stored) {
+        let (mut square_of_mean, mut shift) = (R::Stored::ZERO, R::Stored::ZERO);
         for ((sum, origin), mean) in self.sum.iter().zip(self.origin).zip(self.mean.iter_mut()) {
-            let deviation = *sum * per_window;
+            let deviation = R::sum_stored(*sum) * per_window;
             square_of_mean = square_of_mean + deviation * deviation;
-            let now = origin + deviation;
-            shift = shift + (now - *mean) * (now - *mean);
-            *mean = now;
+            let now = origin.stored() + deviation;
+            let step = now - mean.stored();
+            shift = shift + step * step;
+            *mean = R::of(now);
         }
-        (self.sum_of_squares * per_window - square_of_mean, shift)
+        (R::sum_stored(self.sum_of_squares) * per_window - square_of_mean, shift)
     }
 }
 
 /// Says for every sample whether the unit is still: quiet for two windows in a row, and moving again at the first
 /// window or the first sample that is not quiet. Constant memory.
 #[derive(Debug, Clone)]
-pub struct StillnessDetector<R> {
-    limits: StillnessLimits<R>,
-    per_window: R,
+pub struct StillnessDetector<R: Scalar> {
+    limits: StillnessLimits<R::Stored>,
+    per_window: R::Stored,
     accel: Triad<R>,
     gyro: Triad<R>,
     filled: u16,
     quiet_windows: u8,
     still: bool,
     /// Furthest that a sample may be from the origin of the window, squared: of accelerometers, of gyros.
-    jump: [R; 2],
+    jump: [R::Sum; 2],
 }
 
-impl<R: Real> StillnessDetector<R> {
+impl<R: Scalar> StillnessDetector<R> {
     /// A detector, moving until shown otherwise.
     ///
     /// # Errors
     ///
     /// [`ModelError::Stillness`] if a limit is not positive or the window has fewer than two samples.
-    pub fn new(limits: StillnessLimits<R>) -> Result<Self, ModelError> {
+    pub fn new(limits: StillnessLimits<R::Stored>) -> Result<Self, ModelError> {
         limits.check()?;
         Ok(Self {
             limits,
-            per_window: R::from_f64(1.0 / f64::from(limits.window)),
+            per_window: R::Stored::from_f64(1.0 / f64::from(limits.window)),
             accel: Triad::EMPTY,
             gyro: Triad::EMPTY,
             filled: 0,
             quiet_windows: 0,
             still: false,
-            jump: [R::MAX; 2],
+            jump: [R::sum_of(R::Stored::MAX); 2],
         })
     }
 
@@ -140,6 +141,9 @@ impl<R: Real> StillnessDetector<R> {
     pub fn update_six(&mut self, measured: &[R; 6]) -> bool {
         let [ax, ay, az, gx, gy, gz] = *measured;
         let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
+        if measured.iter().any(|value| value.is_absent()) {
+            return self.disturbed();
+        }
         if self.filled == 0 {
             self.begin_window(accel, gyro);
         }
@@ -166,12 +170,13 @@ impl<R: Real> StillnessDetector<R> {
         if self.still {
             self.accel.begin(self.accel.mean);
             self.gyro.begin(self.gyro.mean);
-            let limit = R::from_f64(JUMP * JUMP);
-            self.jump = [limit * self.limits.accel_variance, limit * self.limits.gyro_variance];
+            let limit = R::Stored::from_f64(JUMP * JUMP);
+            let limits = [self.limits.accel_variance, self.limits.gyro_variance];
+            self.jump = limits.map(|variance| R::sum_of(limit * variance));
         } else {
             self.accel.begin(accel);
             self.gyro.begin(gyro);
-            self.jump = [R::MAX; 2];
+            self.jump = [R::sum_of(R::Stored::MAX); 2];
         }
     }
 
@@ -185,8 +190,8 @@ impl<R: Real> StillnessDetector<R> {
         let (accel_variance, accel_shift) = self.accel.end(self.per_window);
         let (gyro_variance, gyro_shift) = self.gyro.end(self.per_window);
         let limits = &self.limits;
-        let from_rest = distance_squared(self.gyro.mean, limits.gyro_at_rest);
-        let wider = R::from_f64(if self.still { HYSTERESIS } else { 1.0 });
+        let from_rest = distance_squared(self.gyro.mean.map(R::stored), limits.gyro_at_rest);
+        let wider = R::Stored::from_f64(if self.still { HYSTERESIS } else { 1.0 });
         let quiet = accel_variance <= wider * limits.accel_variance
             && gyro_variance <= wider * limits.gyro_variance
             && from_rest <= wider * wider * limits.gyro_deviation * limits.gyro_deviation;
@@ -209,7 +214,7 @@ fn distance_squared<R: Real>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> R {
 }
 
 #[cfg(feature = "defmt")]
-impl<R> defmt::Format for StillnessDetector<R> {
+impl<R: Scalar> defmt::Format for StillnessDetector<R> {
     fn format(&self, f: defmt::Formatter<'_>) {
         let (still, quiet_windows) = (self.still, self.quiet_windows);
         defmt::write!(

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Real;
 use crate::function::{exp_m1, sin_cos_of_cycles};
+use crate::{Real, Scalar};
 
 /// A causal transform of constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
 ///
@@ -77,48 +77,47 @@ impl<R: Real> Transform<R> {
     }
 }
 
-/// A first-order low-pass with compensated summation.
-///
-/// In f32 a plain s += g·(x − s) stops moving when g·(x − s) falls below half a unit in the last place of s: with
-/// τ = 1000 s at 200 Hz that is 1 % of s. Carrying the part that did not fit (Kahan 1965) removes the dead band.
+/// A first-order low-pass.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct LowPass<R> {
-    gain: R,
-    value: R,
-    carried: R,
+pub(crate) struct LowPass<R: Scalar> {
+    gain: R::Gain,
+    slow: R::Slow,
 }
 
-impl<R: Real> LowPass<R> {
-    fn new(tau_s: R, period_s: f64) -> Self {
-        let gain = -exp_m1(-period_s / tau_s.to_f64());
-        Self { gain: R::from_f64(gain), value: R::ZERO, carried: R::ZERO }
+impl<R: Scalar> LowPass<R> {
+    fn new(tau_s: R::Stored, period_s: f64) -> Self {
+        Self { gain: R::gain(-exp_m1(-period_s / tau_s.to_f64())), slow: R::ZERO.at_rest() }
     }
 
     fn start_at(&mut self, value: R) {
-        self.value = value;
-        self.carried = R::ZERO;
+        self.slow = value.at_rest();
+    }
+
+    fn value(&self) -> R {
+        R::now(self.slow)
     }
 
     #[inline]
     fn update(&mut self, x: R) -> R {
-        let change = self.gain * (x - self.value) + self.carried;
-        let value = self.value + change;
-        self.carried = change - (value - self.value);
-        self.value = value;
-        value
+        x.approached_by(&mut self.slow, self.gain);
+        self.value()
     }
 
     /// As many updates with the same `x`, in closed form.
     fn skip(&mut self, x: R, ticks: u32) {
-        self.value = self.value + (x - self.value) * self.closed(ticks);
-        self.carried = R::ZERO;
+        let (x, value) = (x.stored(), self.value().stored());
+        self.start_at(R::of(value + (x - value) * self.closed(ticks)));
+    }
+
+    fn gain(&self) -> R::Stored {
+        R::Stored::from_f64(R::gain_to_f64(self.gain))
     }
 
     /// The share of the distance to one and the same x that so many updates close: 1 − (1 − g)ⁿ, built up from
     /// h(a + b) = h(a) + h(b) − h(a)·h(b) in at most 32 doublings. 1 − g itself would cost a small gain its digits:
     /// with τ = 1000 s at 200 Hz and f32 half a percent of the time constant.
-    fn closed(&self, ticks: u32) -> R {
-        let (mut closed, mut doubled, mut left) = (R::ZERO, self.gain, ticks);
+    fn closed(&self, ticks: u32) -> R::Stored {
+        let (mut closed, mut doubled, mut left) = (R::Stored::ZERO, self.gain(), ticks);
         while left > 0 {
             if left & 1 == 1 {
                 closed = closed + doubled - closed * doubled;
@@ -132,12 +131,12 @@ impl<R: Real> LowPass<R> {
 
 /// The coefficients and the state of a transform.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Running<R> {
+pub(crate) enum Running<R: Scalar> {
     Identity,
     LowPass(LowPass<R>),
     Rate {
         low_pass: LowPass<R>,
-        per_tau: R,
+        per_tau: R::Gain,
     },
     Variance {
         mean: LowPass<R>,
@@ -151,7 +150,7 @@ pub(crate) enum Running<R> {
     /// Falls from 1 to 0 as a low-pass does, and as precisely.
     Decay(LowPass<R>),
     Time {
-        period: R,
+        period: R::Gain,
         origin: R,
         ticks: u32,
     },
@@ -168,7 +167,7 @@ pub(crate) struct Complex<R> {
     im: R,
 }
 
-impl<R: Real> Complex<R> {
+impl<R: Scalar> Complex<R> {
     const ONE: Self = Self { re: R::ONE, im: R::ZERO };
 
     #[inline]
@@ -177,24 +176,22 @@ impl<R: Real> Complex<R> {
     }
 }
 
-impl<R: Real> Running<R> {
+impl<R: Scalar> Running<R> {
     /// The transform at power-on. `scale` and `centre` belong to the input (x = (logged − centre)/scale).
-    pub(crate) fn new(transform: &Transform<R>, period_s: f64, centre: R, scale: R) -> Self {
+    pub(crate) fn new(transform: &Transform<R::Stored>, period_s: f64, centre: f64, scale: f64) -> Self {
         match *transform {
             Transform::Identity => Self::Identity,
             Transform::LowPass { tau_s } => Self::LowPass(LowPass::new(tau_s, period_s)),
-            Transform::Rate { tau_s } => Self::Rate {
-                low_pass: LowPass::new(tau_s, period_s),
-                per_tau: R::from_f64(1.0 / tau_s.to_f64()),
-            },
+            Transform::Rate { tau_s } => {
+                Self::Rate { low_pass: LowPass::new(tau_s, period_s), per_tau: R::gain(1.0 / tau_s.to_f64()) }
+            }
             Transform::Variance { tau_s } => Self::Variance {
                 mean: LowPass::new(tau_s, period_s),
                 variance: LowPass::new(tau_s, period_s),
             },
-            Transform::Backlash { half_width } => Self::Backlash {
-                half_width: R::from_f64(half_width.to_f64() / scale.to_f64()),
-                play: R::ZERO,
-            },
+            Transform::Backlash { half_width } => {
+                Self::Backlash { half_width: R::from_f64(half_width.to_f64() / scale), play: R::ZERO }
+            }
             Transform::Absolute => Self::Absolute,
             Transform::Decay { tau_s } => {
                 let mut low_pass = LowPass::new(tau_s, period_s);
@@ -202,8 +199,8 @@ impl<R: Real> Running<R> {
                 Self::Decay(low_pass)
             }
             Transform::Time => Self::Time {
-                period: R::from_f64(period_s / scale.to_f64()),
-                origin: R::from_f64(centre.to_f64() / scale.to_f64()),
+                period: R::gain(period_s / scale),
+                origin: R::from_f64(centre / scale),
                 ticks: 0,
             },
             Transform::Sine { frequency_hz } => Self::oscillator(frequency_hz, period_s, true),
@@ -211,7 +208,7 @@ impl<R: Real> Running<R> {
         }
     }
 
-    fn oscillator(frequency_hz: R, period_s: f64, wants_sine: bool) -> Self {
+    fn oscillator(frequency_hz: R::Stored, period_s: f64, wants_sine: bool) -> Self {
         let (sin, cos) = sin_cos_of_cycles(frequency_hz.to_f64() * period_s);
         let rotation = Complex { re: R::from_f64(cos), im: R::from_f64(sin) };
         Self::Oscillator { rotation, phasor: Complex::ONE, wants_sine }
@@ -246,7 +243,7 @@ impl<R: Real> Running<R> {
         match self {
             Self::Identity => x,
             Self::LowPass(low_pass) => low_pass.update(x),
-            Self::Rate { low_pass, per_tau } => (x - low_pass.update(x)) * *per_tau,
+            Self::Rate { low_pass, per_tau } => (x - low_pass.update(x)).times(*per_tau),
             Self::Variance { mean, variance } => {
                 let deviation = x - mean.update(x);
                 variance.update(deviation * deviation)
@@ -257,12 +254,12 @@ impl<R: Real> Running<R> {
             }
             Self::Absolute => x.abs(),
             Self::Decay(low_pass) => {
-                let now = low_pass.value;
+                let now = low_pass.value();
                 low_pass.update(R::ZERO);
                 now
             }
             Self::Time { period, origin, ticks } => {
-                let now = R::from_u32(*ticks) * *period - *origin;
+                let now = R::count(*ticks, *period) - *origin;
                 *ticks = ticks.saturating_add(1);
                 now
             }
@@ -281,9 +278,10 @@ impl<R: Real> Running<R> {
             Self::LowPass(low_pass) | Self::Rate { low_pass, .. } => low_pass.skip(x, ticks),
             Self::Variance { mean, variance } => {
                 // deviations go on as d·qᵏ, q = 1 − g: v(n) = qⁿ·(v + d²·q·(1 − qⁿ))
-                let (deviation, closed) = (x - mean.value, mean.closed(ticks));
-                let fed = deviation * deviation * (R::ONE - mean.gain) * closed;
-                variance.start_at((variance.value + fed) * (R::ONE - closed));
+                let (deviation, closed) = ((x - mean.value()).stored(), mean.closed(ticks));
+                let fed = deviation * deviation * (R::Stored::ONE - mean.gain()) * closed;
+                let left = (variance.value().stored() + fed) * (R::Stored::ONE - closed);
+                variance.start_at(R::of(left));
                 mean.skip(x, ticks);
             }
             Self::Decay(low_pass) => low_pass.skip(R::ZERO, ticks),
@@ -305,7 +303,7 @@ impl<R: Real> Running<R> {
 
 /// Pulls a phasor back to the unit circle: z·(3 − |z|²)/2, one Newton step for z/|z|, without a division.
 #[inline]
-fn normalised<R: Real>(z: Complex<R>) -> Complex<R> {
+fn normalised<R: Scalar>(z: Complex<R>) -> Complex<R> {
     let half = R::from_f64(0.5);
     let gain = R::ONE + half * (R::ONE - (z.re * z.re + z.im * z.im));
     Complex { re: z.re * gain, im: z.im * gain }
@@ -318,7 +316,7 @@ mod tests {
     const PERIOD_S: f64 = 0.005;
 
     fn running<R: Real>(transform: Transform<R>) -> Running<R> {
-        Running::new(&transform, PERIOD_S, R::ZERO, R::ONE)
+        Running::new(&transform, PERIOD_S, 0.0, 1.0)
     }
 
     #[test]

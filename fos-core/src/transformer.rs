@@ -1,7 +1,7 @@
 //! A transform at work: its state, and where it starts.
 
 use crate::transform::Running;
-use crate::{Real, Transform};
+use crate::{Scalar, Transform};
 
 /// A [`Transform`] with its state: what an input of a model runs, and what a host that looks for inputs runs.
 ///
@@ -17,21 +17,21 @@ use crate::{Real, Transform};
 /// assert_eq!(low_pass.update(f64::NAN), 21.5); // and stays where one is missing
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Transformer<R> {
+pub struct Transformer<R: Scalar> {
     running: Running<R>,
     /// The last finite x; none before the first.
     held: Option<R>,
 }
 
-impl<R: Real> Transformer<R> {
+impl<R: Scalar> Transformer<R> {
     /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0,
     /// scale 1.
-    pub fn new(transform: &Transform<R>, period_s: f64) -> Self {
-        Self::scaled(transform, period_s, R::ZERO, R::ONE)
+    pub fn new(transform: &Transform<R::Stored>, period_s: f64) -> Self {
+        Self::scaled(transform, period_s, 0.0, 1.0)
     }
 
     /// The transform of x = (logged − centre)/scale, at power-on.
-    pub(crate) fn scaled(transform: &Transform<R>, period_s: f64, centre: R, scale: R) -> Self {
+    pub(crate) fn scaled(transform: &Transform<R::Stored>, period_s: f64, centre: f64, scale: f64) -> Self {
         Self { running: Running::new(transform, period_s, centre, scale), held: None }
     }
 
@@ -77,7 +77,7 @@ impl<R: Real> Transformer<R> {
 }
 
 #[cfg(feature = "defmt")]
-impl<R: defmt::Format> defmt::Format for Transformer<R> {
+impl<R: Scalar + defmt::Format> defmt::Format for Transformer<R> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(f, "Transformer {{ held: {} }}", self.held);
     }

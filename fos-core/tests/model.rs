@@ -2,7 +2,7 @@
 
 use fos_core::{
     Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Predictor, Quantity, Range,
-    Real, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
+    Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
 };
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
 use fos_testkit::noise::Noise;
@@ -207,7 +207,7 @@ fn limits_of_stillness_must_be_positive() {
         gyro_at_rest: [0.0; 3],
         gyro_deviation: 0.01,
     };
-    assert!(StillnessDetector::new(limits).is_ok());
+    assert!(StillnessDetector::<f64>::new(limits).is_ok());
     let bad = [
         StillnessLimits { window: 1, ..limits },
         StillnessLimits { window: 0, ..limits },
@@ -217,7 +217,7 @@ fn limits_of_stillness_must_be_positive() {
         StillnessLimits { gyro_deviation: -1.0, ..limits },
     ];
     for bad in bad {
-        assert_eq!(StillnessDetector::new(bad).map(|_| ()).unwrap_err(), ModelError::Stillness);
+        assert_eq!(StillnessDetector::<f64>::new(bad).map(|_| ()).unwrap_err(), ModelError::Stillness);
         assert_eq!(error(|model| model.stillness = Some(bad)), ModelError::Stillness);
     }
 }
@@ -342,5 +342,5 @@ fn a_converted_model_is_the_same_model() {
         let same: Transform<f64> = transform.convert::<f32>().convert();
         assert_eq!(same, transform);
     }
-    assert!(f64::from_f64(0.1) == 0.1 && FittedOn::Raw != FittedOn::FactoryCorrected);
+    assert!(<f64 as Scalar>::from_f64(0.1) == 0.1 && FittedOn::Raw != FittedOn::FactoryCorrected);
 }

@@ -153,7 +153,7 @@ fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
         let ratio = f64::from(monitor.deviation_ratio());
         // 2·30 s of memory are 12,000 samples: standard error √(1/24,000) = 0.65 %; four of it
         assert!((ratio / growth - 1.0).abs() < 0.026 + budget, "{growth}: {ratio}");
-        let exact = (monitor.statistics().variance.to_f64() / VARIANCE).sqrt();
+        let exact = (f64::from(monitor.statistics().variance) / VARIANCE).sqrt();
         assert!((ratio / exact - 1.0).abs() < budget + 1e-6, "{growth}: {ratio} {exact}");
         let in_unit = f64::from(monitor.deviation_in_unit());
         assert!((in_unit / (ratio * SCALE * VARIANCE.sqrt()) - 1.0).abs() < 1e-6, "{growth}: {in_unit}");

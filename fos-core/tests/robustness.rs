@@ -1,7 +1,8 @@
 //! Bad samples, gaps and restarts: what comes out stays finite, says so, and is forgotten.
 
 use fos_core::{
-    AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Source, Term, Transform, Validity, u, y,
+    AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Scalar, Source, Term, Transform,
+    Validity, u, y,
 };
 use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
 use fos_testkit::noise::Noise;
@@ -69,7 +70,7 @@ fn noisy<R: Real>(noise: &mut Noise) -> [R; 2] {
 }
 
 fn numbers<R: Real>(correction: &Correction<R>) -> [f64; 3] {
-    let innovation = correction.innovation.map_or(0.0, Real::to_f64);
+    let innovation = correction.innovation.map_or(0.0, Scalar::to_f64);
     [correction.predicted.to_f64(), correction.corrected.to_f64(), innovation]
 }
 

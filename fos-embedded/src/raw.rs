@@ -1,7 +1,7 @@
 //! Raw codes of a six-axis sensor, and what they mean.
 
 use bitflags::bitflags;
-use fos_core::FittedOn;
+use fos_core::{FittedOn, Scalar};
 
 /// Codes of this magnitude and beyond are full scale: 16-bit sensors clip there.
 const FULL_SCALE: f32 = 32_767.0;
@@ -120,17 +120,23 @@ impl Scales {
     /// Specific force x, y, z in m/s², then rate x, y, z in rad/s.
     #[inline]
     pub fn measured(&self, raw: &RawSample) -> [f32; 6] {
+        self.measured_in(raw)
+    }
+
+    /// The same in the scalar of a hub.
+    #[inline]
+    pub(crate) fn measured_in<R: Scalar<Stored = f32>>(&self, raw: &RawSample) -> [R; 6] {
         // axis after axis, not a loop: it runs with every sample
         let [ax, ay, az] = raw.accel;
         let [gx, gy, gz] = raw.gyro;
         let (accel, gyro) = (self.accel_mps2, self.gyro_rads);
         [
-            f32::from(ax) * accel,
-            f32::from(ay) * accel,
-            f32::from(az) * accel,
-            f32::from(gx) * gyro,
-            f32::from(gy) * gyro,
-            f32::from(gz) * gyro,
+            R::of_code(ax, accel),
+            R::of_code(ay, accel),
+            R::of_code(az, accel),
+            R::of_code(gx, gyro),
+            R::of_code(gy, gyro),
+            R::of_code(gz, gyro),
         ]
     }
 
@@ -143,8 +149,14 @@ impl Scales {
     /// Temperature in °C; NaN where there is none.
     #[inline]
     pub fn temperature_c(&self, raw: &RawSample) -> f32 {
+        self.temperature_in(raw)
+    }
+
+    /// The same in the scalar of a hub.
+    #[inline]
+    pub(crate) fn temperature_in<R: Scalar<Stored = f32>>(&self, raw: &RawSample) -> R {
         raw.temperature
-            .map_or(f32::NAN, |code| f32::from(code) * self.temperature_k + self.temperature_zero_c)
+            .map_or(R::NAN, |code| R::of_code(code, self.temperature_k) + R::of(self.temperature_zero_c))
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::Evaluator;
 use super::building::Building;
+use crate::arithmetic::is_positive;
 use crate::axis::{AxisProgram, RunningAxis};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
 use crate::program::Layout;
-use crate::real::is_positive;
-use crate::{Channel, Input, Model, ModelError, Real, Term};
+use crate::{Channel, Input, Model, ModelError, Scalar, Term};
 
-impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
     /// Takes a model in place, of which it keeps its own compiled copy; history, inputs and clocks start anew.
@@ -17,7 +17,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// # Errors
     ///
     /// The first thing that is wrong with the model, or that there is no room for; it is then without a model.
-    pub fn load(&mut self, model: &Model<'_, R>) -> Result<(), ModelError> {
+    pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         let loaded = self.fill(model);
         if loaded.is_err() {
             self.clear();
@@ -25,7 +25,7 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
         loaded
     }
 
-    fn fill(&mut self, model: &Model<'_, R>) -> Result<(), ModelError> {
+    fn fill(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         self.begin(Building {
             period_s: model.period_s,
             n_quantities: model.quantities.len(),
@@ -65,8 +65,11 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     }
 
     #[inline(never)]
-    pub(crate) fn add_input(&mut self, input: &Input<R>) -> Result<(), ModelError> {
+    pub(crate) fn add_input(&mut self, input: &Input<R::Stored>) -> Result<(), ModelError> {
         input.check(self.inputs.len(), self.building.n_quantities, self.building.n_axes)?;
+        if !input.fits::<R>() {
+            return Err(ModelError::InputNotInFixedPoint { input: self.inputs.len() });
+        }
         let too_many = ModelError::TooManyInputs { found: self.building.n_inputs, capacity: INPUTS };
         self.inputs.push(RunningInput::new(input, self.building.period_s)).map_err(|_| too_many)
     }
@@ -74,9 +77,9 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     #[inline(never)]
     pub(crate) fn add_axis(
         &mut self,
-        parameters: &AxisParameters<R>,
-        physical: impl Iterator<Item = Term<R>> + Clone,
-        stochastic: impl Iterator<Item = Term<R>> + Clone,
+        parameters: &AxisParameters<R::Stored>,
+        physical: impl Iterator<Item = Term<R::Stored>> + Clone,
+        stochastic: impl Iterator<Item = Term<R::Stored>> + Clone,
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
         parameters.check(axis)?;
@@ -97,7 +100,8 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
 
         let layout = Layout { n_inputs: self.building.n_inputs, n_axes: self.building.n_axes };
         let physical = self.program.append::<HISTORY>(R::ZERO, physical, axis, layout)?;
-        let stochastic = self.program.append::<HISTORY>(parameters.constant, stochastic, axis, layout)?;
+        let stochastic =
+            self.program.append::<HISTORY>(R::of(parameters.constant), stochastic, axis, layout)?;
         let program = AxisProgram { physical, stochastic, inputs_used, depth };
         let too_many = ModelError::TooManyAxes { found: self.building.n_axes, capacity: AXES };
         let running = RunningAxis::new(parameters, program, self.building.period_s);
@@ -113,13 +117,13 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
     /// same for a monitor.
     fn check_bounded(
         &self,
-        parameters: &AxisParameters<R>,
-        physical: impl Iterator<Item = Term<R>>,
-        stochastic: impl Iterator<Item = Term<R>>,
+        parameters: &AxisParameters<R::Stored>,
+        physical: impl Iterator<Item = Term<R::Stored>>,
+        stochastic: impl Iterator<Item = Term<R::Stored>>,
     ) -> Result<(), ModelError> {
         const BOUND: f64 = 1e30;
-        let output = RunningAxis::limits(parameters).magnitude();
-        let magnitude = |term: Term<R>| {
+        let output = RunningAxis::<R>::limits(parameters).magnitude();
+        let magnitude = |term: Term<R::Stored>| {
             term.factors().iter().fold(term.coefficient.to_f64().abs(), |product, factor| {
                 let factor = match factor.channel {
                     Channel::Output => output,
@@ -131,17 +135,18 @@ impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const 
             })
         };
         // limited, p may end as far from 0 as its limits begin
-        let nearest = parameters.physical_limits().limit(R::ZERO).abs();
+        let nearest = parameters.physical_limits().limit(R::Stored::ZERO).abs();
         let scaled = output
             + parameters.constant.to_f64().abs()
             + nearest.to_f64()
             + physical.map(magnitude).sum::<f64>()
             + stochastic.map(magnitude).sum::<f64>();
         let scale = parameters.scale.to_f64();
-        let in_unit =
-            parameters.offset.to_f64().abs() + parameters.reference.to_f64().abs() + scale.max(1.0) * scaled;
         let axis = self.axes.len();
-        match in_unit < BOUND {
+        let steady = parameters.offset.to_f64().abs() + parameters.reference.to_f64().abs();
+        let fits = R::holds(scaled) && R::holds(steady + scale * scaled);
+        match steady + scale.max(1.0) * scaled < BOUND {
+            true if !fits => Err(ModelError::AxisNotInFixedPoint { axis }),
             true if parameters.innovation.is_bounded(parameters.scale) => Ok(()),
             true => Err(ModelError::Innovation { axis }),
             false => Err(ModelError::Unbounded { axis }),

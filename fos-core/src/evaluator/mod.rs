@@ -9,7 +9,7 @@ use crate::axis::{Correction, RunningAxis};
 use crate::history::{History, Window};
 use crate::input::RunningInput;
 use crate::program::Program;
-use crate::{Real, Source, Validity};
+use crate::{Scalar, Source, Validity};
 
 pub(crate) use building::Building;
 
@@ -29,7 +29,13 @@ pub struct Sample<'a, R> {
 /// Every method that takes a sample writes one correction per axis into `corrections`, in the order of the model, and
 /// leaves the others as they are; without a place for every axis it does nothing. All else is as the predictor has it.
 #[derive(Debug, Clone)]
-pub struct Evaluator<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
+pub struct Evaluator<
+    R: Scalar,
+    const AXES: usize,
+    const INPUTS: usize,
+    const TERMS: usize,
+    const HISTORY: usize,
+> {
     program: Program<R, TERMS>,
     inputs: Vec<RunningInput<R>, INPUTS>,
     axes: Vec<RunningAxis<R>, AXES>,
@@ -39,8 +45,8 @@ pub struct Evaluator<R, const AXES: usize, const INPUTS: usize, const TERMS: usi
 
 /// How much of what there is, not the model.
 #[cfg(feature = "defmt")]
-impl<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Format
-    for Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+    defmt::Format for Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
         let (axes, inputs) = (self.axes.len(), self.inputs.len());
@@ -48,7 +54,7 @@ impl<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTOR
     }
 }
 
-impl<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
     /// How many inputs the model has.
@@ -62,7 +68,7 @@ impl<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTOR
     }
 }
 
-impl<R: Real, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
     /// An evaluator without a model, which corrects nothing: what a `static` begins with, before

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::{AxisHead, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::evaluator::Building;
 use crate::{
-    AxisParameters, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Real,
+    AxisParameters, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
     StillnessLimits, Term,
 };
 
@@ -157,7 +157,7 @@ impl<'a> Image<'a> {
         &self,
     ) -> Result<Predictor<R, AXES, INPUTS, TERMS, HISTORY>, ImageError>
     where
-        R: Real,
+        R: Scalar,
     {
         let mut predictor = Predictor::empty();
         self.load(&mut predictor)?;
@@ -174,7 +174,7 @@ impl<'a> Image<'a> {
         predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
     ) -> Result<(), ImageError>
     where
-        R: Real,
+        R: Scalar,
     {
         self.load_evaluator(predictor.begin())
     }
@@ -195,7 +195,7 @@ impl<'a> Image<'a> {
         evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     ) -> Result<(), ImageError>
     where
-        R: Real,
+        R: Scalar,
     {
         let loaded = self.fill(evaluator);
         if loaded.is_err() {
@@ -211,7 +211,7 @@ impl<'a> Image<'a> {
         evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     ) -> Result<(), ImageError>
     where
-        R: Real,
+        R: Scalar,
     {
         evaluator.begin(Building {
             period_s: self.head.period_s,

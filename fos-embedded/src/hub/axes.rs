@@ -1,6 +1,6 @@
 //! The six axes of a sensor, and which of them a model has.
 
-use fos_core::{Axis, Correction, PoseGate};
+use fos_core::{Axis, Correction, PoseGate, Scalar};
 
 /// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
 pub const AXES: usize = 6;
@@ -10,15 +10,15 @@ pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy,
 
 /// The gate of an axis that is in the pose of its fit, or is not.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Gate {
+pub(super) struct Gate<R> {
     /// Which of the six it is.
     pub(super) channel: u8,
-    pub(super) pose: PoseGate<f32>,
+    pub(super) pose: PoseGate<R>,
 }
 
-impl Gate {
+impl<R: Scalar> Gate<R> {
     #[inline(always)]
-    pub(super) fn is_open_after(&self, corrections: &[Correction<f32>; AXES]) -> bool {
+    pub(super) fn is_open_after(&self, corrections: &[Correction<R>; AXES]) -> bool {
         corrections
             .get(usize::from(self.channel))
             .is_some_and(|correction| self.pose.is_open_after(correction.corrected))
@@ -37,6 +37,6 @@ pub(super) fn channel_of(axis: Axis) -> Option<u8> {
 
 /// The value of one of the six; there is always one.
 #[inline(always)]
-pub(super) fn at(values: &[f32; AXES], channel: u8) -> f32 {
-    values.get(usize::from(channel)).copied().unwrap_or(0.0)
+pub(super) fn at<R: Scalar>(values: &[R; AXES], channel: u8) -> R {
+    values.get(usize::from(channel)).copied().unwrap_or(R::ZERO)
 }

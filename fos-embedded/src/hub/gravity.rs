@@ -4,7 +4,7 @@
 //! something else was fitted to something else: to two poses, whose difference it takes for an error, or to another
 //! part. Nothing in its own statistics shows that: it fits.
 
-use fos_core::{GRAVITY_MPS2, Validity};
+use fos_core::{GRAVITY_MPS2, Scalar, Validity};
 
 use super::output::Output;
 
@@ -59,7 +59,7 @@ impl Gravity {
 
     /// A sample, of which every [`EVERY`]th at rest counts. The verdict stays until the next.
     #[inline(always)]
-    pub(super) fn look_at(&mut self, output: &mut Output) {
+    pub(super) fn look_at<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
         if !output.still {
             // no mean over two rests
             self.left = SAMPLES;
@@ -72,19 +72,19 @@ impl Gravity {
     }
 
     #[cold]
-    fn flag(output: &mut Output) {
+    fn flag<R>(output: &mut Output<R>) {
         for correction in output.corrections.iter_mut().take(3) {
             correction.validity |= Validity::AWAY_FROM_GRAVITY;
         }
     }
 
     #[inline(never)]
-    fn add(&mut self, output: &Output) {
+    fn add<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
         if self.left == SAMPLES {
             (self.measured, self.corrected) = (0.0, 0.0);
         }
         let [x, y, z, ..] = output.measured;
-        self.measured += excess(&[x, y, z]);
+        self.measured += excess(&[x, y, z].map(R::stored));
         self.corrected += excess(&output.accel());
         self.left -= 1;
         if self.left == 0 {

@@ -1,7 +1,7 @@
 //! A model into the hub: which of the sensor's axes and quantities it has.
 
 use fos_core::{
-    AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, StillnessDetector, StillnessLimits,
+    AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, Scalar, StillnessDetector, StillnessLimits,
 };
 
 use super::axes::{Gate, at, channel_of};
@@ -20,7 +20,9 @@ pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
     off.max(-off) <= PERIOD_TOLERANCE * sensor_s
 }
 
-impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
+    Hub<INPUTS, TERMS, HISTORY, R>
+{
     /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not
     /// needed afterwards.
     ///
@@ -124,9 +126,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
             if pose.is_open_at_first() {
                 self.without_gate |= 1_u32.checked_shl(index as u32).unwrap_or(0);
             } else {
-                self.gates.push(Gate { channel, pose }).map_err(|_| HubError::Axis(index))?;
+                self.gates.push(Gate { channel, pose: pose.convert() }).map_err(|_| HubError::Axis(index))?;
             }
-            self.evaluator.limit_full_scale(index, at(&self.scales.full_scale(), channel));
+            let full_scale = at(&self.scales.full_scale(), channel);
+            self.evaluator.limit_full_scale(index, R::of(full_scale));
             self.watch.add(&parameters, model);
         }
         self.in_pose = self.gates.is_empty();
@@ -140,7 +143,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
                 given => QuantitySource::Application(given),
             };
             self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
-            self.quantities.push(f32::NAN).map_err(|_| HubError::Quantity(index))?;
+            self.quantities.push(R::NAN).map_err(|_| HubError::Quantity(index))?;
         }
         self.detector = stillness.and_then(|limits| StillnessDetector::new(limits).ok());
         Ok(())

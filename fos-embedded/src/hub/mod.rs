@@ -11,7 +11,7 @@ mod rate;
 mod watch;
 
 use fos_core::{
-    Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, StillnessDetector, Validity,
+    Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity,
 };
 // the pose gate is fos-core's, for the host too
 pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
@@ -79,10 +79,10 @@ pub enum Motion {
 /// assert!(!output.is_valid());
 /// ```
 #[derive(Debug, Clone)]
-pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
+pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32> = f32> {
     scales: Scales,
-    evaluator: Evaluator<f32, AXES, INPUTS, TERMS, HISTORY>,
-    detector: Option<StillnessDetector<f32>>,
+    evaluator: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
+    detector: Option<StillnessDetector<R>>,
     /// As the application says; none if it leaves that to the detector.
     motion: Option<Motion>,
     /// Which of the six each axis of the model is.
@@ -90,10 +90,10 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     /// Axis i of the model is the i-th of the six from this one on; none if they are in another order.
     first: Option<u8>,
     /// Of the axes that have a pose.
-    gates: Vec<Gate, 3>,
-    quantities: Vec<f32, INPUTS>,
+    gates: Vec<Gate<R>, 3>,
+    quantities: Vec<R, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
-    watch: Watch,
+    watch: Watch<R>,
     /// None if not all three accelerometers are in the model.
     gravity: Option<Gravity>,
     rate: RateEstimator,
@@ -104,10 +104,12 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> {
     /// Bit i: the model's axis i has no gate that shuts.
     without_gate: u32,
     ticks: u32,
-    output: Output,
+    output: Output<R>,
 }
 
-impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
+    Hub<INPUTS, TERMS, HISTORY, R>
+{
     /// A hub without a model, for a sensor with these scales; may be in a `static`.
     pub const fn new(scales: Scales) -> Self {
         Self {
@@ -177,9 +179,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     }
 
     /// One sample, and what was skipped before it.
-    pub fn update(&mut self, raw: &RawSample) -> &Output {
-        self.output.measured = self.scales.measured(raw);
-        self.output.temperature_c = self.scales.temperature_c(raw);
+    pub fn update(&mut self, raw: &RawSample) -> &Output<R> {
+        self.output.measured = self.scales.measured_in(raw);
+        self.output.temperature_c = self.scales.temperature_in(raw);
         self.take_measured(raw.skipped, raw.faults)
     }
 
@@ -204,19 +206,19 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     /// assert_eq!(output.corrected(), [0.0, 0.1, 9.8, 0.01, -0.02, 0.0]);
     /// assert!(output.validity()[5].contains(Validity::NOT_FINITE));
     /// ```
-    pub fn update_si(&mut self, sample: &SiSample) -> &Output {
+    pub fn update_si(&mut self, sample: &SiSample) -> &Output<R> {
         let [ax, ay, az] = sample.accel;
         let [gx, gy, gz] = sample.gyro;
-        self.output.measured = [ax, ay, az, gx, gy, gz];
+        self.output.measured = [ax, ay, az, gx, gy, gz].map(R::of);
         self.output.temperature_c =
-            if sample.temperature_c.is_finite() { sample.temperature_c } else { f32::NAN };
+            if sample.temperature_c.is_finite() { R::of(sample.temperature_c) } else { R::NAN };
         self.take_measured(sample.skipped, sample.faults)
     }
 
     /// The sample that the output has as measured.
     // a function of its own has the registers to itself
     #[inline(never)]
-    fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output {
+    fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output<R> {
         let ticks = skipped.saturating_add(1);
         self.ticks = self.ticks.wrapping_add(ticks);
         self.rate.tick(ticks);
@@ -275,7 +277,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     #[cold]
     #[inline(never)]
     fn evaluate_reordered(&mut self, tracked: u32) {
-        let mut values = [0.0; AXES];
+        let mut values = [R::ZERO; AXES];
         let mut corrections = [Correction::NONE; AXES];
         for (channel, value) in self.axes.iter().zip(&mut values) {
             *value = at(&self.output.measured, *channel);
@@ -313,7 +315,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
     }
 
     /// What the latest sample came to.
-    pub fn output(&self) -> &Output {
+    pub fn output(&self) -> &Output<R> {
         &self.output
     }
 
@@ -377,8 +379,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
 
 /// Which axes are modelled, and what the latest sample came to; not the model.
 #[cfg(feature = "defmt")]
-impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> defmt::Format
-    for Hub<INPUTS, TERMS, HISTORY>
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>> defmt::Format
+    for Hub<INPUTS, TERMS, HISTORY, R>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
         let axes: Vec<Axis, AXES> = self.axes.iter().map(|channel| axis_of(*channel)).collect();

@@ -1,6 +1,6 @@
 //! What a hub says of one sample.
 
-use fos_core::{Correction, Validity};
+use fos_core::{Correction, Scalar, Validity};
 
 use super::axes::AXES;
 use crate::raw::Faults;
@@ -9,29 +9,29 @@ use crate::raw::Faults;
 /// innovation, a temperature, and what was measured where the source gave no number.
 #[must_use = "carries whether the corrected values can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Output {
+pub struct Output<R = f32> {
     /// Ticks since the hub was made; wraps.
     pub tick: u32,
     /// The unit counts as still.
     pub still: bool,
     /// As the sensor gave it.
-    pub measured: [f32; AXES],
+    pub measured: [R; AXES],
     /// Temperature of the sensor, °C; NaN where it is not known.
-    pub temperature_c: f32,
+    pub temperature_c: R,
     /// What the model says of each axis.
-    pub corrections: [Correction<f32>; AXES],
+    pub corrections: [Correction<R>; AXES],
     /// What went wrong on the way from the sensor, and with its clock.
     pub faults: Faults,
     /// The model has stopped fitting on at least one axis.
     pub drift: bool,
 }
 
-impl Output {
+impl<R: Scalar<Stored = f32>> Output<R> {
     pub(super) const NONE: Self = Self {
         tick: 0,
         still: false,
-        measured: [0.0; AXES],
-        temperature_c: f32::NAN,
+        measured: [R::ZERO; AXES],
+        temperature_c: R::NAN,
         corrections: [Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE }; AXES],
         faults: Faults::empty(),
         drift: false,
@@ -39,17 +39,17 @@ impl Output {
 
     /// With the predicted error taken out.
     pub fn corrected(&self) -> [f32; AXES] {
-        self.each(|axis| axis.corrected)
+        self.each(|axis| axis.corrected.stored())
     }
 
     /// The predicted error: the bias, offset included. 0 where the model does not have the axis.
     pub fn predicted(&self) -> [f32; AXES] {
-        self.each(|axis| axis.predicted)
+        self.each(|axis| axis.predicted.stored())
     }
 
     /// Measured minus predicted error; NaN where the true value is not known.
     pub fn innovation(&self) -> [f32; AXES] {
-        self.each(|axis| axis.innovation.unwrap_or(f32::NAN))
+        self.each(|axis| axis.innovation.map_or(f32::NAN, R::stored))
     }
 
     /// What speaks against trusting each axis.
@@ -75,7 +75,7 @@ impl Output {
     }
 
     #[inline(always)]
-    fn each<T>(&self, of: impl Fn(&Correction<f32>) -> T) -> [T; AXES] {
+    fn each<T>(&self, of: impl Fn(&Correction<R>) -> T) -> [T; AXES] {
         let [ax, ay, az, gx, gy, gz] = &self.corrections;
         [of(ax), of(ay), of(az), of(gx), of(gy), of(gz)]
     }
@@ -102,7 +102,7 @@ impl Output {
             } else {
                 correction.validity |= Validity::NOT_FINITE;
             }
-            if measured.abs() >= full_scale {
+            if measured.abs() >= R::of(full_scale) {
                 correction.validity |= Validity::SATURATED;
             }
         }
@@ -123,7 +123,7 @@ impl Output {
 
 /// Value by value, not axis by axis: so they are compared.
 #[cfg(feature = "defmt")]
-impl defmt::Format for Output {
+impl<R: Scalar<Stored = f32>> defmt::Format for Output<R> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,
@@ -131,8 +131,8 @@ impl defmt::Format for Output {
              validity: {}, faults: {}, drift: {=bool} }}",
             self.tick,
             self.still,
-            self.measured,
-            self.temperature_c,
+            self.measured.map(R::stored),
+            self.temperature_c.stored(),
             self.corrected(),
             self.innovation(),
             self.validity(),

@@ -1,6 +1,6 @@
 //! What is logged beside the axes: what the application gives of it, and all of it as columns.
 
-use fos_core::{Info, Quantity};
+use fos_core::{Info, Quantity, Scalar};
 use heapless::{String, Vec};
 
 use super::Hub;
@@ -9,7 +9,9 @@ use super::quantity_source::QuantitySource;
 /// So many quantities are logged at most, temperature among them.
 pub const MAX_LOGGED: usize = 17;
 
-impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, TERMS, HISTORY> {
+impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
+    Hub<INPUTS, TERMS, HISTORY, R>
+{
     /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a
     /// reference. Those that the sensor itself measures need not be given. Until it is given, its axes are flagged.
     ///
@@ -18,7 +20,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let mut used = false;
         for (source, slot) in self.sources.iter().zip(&mut self.quantities) {
             if *source == QuantitySource::Application(quantity) {
-                *slot = value;
+                *slot = R::of(value);
                 used = true;
             }
         }
@@ -31,7 +33,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let given = self.sources.iter().zip(&mut self.quantities);
         match given.filter(|(source, _)| source.is_application()).nth(index) {
             Some((_, slot)) => {
-                *slot = value;
+                *slot = R::of(value);
                 true
             }
             None => false,
@@ -43,7 +45,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Hub<INPUTS, 
         let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
         let mut logged = Vec::new();
         for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {
-            let _ = logged.push(value);
+            let _ = logged.push(value.stored());
         }
         logged
     }

@@ -1,6 +1,6 @@
 //! Does the model still fit? One axis at a time.
 
-use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Monitor};
+use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Monitor, Scalar};
 use heapless::Vec;
 
 use super::axes::AXES;
@@ -11,15 +11,15 @@ const TURN: u8 = 200;
 
 /// The monitors of the axes of a model.
 #[derive(Debug, Clone)]
-pub(super) struct Watch {
-    monitors: Vec<Monitor<f32>, AXES>,
+pub(super) struct Watch<R: Scalar> {
+    monitors: Vec<Monitor<R>, AXES>,
     watched: u8,
     left: u8,
     /// Bit i: the model of axis i has stopped fitting.
     drifted: u8,
 }
 
-impl Watch {
+impl<R: Scalar<Stored = f32>> Watch<R> {
     pub(super) const NOTHING: Self = Self { monitors: Vec::new(), watched: 0, left: TURN, drifted: 0 };
 
     pub(super) fn clear(&mut self) {
@@ -34,7 +34,7 @@ impl Watch {
 
     /// The axis whose model has just stopped fitting, by its index in the model.
     #[inline]
-    pub(super) fn update(&mut self, axes: &[u8], corrections: &[Correction<f32>; AXES]) -> Option<usize> {
+    pub(super) fn update(&mut self, axes: &[u8], corrections: &[Correction<R>; AXES]) -> Option<usize> {
         let mut stopped = None;
         let index = usize::from(self.watched);
         let correction = axes.get(index).and_then(|channel| corrections.get(usize::from(*channel)));

@@ -1,5 +1,6 @@
 //! Only what matters: the stretch before and after an alarm.
 
+use fos_core::Scalar;
 use heapless::Deque;
 
 use super::{Recorder, Snapshot, StartFrame, TelemetryError};
@@ -50,10 +51,10 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
     /// # Errors
     ///
     /// The first frame that was not sent; it is counted and given up, the others are sent.
-    pub fn sample(
+    pub fn sample<R: Scalar<Stored = f32>>(
         &mut self,
         start: &StartFrame<&str>,
-        output: &Output,
+        output: &Output<R>,
         logged: &[f32],
     ) -> Result<(), TelemetryError<W::Error>> {
         let mut sent = Ok(());

@@ -1,6 +1,6 @@
 //! What a frame of a sample is written from.
 
-use fos_core::Validity;
+use fos_core::{Scalar, Validity};
 use heapless::Vec;
 
 use super::SampleFrame;
@@ -21,12 +21,12 @@ pub struct Snapshot<const LOGGED: usize> {
 
 impl<const LOGGED: usize> Snapshot<LOGGED> {
     /// `logged` is [`Hub::logged`](crate::hub::Hub::logged); what is more than `LOGGED` of it is left out.
-    pub fn new(output: &Output, logged: &[f32]) -> Self {
+    pub fn new<R: Scalar<Stored = f32>>(output: &Output<R>, logged: &[f32]) -> Self {
         let logged = logged.get(..logged.len().min(LOGGED)).unwrap_or(&[]);
         Self {
             tick: output.tick,
             still: output.still,
-            measured: output.measured,
+            measured: output.measured.map(R::stored),
             innovations: output.innovation(),
             validity: output.validity(),
             logged: Vec::from_slice(logged).unwrap_or_default(),

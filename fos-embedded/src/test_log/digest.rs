@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crc::{CRC_64_XZ, Crc, Table};
-use fos_core::Correction;
+use fos_core::{Correction, Scalar};
 
 use crate::hub::Output;
 
@@ -32,8 +32,8 @@ impl Default for HubDigest {
 
 impl HubDigest {
     /// Takes what was said of one sample.
-    pub fn update(&mut self, output: &Output) {
-        for axis in &output.corrections {
+    pub fn update<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
+        for axis in output.corrections.iter().map(Correction::stored) {
             self.0.update(&bytes_of(axis.corrected));
             self.0.update(&bytes_of(axis.innovation.unwrap_or(f32::NAN)));
             self.0.update(&axis.validity.bits().to_le_bytes());

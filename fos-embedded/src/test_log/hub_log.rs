@@ -44,7 +44,7 @@
 //! # Ok::<(), fos_embedded::test_log::TestLogError>(())
 //! ```
 
-use fos_core::FittedOn;
+use fos_core::{FittedOn, Scalar};
 
 use super::TestLogError;
 use super::fields::{Fields, bytes_of};
@@ -193,10 +193,16 @@ impl<'a> HubLogRecord<'a> {
     }
 
     /// The record through the hub, in the order in which an application calls it.
-    pub fn step<'h, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+    pub fn step<
+        'h,
+        const INPUTS: usize,
+        const TERMS: usize,
+        const HISTORY: usize,
+        R: Scalar<Stored = f32>,
+    >(
         &self,
-        hub: &'h mut Hub<INPUTS, TERMS, HISTORY>,
-    ) -> &'h Output {
+        hub: &'h mut Hub<INPUTS, TERMS, HISTORY, R>,
+    ) -> &'h Output<R> {
         for (index, value) in self.given.iter().enumerate() {
             hub.give_application(index, *value);
         }

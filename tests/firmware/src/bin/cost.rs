@@ -13,8 +13,9 @@ use core::hint::black_box;
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Monitor, Predictor,
-    Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, u, y,
+    Axis, AxisModel, AxisParameters, FittedOn, Fixed, Info, InnovationStatistics, Input, Model, Monitor,
+    Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform,
+    u, y,
 };
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
@@ -148,10 +149,10 @@ fn row(name: &str, tally: &Tally) {
 }
 
 /// A hub that counts as still, bytes of its image, and what `load` has of it.
-fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>(
     name: &str,
     (physical, stochastic): (&[Term<f32>], &[Term<f32>]),
-) -> (Hub<INPUTS, TERMS, HISTORY>, Sensor, [u8; 4096], usize) {
+) -> (Hub<INPUTS, TERMS, HISTORY, R>, Sensor, [u8; 4096], usize) {
     let mut buffer = [0; 4096];
     let image =
         with_model(physical, stochastic, |model| match encode(model, &Info::default(), &mut buffer) {
@@ -174,12 +175,12 @@ fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
 
 /// A whole hub: what a sample costs at rest and in motion; instructions and stack of loading its model, bytes of its
 /// image.
-fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
+fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>(
     instructions: &mut Instructions,
     name: &str,
     terms: (&[Term<f32>], &[Term<f32>]),
 ) -> (f64, usize, usize) {
-    let (mut hub, mut sensor, buffer, image) = resting_hub::<INPUTS, TERMS, HISTORY>(name, terms);
+    let (mut hub, mut sensor, buffer, image) = resting_hub::<INPUTS, TERMS, HISTORY, R>(name, terms);
     let bytes = &buffer[..image];
     let mut still = true;
     let tracked = tally(instructions, |raw| still &= hub.update(raw).still);
@@ -193,7 +194,7 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     hub.set_motion(None);
     // a gap is the deepest way through
     let gap = RawSample { skipped: 1000, ..sensor.sample() };
-    let mut other: Hub<INPUTS, TERMS, HISTORY> = Hub::new(SCALES);
+    let mut other: Hub<INPUTS, TERMS, HISTORY, R> = Hub::new(SCALES);
     let mut loaded = Ok(());
     let load_stack = stack_of(|| loaded = other.load(bytes));
     let loading = instructions.of(|| loaded = other.load(bytes));
@@ -211,7 +212,7 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         tracked.worst(),
         coasted.median(),
         coasted.worst(),
-        size_of::<Hub<INPUTS, TERMS, HISTORY>>(),
+        size_of::<Hub<INPUTS, TERMS, HISTORY, R>>(),
     );
     (loading, load_stack, stack)
 }
@@ -226,7 +227,7 @@ fn parts(instructions: &mut Instructions) {
             black_box(SCALES.measured(raw));
         }),
     );
-    let mut detector = match StillnessDetector::new(LIMITS) {
+    let mut detector = match StillnessDetector::<f32>::new(LIMITS) {
         Ok(detector) => detector,
         Err(error) => fail(format_args!("{error}")),
     };
@@ -320,7 +321,7 @@ extern "C" fn trace_mark() {
 
 /// A hub at rest, ten linear terms an axis: [`TRACED`] samples between two marks.
 fn profile() {
-    let mut hub = resting_hub::<0, 60, 64>("profile", (&[], &LINEAR)).0;
+    let mut hub = resting_hub::<0, 60, 64, f32>("profile", (&[], &LINEAR)).0;
     let mut sensor = Sensor(3);
     let samples: [RawSample; TRACED] = core::array::from_fn(|_| sensor.sample());
     trace_mark();
@@ -342,16 +343,28 @@ fn run() {
     );
     println!("|---|---|---|---|---|---|---|---|");
     let (loading, load_stack, stack) =
-        hub::<0, 60, 64>(&mut instructions, "10 linear terms an axis", (&[], &LINEAR));
-    let _ = hub::<0, 60, 64>(&mut instructions, "10 terms an axis, half of them products", (&[], &MIXED));
-    let _ = hub::<2, 72, 128>(
+        hub::<0, 60, 64, f32>(&mut instructions, "10 linear terms an axis", (&[], &LINEAR));
+    let _ =
+        hub::<0, 60, 64, f32>(&mut instructions, "10 terms an axis, half of them products", (&[], &MIXED));
+    let _ = hub::<2, 72, 128, f32>(
         &mut instructions,
         "10 linear terms, 2 inputs of temperature",
         (&PHYSICAL, &LINEAR),
     );
-    let _ = hub::<16, 128, 256>(
+    let _ = hub::<16, 128, 256, f32>(
         &mut instructions,
         "the same with room for 16 inputs, 128 terms",
+        (&PHYSICAL, &LINEAR),
+    );
+    for (name, terms) in [
+        ("fixed point: 10 linear terms an axis", &LINEAR),
+        ("fixed point: 10 terms an axis, half of them products", &MIXED),
+    ] {
+        let _ = hub::<0, 60, 64, Fixed>(&mut instructions, name, (&[], terms));
+    }
+    let _ = hub::<2, 72, 128, Fixed>(
+        &mut instructions,
+        "fixed point: 10 linear terms, 2 inputs of temperature",
         (&PHYSICAL, &LINEAR),
     );
     println!();

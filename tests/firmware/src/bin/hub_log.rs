@@ -6,21 +6,23 @@
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
-//! `host-fit record`. Prints how many samples there were, a digest of all outputs, and (board only) what each part
-//! costs.
+//! `host-fit record`. Prints how many samples there were, a digest of all outputs, the same of a hub in fixed point and how far
+//! that is from the other, and (board only) what each part costs.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use core::convert::Infallible;
+use core::fmt;
 
 use embedded_io::{ErrorType, Write};
-use fos_core::Image;
-use fos_embedded::hub::{Hub, MAX_LOGGED};
+use fos_core::{Fixed, Image};
+use fos_embedded::hub::{Hub, MAX_LOGGED, Output};
 use fos_embedded::telemetry::{HUB_AXES, Recorder, Snapshot, StartFrame, VERSION};
 use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 
 /// Room for 16 inputs, 128 terms, 256 values of history.
 type Device = Hub<16, 128, 256>;
+type FixedDevice = Hub<16, 128, 256, Fixed>;
 
 /// The log is read, and telemetry written, in pieces of at most so many bytes.
 const CHUNK: usize = 8192;
@@ -57,6 +59,32 @@ impl Write for Stream {
     }
 }
 
+/// How far the corrected values of two hubs were apart.
+#[derive(Default)]
+struct Furthest {
+    accel_mps2: f32,
+    gyro_rads: f32,
+    /// Samples of which they say something else of an axis: its value stood on the edge of a range.
+    otherwise: u32,
+}
+
+impl Furthest {
+    fn take(&mut self, a: &Output, b: &Output<Fixed>) {
+        self.otherwise += u32::from(a.validity() != b.validity());
+        let apart =
+            |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        self.accel_mps2 = self.accel_mps2.max(apart(a.accel(), b.accel()));
+        self.gyro_rads = self.gyro_rads.max(apart(a.gyro(), b.gyro()));
+    }
+}
+
+impl fmt::Display for Furthest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { accel_mps2, gyro_rads, otherwise } = self;
+        write!(f, "at most {accel_mps2:.2e} m/s², {gyro_rads:.2e} rad/s; {otherwise} samples told otherwise")
+    }
+}
+
 fn path(index: usize, buffer: &mut [u8; 1024]) -> &core::ffi::CStr {
     match argument(index, buffer) {
         Some(path) => path,
@@ -85,6 +113,8 @@ fn run() {
     if let Err(error) = loaded {
         fail(format_args!("image: {error}"));
     }
+    let mut in_fixed_point = FixedDevice::new(header.scales);
+    let fits = in_fixed_point.load(bytes);
     let Some(columns) = Image::parse(bytes).ok().and_then(|image| hub.columns::<256>(&image.info())) else {
         fail(format_args!("image: its quantities have long names"))
     };
@@ -99,6 +129,8 @@ fn run() {
     });
 
     let (mut digest, mut ticks, mut frames) = (HubDigest::default(), Tally::default(), Tally::default());
+    let mut fixed_digest = HubDigest::default();
+    let mut furthest = Furthest::default();
     let mut samples = 0_u64;
     let mut chunk = [0; CHUNK];
     let mut given = [0.0; 16];
@@ -122,6 +154,11 @@ fn run() {
                 ticks.add(spent);
             }
             digest.update(hub.output());
+            if fits.is_ok() {
+                let output = record.step(&mut in_fixed_point);
+                fixed_digest.update(output);
+                furthest.take(hub.output(), output);
+            }
             if let Some(recorder) = &mut telemetry {
                 let logged = hub.logged();
                 frames.add(instructions.of(|| {
@@ -142,6 +179,13 @@ fn run() {
     }
     println!("samples {samples}");
     println!("outputs {:016x}", digest.outputs());
+    match fits {
+        Ok(()) => {
+            println!("fixed {:016x}", fixed_digest.outputs());
+            println!("fixed point from f32: {furthest}");
+        }
+        Err(error) => println!("fixed none: {error}"),
+    }
     if loading.is_finite() {
         println!(
             "instructions: loading the image {loading:.0}; a tick {ticks}; a frame of telemetry {frames}"
