@@ -198,7 +198,8 @@ impl Sub for Fixed {
 impl Mul for Fixed {
     type Output = Self;
 
-    #[inline]
+    // once in the code: with all 64 bits of the product it is long
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         Self::end(Self::add_product(0, self, other))
     }
@@ -281,7 +282,7 @@ impl Arithmetic for Fixed {
     fn gain_to_f64(gain: Gain) -> f64 {
         libm::scalbn(f64::from(gain.mantissa), -i32::from(gain.shift))
     }
-    #[inline]
+    #[inline(never)]
     fn times(self, gain: Gain) -> Self {
         Self::limited(rounded(product(self.0, gain.mantissa), u32::from(gain.shift)))
     }
@@ -388,7 +389,10 @@ mod tests {
         for gain in [1.0, -1.0, 0.1, 5e-6, 1.0 / 0.002, 1e-9, -333.3, 1.0e6, 2f64.powi(-31), 3e-12, 0.0] {
             let held = Fixed::gain(gain);
             let value = Fixed::gain_to_f64(held);
-            assert!((value - gain).abs() <= (gain.abs() * 2f64.powi(-31)).max(2f64.powi(-62)), "{gain} {value}");
+            assert!(
+                (value - gain).abs() <= (gain.abs() * 2f64.powi(-31)).max(2f64.powi(-62)),
+                "{gain} {value}"
+            );
             for number in numbers().filter(|&number| number != i32::MIN) {
                 let found = f64::from(Fixed(number).times(held).0);
                 let exact = (f64::from(number) * value).clamp(-f64::from(i32::MAX), f64::from(i32::MAX));

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_core::{Axis, Correction, Image, ImageError, Quantity, Sample, Validity};
+use fos_core::{Axis, Correction, Fixed, Image, ImageError, Quantity, Sample, Scalar, Validity};
 use fos_embedded::hub::{Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use serde::Serialize;
@@ -72,6 +72,9 @@ pub struct Summary {
     pub tracked: usize,
     /// How it is known which.
     pub still_known_by: KnownBy,
+    /// Why the model does not run in fixed point; none if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_in_fixed_point: Option<String>,
     /// One for each axis of the image.
     pub axes: Vec<AxisSummary>,
     /// Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model.
@@ -118,6 +121,9 @@ pub struct AxisSummary {
     /// Largest difference between the two, in the axis' unit; NaN where there are none.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub largest_difference: f64,
+    /// The same between fixed point and f64; NaN also where the model does not fit it.
+    #[cfg_attr(test, ts(as = "Option<f64>"))]
+    pub largest_difference_fixed: f64,
     /// Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
     /// tracked.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
@@ -126,9 +132,9 @@ pub struct AxisSummary {
     pub errors: Option<ModelErrors>,
 }
 
-/// What f32 costs beside f64 on one axis.
+/// What a scalar costs beside f64 on one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CostOfF32 {
+pub enum CostOfScalar {
     /// The largest difference of an innovation, over the root mean square of them all.
     Relative(f64),
     /// The model leaves nothing, which nothing can be held against; the largest difference, in the axis' unit.
@@ -139,11 +145,20 @@ pub enum CostOfF32 {
 
 impl AxisSummary {
     /// What f32 costs on this axis.
-    pub fn cost_of_f32(&self) -> CostOfF32 {
-        match (self.innovations, self.innovation_rms_f64) {
-            (0, _) => CostOfF32::NotKnown,
-            (_, rms) if rms > 0.0 => CostOfF32::Relative(self.largest_difference / rms),
-            _ => CostOfF32::NothingLeft(self.largest_difference),
+    pub fn cost_of_f32(&self) -> CostOfScalar {
+        self.cost_of(self.largest_difference)
+    }
+
+    /// What fixed point costs on this axis.
+    pub fn cost_of_fixed(&self) -> CostOfScalar {
+        self.cost_of(self.largest_difference_fixed)
+    }
+
+    fn cost_of(&self, difference: f64) -> CostOfScalar {
+        match self.innovation_rms_f64 {
+            _ if self.innovations == 0 || difference.is_nan() => CostOfScalar::NotKnown,
+            rms if rms > 0.0 => CostOfScalar::Relative(difference / rms),
+            _ => CostOfScalar::NothingLeft(difference),
         }
     }
 }
@@ -279,6 +294,9 @@ fn run(
     let playback = Playback::new(recording, &model, &stillness.still)?;
     let mut single: HostPredictor<f32> = image.predictor()?;
     let mut double: HostPredictor<f64> = image.predictor()?;
+    let fixed: Result<HostPredictor<Fixed>, ImageError> = image.predictor();
+    let not_in_fixed_point = fixed.as_ref().err().map(ToString::to_string);
+    let mut fixed = fixed.ok();
     let n_rows = recording.n_rows();
     let mut tallies = vec![Tally::default(); model.axes.len()];
     let mut digest = PredictorDigest::default();
@@ -288,6 +306,7 @@ fn run(
         let singles = playback.step(&mut single, row);
         digest.update(singles);
         let doubles = playback.step(&mut double, row);
+        let fixed = fixed.as_mut().map(|fixed| playback.step(fixed, row));
         tracked += usize::from(playback.is_still(row));
         if let Some(rests) = &mut rests {
             rests.add(&playback, row, singles);
@@ -295,6 +314,9 @@ fn run(
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
             take(axis, single);
             tallies[axis].add(single.innovation, double.innovation);
+            if let Some(fixed) = fixed.and_then(|fixed| fixed.get(axis)) {
+                tallies[axis].add_fixed(fixed.innovation, double.innovation);
+            }
             tallies[axis].valid += usize::from(playback.is_still(row) && is_valid(single));
         }
     }
@@ -310,6 +332,7 @@ fn run(
         rows: n_rows,
         tracked,
         still_known_by: stillness.known_by,
+        not_in_fixed_point,
         axes: summaries,
         gravity: rests.map(|rests| rests.total()),
         innovations_digest: digest.innovations(),
@@ -410,6 +433,7 @@ struct Tally {
     single_squares: f64,
     double_squares: f64,
     largest_difference: f64,
+    largest_difference_fixed: Option<f64>,
     valid: usize,
 }
 
@@ -422,6 +446,12 @@ impl Tally {
         self.largest_difference = self.largest_difference.max((single - double).abs());
     }
 
+    fn add_fixed(&mut self, fixed: Option<Fixed>, double: Option<f64>) {
+        let (Some(fixed), Some(double)) = (fixed.map(Fixed::to_f64), double) else { return };
+        let before = self.largest_difference_fixed.unwrap_or(0.0);
+        self.largest_difference_fixed = Some(before.max((fixed - double).abs()));
+    }
+
     fn summary(&self, column: &str, tracked: usize) -> AxisSummary {
         // of no rows these are not known: 0 over 0
         let rms = |squares: f64| (squares / self.innovations as f64).sqrt();
@@ -431,6 +461,7 @@ impl Tally {
             innovation_rms_f32: rms(self.single_squares),
             innovation_rms_f64: rms(self.double_squares),
             largest_difference: if self.innovations > 0 { self.largest_difference } else { f64::NAN },
+            largest_difference_fixed: self.largest_difference_fixed.unwrap_or(f64::NAN),
             valid_share: self.valid as f64 / tracked as f64,
             errors: None,
         }
@@ -479,8 +510,8 @@ mod tests {
             innovations.iter().for_each(|(single, double)| tally.add(Some(*single), Some(*double)));
             tally.summary("gx_rads", innovations.len()).cost_of_f32()
         };
-        assert_eq!(cost(&[(2.0, 1.0), (-1.0, -1.0)]), CostOfF32::Relative(1.0));
-        assert_eq!(cost(&[(0.0, 0.0), (0.5, 0.0)]), CostOfF32::NothingLeft(0.5));
-        assert_eq!(cost(&[]), CostOfF32::NotKnown);
+        assert_eq!(cost(&[(2.0, 1.0), (-1.0, -1.0)]), CostOfScalar::Relative(1.0));
+        assert_eq!(cost(&[(0.0, 0.0), (0.5, 0.0)]), CostOfScalar::NothingLeft(0.5));
+        assert_eq!(cost(&[]), CostOfScalar::NotKnown);
     }
 }

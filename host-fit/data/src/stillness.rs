@@ -164,7 +164,7 @@ pub fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLim
         gyro_at_rest,
         gyro_deviation: 10.0 * spread + gyro_variance.sqrt(),
     };
-    StillnessDetector::new(limits).ok().map(|_| limits)
+    StillnessDetector::<f64>::new(limits).ok().map(|_| limits)
 }
 
 struct Window {

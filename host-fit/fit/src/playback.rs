@@ -4,7 +4,7 @@ use fos_data::column::Column;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Real, Sample};
+use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Sample, Scalar};
 
 use crate::model::{FittedAxis, HostPredictor, UnitModel};
 use fos_data::recording::{Boundary, Recording, RecordingError};
@@ -168,7 +168,7 @@ impl<'a> Playback<'a> {
     }
 
     /// Takes `predictor` over what lies before `row`.
-    pub fn catch_up<R: Real>(&self, predictor: &mut HostPredictor<R>, row: usize) {
+    pub fn catch_up<R: Scalar>(&self, predictor: &mut HostPredictor<R>, row: usize) {
         match self.breaks.get(&row) {
             None => {}
             Some(Break::Missing(ticks)) => {
@@ -179,7 +179,7 @@ impl<'a> Playback<'a> {
     }
 
     /// The row as a device gets it: measured values, reference values, quantities.
-    pub fn sample<R: Real>(&self, row: usize) -> RowSample<R> {
+    pub fn sample<R: Scalar>(&self, row: usize) -> RowSample<R> {
         let scalar = |value: f64| R::from_f64(value);
         let mut sample = RowSample {
             n_axes: self.measured.len(),
@@ -202,7 +202,11 @@ impl<'a> Playback<'a> {
     /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
     /// if all of them were in the pose of the fit in the sample before; the first sample after power-on is told by itself.
     #[must_use = "carries whether the corrected values can be trusted"]
-    pub fn step<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+    pub fn step<'p, R: Scalar>(
+        &self,
+        predictor: &'p mut HostPredictor<R>,
+        row: usize,
+    ) -> &'p [Correction<R>] {
         self.catch_up(predictor, row);
         let mut row_sample = self.sample(row);
         if !self.still[row] {
@@ -212,17 +216,17 @@ impl<'a> Playback<'a> {
         let mut is_in_pose = true;
         for (axis, parameters) in self.gated.iter().enumerate() {
             let Some(parameters) = parameters else { continue };
-            let of_device: AxisParameters<R> = parameters.convert();
+            let of_device: AxisParameters<R::Stored> = parameters.convert();
             let before = match predictor.corrections().get(axis).filter(|_| !is_first) {
                 Some(correction) => correction.corrected,
-                None => row_sample.measured[axis] - of_device.offset,
+                None => row_sample.measured[axis] - R::of(of_device.offset),
             };
-            is_in_pose &= PoseGate::new(&of_device).is_open_after(before);
-            row_sample.reference[axis] = of_device.reference;
+            is_in_pose &= PoseGate::new(&of_device).convert::<R>().is_open_after(before);
+            row_sample.reference[axis] = R::of(of_device.reference);
         }
         if !is_in_pose {
             let gated = self.gated.iter().zip(&mut row_sample.reference).filter(|(gated, _)| gated.is_some());
-            gated.for_each(|(_, reference)| *reference = R::from_f64(f64::NAN));
+            gated.for_each(|(_, reference)| *reference = R::NAN);
         }
         let sample = row_sample.sample();
         predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
@@ -230,7 +234,11 @@ impl<'a> Playback<'a> {
 
     /// One row from the model's own history, though it may be still: how a coast is judged.
     #[must_use = "carries whether the corrected values can be trusted"]
-    pub fn coast<'p, R: Real>(&self, predictor: &'p mut HostPredictor<R>, row: usize) -> &'p [Correction<R>] {
+    pub fn coast<'p, R: Scalar>(
+        &self,
+        predictor: &'p mut HostPredictor<R>,
+        row: usize,
+    ) -> &'p [Correction<R>] {
         predictor.coast(&self.sample(row).sample())
     }
 
@@ -262,7 +270,7 @@ pub struct RowSample<R> {
     quantities: [R; 16],
 }
 
-impl<R: Real> RowSample<R> {
+impl<R: Scalar> RowSample<R> {
     const EMPTY: Self = Self {
         n_axes: 0,
         measured: [R::ZERO; 6],

@@ -9,7 +9,7 @@ use super::arguments::{OutputFile, Reading};
 use super::output::{Failure, optional, print_json, print_line, spinner, table};
 use crate::export::current;
 use crate::hub_log::hub_log;
-use crate::replay::{CostOfF32, Replay as Replayed, device_log, model_of, replay};
+use crate::replay::{CostOfScalar, Replay as Replayed, device_log, model_of, replay};
 use fos_data::file;
 use fos_data::recording::write_columns;
 use fos_data::stillness;
@@ -87,6 +87,7 @@ impl Replay {
             "rms f32",
             "rms f64",
             "f32 costs",
+            "fixed costs",
             "valid rows",
             "slow, coast",
             "60 s, coast",
@@ -98,11 +99,8 @@ impl Replay {
                 axis.innovations.to_string(),
                 optional(known(axis.innovation_rms_f32)),
                 optional(known(axis.innovation_rms_f64)),
-                match axis.cost_of_f32() {
-                    CostOfF32::Relative(cost) => format!("{cost:.1e}"),
-                    CostOfF32::NothingLeft(difference) => format!("{difference:.1e} of 0"),
-                    CostOfF32::NotKnown => "–".to_owned(),
-                },
+                cost(axis.cost_of_f32()),
+                cost(axis.cost_of_fixed()),
                 known(axis.valid_share)
                     .map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
                 optional(axis.errors.as_ref().and_then(|left| left.slow_error_coast).map(f64::sqrt)),
@@ -113,13 +111,18 @@ impl Replay {
         print_line!(
             "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
         );
-        print_line!("  f32 costs: largest difference of an innovation between f32 and f64, over their rms");
-        if summary.axes.iter().any(|axis| matches!(axis.cost_of_f32(), CostOfF32::NothingLeft(_))) {
+        print_line!(
+            "  f32, fixed costs: largest difference of an innovation between that and f64, over their rms"
+        );
+        if let Some(reason) = &summary.not_in_fixed_point {
+            print_line!("  not in fixed point: {reason}");
+        }
+        if summary.axes.iter().any(|axis| matches!(axis.cost_of_f32(), CostOfScalar::NothingLeft(_))) {
             print_line!(
                 "  of 0: the model leaves nothing of this log that the difference could be held against"
             );
         }
-        if summary.axes.iter().any(|axis| axis.cost_of_f32() == CostOfF32::NotKnown) {
+        if summary.axes.iter().any(|axis| axis.cost_of_f32() == CostOfScalar::NotKnown) {
             print_line!(
                 "  –: no row at rest has its whole history before it, so there is no error to compare\n  \
                  help: a log in which the unit rests, or a column `still` that says where"
@@ -152,4 +155,12 @@ impl Replay {
 /// A number that is known.
 fn known(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
+}
+
+fn cost(of: CostOfScalar) -> String {
+    match of {
+        CostOfScalar::Relative(cost) => format!("{cost:.1e}"),
+        CostOfScalar::NothingLeft(difference) => format!("{difference:.1e} of 0"),
+        CostOfScalar::NotKnown => "–".to_owned(),
+    }
 }

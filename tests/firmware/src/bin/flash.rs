@@ -1,0 +1,73 @@
+//! The smallest firmware, for its size: without a hub, or with one of the features below. What it has more than without is
+//! what the code takes of a device's flash; a stored model comes on top.
+//!
+//! - `flash-hub`: decodes a stored model, then corrects, sample by sample.
+//! - `flash-fixed`: the same in fixed point.
+//! - `flash-compiled-in`: the model is compiled in, and nothing is decoded.
+//!
+//! For the target; on the host there is nothing to see.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use core::hint::black_box;
+
+    use fos_core::{FittedOn, Fixed, Model, Scalar};
+    use fos_embedded::hub::{Hub, HubError};
+    use fos_embedded::raw::{RawSample, Scales};
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        loop {}
+    }
+
+    const SCALES: Scales = Scales {
+        accel_mps2: 0.001_197,
+        gyro_rads: 0.000_305,
+        temperature_k: 1.0 / 256.0,
+        temperature_zero_c: 25.0,
+        period_s: 0.005,
+        values: FittedOn::Raw,
+    };
+
+    type Sized<R> = Hub<2, 72, 128, R>;
+
+    fn with_hub<R: Scalar<Stored = f32>>(load: impl FnOnce(&mut Sized<R>) -> Result<(), HubError>) -> ! {
+        let mut hub: Sized<R> = Hub::new(SCALES);
+        black_box(load(&mut hub)).ok();
+        loop {
+            let _ = black_box(hub.update(&black_box(RawSample::default())));
+            hub.clock(black_box(1));
+        }
+    }
+
+    static MODEL: Model<'static, f32> = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[],
+        inputs: &[],
+        axes: &[],
+    };
+
+    #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+    #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+    fn main() -> ! {
+        if cfg!(feature = "flash-hub") {
+            with_hub::<f32>(|hub| hub.load(black_box(&[0; 64])))
+        } else if cfg!(feature = "flash-fixed") {
+            with_hub::<Fixed>(|hub| hub.load(black_box(&[0; 64])))
+        } else if cfg!(feature = "flash-compiled-in") {
+            with_hub::<f32>(|hub| hub.load_model(black_box(&MODEL)))
+        } else {
+            loop {
+                black_box(([0.0_f32; 6], [0.0_f32; 2], true));
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("for the target: its size is what is looked at");
+}
