@@ -79,6 +79,7 @@ pub trait Arithmetic: Copy {
 /// In f32 a plain s += g·(x − s) stops moving when g·(x − s) falls below half a unit in the last place of s: with
 /// τ = 1000 s at 200 Hz that is 1 % of s. Carrying the part that did not fit (Kahan 1965) removes the dead band.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Compensated<R> {
     value: R,
     carried: R,

@@ -36,6 +36,7 @@ pub struct Fixed(i32);
 
 /// A constant factor: mantissa · 2^−shift, 1 ≤ shift ≤ 62.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gain {
     mantissa: i32,
     shift: u8,

@@ -11,9 +11,10 @@ use embedded_hal_mock::eh1::i2c::Mock;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fos_core::align::{self, Aligner, Held, Interpolated, Joined};
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Evaluator, Factor, FittedOn, Image,
+    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Evaluator, Factor, FittedOn, Fixed, Image,
     ImageError, Info, InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate, Predictor, Quantity,
-    Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer, Validity, image,
+    Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer,
+    Validity, image,
 };
 use fos_embedded::blocking::Blocking;
 use fos_embedded::c_api;
@@ -74,6 +75,21 @@ fn named<T: defmt::Format>(file: &str) -> String {
     format!("{file} {}", path.rsplit("::").next().unwrap_or(path))
 }
 
+/// The same of types that only a scalar names.
+fn named_gain<R: Scalar>(file: &str) -> String
+where
+    R::Gain: defmt::Format,
+{
+    named::<R::Gain>(file)
+}
+
+fn named_slow<R: Scalar>(file: &str) -> String
+where
+    R::Slow: defmt::Format,
+{
+    named::<R::Slow>(file)
+}
+
 /// All of them.
 fn loggable() -> BTreeSet<String> {
     let types = [
@@ -91,6 +107,9 @@ fn loggable() -> BTreeSet<String> {
         named::<Image<'_>>("fos-core/image/read.rs"),
         named::<image::Terms<'_>>("fos-core/image/read.rs"),
         named::<ImageError>("fos-core/image/mod.rs"),
+        named::<Fixed>("fos-core/fixed.rs"),
+        named_gain::<Fixed>("fos-core/fixed.rs"),
+        named_slow::<f32>("fos-core/arithmetic.rs"),
         named::<Info<'_>>("fos-core/image/mod.rs"),
         named::<Input<f32>>("fos-core/input.rs"),
         named::<Source>("fos-core/input.rs"),

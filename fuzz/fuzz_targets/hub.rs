@@ -4,10 +4,10 @@
 
 use fos_core::image::encode;
 use fos_core::{
-    Correction, FittedOn, Info, Quantity, Sample, Source, StillnessDetector, StillnessLimits, Transform,
+    Correction, FittedOn, Fixed, Info, Quantity, Scalar, Sample, Source, StillnessDetector, StillnessLimits, Transform,
     Validity,
 };
-use fos_embedded::hub::{Hub, Motion, OTHER_POSE, SIX};
+use fos_embedded::hub::{Hub, Motion, OTHER_POSE, Output, SIX};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_fuzz::drawn::{between, events, model};
 use fos_testkit::models::{Draw, OwnedModel, Roomy};
@@ -100,6 +100,9 @@ fuzz_target!(|bytes: &[u8]| {
     let image = single.borrow(|model| encode(model, &Info::default(), &mut buffer).expect("room").to_vec());
     let mut expected = Expected::new(&single);
     let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
+    let mut fixed: Hub<8, 128, 256, Fixed> = Hub::new(SCALES);
+    // a model that does not fit is refused; the hub then hands on what it measures
+    let _ = fixed.load(&image);
     let mut ticks = 0_u32;
     hub.load(&image).expect("a model that the predictor takes");
     for event in events(&mut bytes, event) {
@@ -117,6 +120,7 @@ fuzz_target!(|bytes: &[u8]| {
                 assert!(output.corrected().iter().all(|value| value.is_finite()));
                 ticks = ticks.wrapping_add(raw.skipped.saturating_add(1));
                 assert_eq!(output.tick, ticks.wrapping_sub(1));
+                in_fixed_point(&mut fixed, &raw, &output);
                 let mut faults = raw.faults;
                 faults.set(Faults::GAP, faults.contains(Faults::GAP) || skipped > 0);
                 let saturated = output.validity().iter().any(|validity| validity.contains(Validity::SATURATED));
@@ -142,19 +146,24 @@ fuzz_target!(|bytes: &[u8]| {
             Happens::Motion(still) => {
                 let motion = still.map(|still| if still { Motion::Still } else { Motion::Moving });
                 hub.set_motion(motion);
+                fixed.set_motion(motion);
                 expected.set_motion(motion);
             }
             Happens::Give(supply, load) => {
                 hub.give(Quantity::Supply, supply);
                 hub.give(Quantity::Load, load);
+                fixed.give(Quantity::Supply, supply);
+                fixed.give(Quantity::Load, load);
                 expected.given = [supply, load];
             }
             Happens::Clock(now_us) => {
                 hub.clock(now_us);
+                fixed.clock(now_us);
                 assert!(hub.rate_hz().is_none_or(f32::is_finite));
             }
             Happens::Load => {
                 hub.load(&image).expect("as before");
+                let _ = fixed.load(&image);
                 let motion = expected.motion;
                 expected = Expected::new(&single);
                 expected.motion = motion;
@@ -163,6 +172,17 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
 });
+
+/// Whatever it is given, what comes out is a number, and says of the sample itself what f32 says.
+fn in_fixed_point(hub: &mut Hub<8, 128, 256, Fixed>, raw: &RawSample, single: &Output) {
+    let output = *hub.update(raw);
+    let corrections = output.corrections.iter();
+    assert!(corrections.clone().all(|axis| axis.corrected.is_finite() && axis.predicted.is_finite()));
+    assert!(corrections.clone().all(|axis| axis.innovation.is_none_or(Fixed::is_finite)));
+    assert_eq!(output.tick, single.tick);
+    let sample = Faults::GAP | Faults::BUS | Faults::STUCK | Faults::RESET | Faults::OVERRUN;
+    assert_eq!(output.faults & sample, single.faults & sample);
+}
 
 /// What a hub must say.
 struct Expected {

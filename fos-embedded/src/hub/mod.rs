@@ -58,6 +58,9 @@ pub enum Motion {
 /// Capacities: `INPUTS` and as many logged quantities, `TERMS` of all axes together, `HISTORY` values, as of
 /// [`Predictor`](fos_core::Predictor). A model that needs more is refused.
 ///
+/// It computes in f32; with [`Fixed`](fos_core::Fixed) as its last parameter in fixed point, the same models and the same
+/// calls: for cores without floats. What does not fit 256 is then refused too.
+///
 /// ```
 /// use fos_core::FittedOn;
 /// use fos_embedded::hub::Hub;
@@ -77,6 +80,9 @@ pub enum Motion {
 /// let output = hub.update(&raw);
 /// assert!((output.accel()[2] - 9.8).abs() < 0.01);
 /// assert!(!output.is_valid());
+///
+/// let mut in_fixed_point: Hub<8, 60, 128, fos_core::Fixed> = Hub::new(scales);
+/// assert!((in_fixed_point.update(&raw).accel()[2] - 9.8).abs() < 0.01);
 /// ```
 #[derive(Debug, Clone)]
 pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32> = f32> {

@@ -53,16 +53,22 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the
     /// image. `None` if they do not fit.
     pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
-        let mut columns = String::new();
-        columns.push_str("temp_c").ok()?;
-        let mut names = info.quantities.lines();
-        for source in &self.sources {
-            let name = names.next().and_then(|line| line.split_whitespace().next());
-            if source.is_application() {
-                columns.push('\n').ok()?;
-                columns.push_str(name.unwrap_or("unnamed")).ok()?;
-            }
-        }
-        Some(columns)
+        columns(&self.sources, info)
     }
+}
+
+/// One copy for the hubs of every scalar.
+#[inline(never)]
+fn columns<const N: usize>(sources: &[QuantitySource], info: &Info<'_>) -> Option<String<N>> {
+    let mut columns = String::new();
+    columns.push_str("temp_c").ok()?;
+    let mut names = info.quantities.lines();
+    for source in sources {
+        let name = names.next().and_then(|line| line.split_whitespace().next());
+        if source.is_application() {
+            columns.push('\n').ok()?;
+            columns.push_str(name.unwrap_or("unnamed")).ok()?;
+        }
+    }
+    Some(columns)
 }

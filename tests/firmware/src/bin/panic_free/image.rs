@@ -5,12 +5,12 @@ use core::hint::black_box;
 use fos_core::align::{Aligner, Stream};
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, Info, InnovationStatistics, Input, Model,
-    Monitor, Predictor, Quantity, Range, Sample, Source, StillnessDetector, StillnessLimits, Term, Transform,
-    Validity, u, y,
+    Axis, AxisModel, AxisParameters, Correction, FittedOn, Fixed, Image, Info, InnovationStatistics, Input,
+    Model, Monitor, Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits,
+    Term, Transform, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
-use fos_embedded::raw::{Faults, RawSample, Scales};
+use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use fos_embedded::telemetry::{
     AlarmRecorder, Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode as encode_frame,
 };
@@ -38,7 +38,7 @@ pub(crate) fn exercise() {
     joined();
     log(black_box(&[0; 64]));
     written();
-    hub(black_box(&[0; 64]));
+    hubs(black_box(&[0; 64]));
 }
 
 fn from_image(bytes: &[u8]) {
@@ -171,7 +171,7 @@ fn stillness() {
         gyro_at_rest: [0.0; 3],
         gyro_deviation: 0.01,
     });
-    if let Ok(mut detector) = StillnessDetector::new(limits) {
+    if let Ok(mut detector) = StillnessDetector::<f32>::new(limits) {
         black_box(detector.update(black_box([0.0; 3]), black_box([0.0; 3])));
         black_box(detector.disturbed());
     }
@@ -230,7 +230,7 @@ impl embedded_io::Write for Writer {
     }
 }
 
-fn hub(bytes: &[u8]) {
+fn hubs(bytes: &[u8]) {
     let scales = black_box(Scales {
         accel_mps2: 1.0,
         gyro_rads: 1.0,
@@ -239,7 +239,21 @@ fn hub(bytes: &[u8]) {
         period_s: 0.005,
         values: FittedOn::Raw,
     });
-    let mut hub: Hub<16, 128, 256> = Hub::new(scales);
+    let _ = black_box(hub::<Fixed>(bytes, scales));
+    let mut hub = hub::<f32>(bytes, scales);
+    let vector = black_box(TestVector {
+        scales,
+        channels: &[],
+        given: &[],
+        samples: &[],
+        given_bits: &[],
+        expected: &[],
+    });
+    black_box(vector.run(&mut hub).is_ok());
+}
+
+fn hub<R: Scalar<Stored = f32>>(bytes: &[u8], scales: Scales) -> Hub<16, 128, 256, R> {
+    let mut hub: Hub<16, 128, 256, R> = Hub::new(scales);
     black_box(hub.load(bytes).is_ok());
     with_model(|model| {
         black_box(hub.load_model(model).is_ok());
@@ -249,6 +263,14 @@ fn hub(bytes: &[u8]) {
     hub.set_motion(black_box(Some(Motion::Still)));
     let raw = black_box(RawSample { temperature: Some(1), faults: Faults::BUS, ..RawSample::default() });
     let output = *hub.update(&raw);
+    let sample = black_box(SiSample {
+        skipped: 1,
+        accel: [1.0; 3],
+        gyro: [1.0; 3],
+        temperature_c: 25.0,
+        faults: Faults::empty(),
+    });
+    black_box(hub.update_si(&sample).predicted());
     hub.clock(black_box(1));
     black_box((output.accel(), output.gyro(), output.is_valid(), hub.rate_hz()));
     for axis in black_box([Axis::Gx, Axis::Other]) {
@@ -283,13 +305,5 @@ fn hub(bytes: &[u8]) {
         digest.update(record.step(&mut hub));
         black_box(digest.outputs());
     }
-    let vector = black_box(TestVector {
-        scales,
-        channels: &[],
-        given: &[],
-        samples: &[],
-        given_bits: &[],
-        expected: &[],
-    });
-    black_box(vector.run(&mut hub).is_ok());
+    hub
 }
