@@ -328,7 +328,7 @@ extern "C" fn trace_mark() {
     black_box(());
 }
 
-/// A hub at rest, ten linear terms an axis: [`TRACED`] samples between two marks.
+/// A hub at rest, ten linear terms an axis: [`TRACED`] samples between two marks; prints how many.
 fn profile() {
     let mut hub = resting_hub::<0, 60, 64, f32>("profile", (&[], &LINEAR)).0;
     let mut sensor = Sensor(3);
