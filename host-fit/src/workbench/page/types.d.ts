@@ -102,6 +102,8 @@ innovation_rms_f32: number | null,
 innovation_rms_f64: number | null,
 /** Largest difference between the two, in the axis' unit; NaN where there are none. */
 largest_difference: number | null,
+/** The same between fixed point and f64; NaN also where the model does not fit it. */
+largest_difference_fixed: number | null,
 /** Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
  * tracked. */
 valid_share: number | null,
@@ -843,6 +845,8 @@ rows: number,
 tracked: number,
 /** How it is known which. */
 still_known_by: KnownBy,
+/** Why the model does not run in fixed point; none if it does. */
+not_in_fixed_point: string | null,
 /** One for each axis of the image. */
 axes: Array<AxisSummary>,
 /** Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model. */
