@@ -17,6 +17,11 @@ pub trait Arithmetic: Copy {
     /// The same of a running mean, which may miss changes in its last place.
     type Mean: Copy + Debug;
 
+    /// No sum yet.
+    const NOTHING: Self::Sum;
+    /// What is squared is kept within it, so that its square is a value.
+    const LARGEST_SQUARED: Self;
+
     /// Whether a number of this size is a value: what a model has is refused otherwise.
     fn holds(value: f64) -> bool;
     /// Not a number, and not sorted out by comparisons either.
@@ -46,8 +51,6 @@ pub trait Arithmetic: Copy {
     /// `a` + `b`, of sums that no model bounds.
     fn plus(a: Self::Sum, b: Self::Sum) -> Self::Sum;
 
-    /// No sum yet.
-    const NOTHING: Self::Sum;
     /// A sum of values, or of squares, as a model has it.
     fn sum_stored(sum: Self::Sum) -> Self::Stored
     where
@@ -64,8 +67,6 @@ pub trait Arithmetic: Copy {
     /// One step towards `self`: s ← s + gain·(self − s).
     fn approached_by(self, slow: &mut Self::Slow, gain: Self::Gain);
 
-    /// Far from the largest number whose square is one.
-    const LARGEST_SQUARED: Self;
     /// A running mean at `self`.
     fn mean_at(self) -> Self::Mean;
     /// Its value.
@@ -92,6 +93,9 @@ macro_rules! float {
             type Sum = $float;
             type Slow = Compensated<$float>;
             type Mean = $float;
+
+            const NOTHING: $float = 0.0;
+            const LARGEST_SQUARED: $float = 1e6;
 
             fn holds(_: f64) -> bool {
                 true
@@ -143,7 +147,6 @@ macro_rules! float {
                 a + b
             }
 
-            const NOTHING: $float = 0.0;
             #[inline(always)]
             fn sum_stored(sum: $float) -> $float {
                 sum
@@ -167,7 +170,6 @@ macro_rules! float {
                 *slow = Compensated { value, carried: change - (value - slow.value) };
             }
 
-            const LARGEST_SQUARED: $float = 1e6;
             #[inline(always)]
             fn mean_at(self) -> $float {
                 self

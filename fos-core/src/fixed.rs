@@ -34,7 +34,7 @@ const F64_BIAS: i32 = 1023;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fixed(i32);
 
-/// A constant factor: mantissa · 2^−shift, 1 ≤ shift ≤ 62.
+/// A constant factor of any size: mantissa · 2^−shift, 1 ≤ shift ≤ 62.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gain {
@@ -269,6 +269,10 @@ impl Arithmetic for Fixed {
     type Slow = i64;
     type Mean = i64;
 
+    const NOTHING: i64 = 0;
+    // squared it is the outermost value
+    const LARGEST_SQUARED: Self = Self(16 << FRACTION);
+
     fn holds(value: f64) -> bool {
         libm::fabs(value) < 256.0
     }
@@ -283,6 +287,7 @@ impl Arithmetic for Fixed {
     fn gain_to_f64(gain: Gain) -> f64 {
         libm::scalbn(f64::from(gain.mantissa), -i32::from(gain.shift))
     }
+    // once in the code, as a product
     #[inline(never)]
     fn times(self, gain: Gain) -> Self {
         Self::limited(rounded(product(self.0, gain.mantissa), u32::from(gain.shift)))
@@ -290,7 +295,6 @@ impl Arithmetic for Fixed {
     fn count(n: u32, gain: Gain) -> Self {
         Self::count_of(i64::from(n), gain)
     }
-
     #[inline]
     fn of_code(code: i16, unit: f32) -> Self {
         Self::count_of(i64::from(code), Gain::from_f32(unit))
@@ -318,7 +322,6 @@ impl Arithmetic for Fixed {
         a.saturating_add(b)
     }
 
-    const NOTHING: i64 = 0;
     fn sum_stored(sum: i64) -> f32 {
         const STEP: f32 = 1.0 / (1_u64 << (2 * FRACTION)) as f32;
         sum as f32 * STEP
@@ -336,16 +339,6 @@ impl Arithmetic for Fixed {
     fn now(slow: i64) -> Self {
         Self::limited(rounded(slow, SLOW))
     }
-    const LARGEST_SQUARED: Self = Self(16 << FRACTION);
-    fn mean_at(self) -> i64 {
-        self.at_rest()
-    }
-    fn mean(mean: i64) -> Self {
-        Self::now(mean)
-    }
-    fn averaged_by(self, mean: &mut i64, gain: Gain) {
-        self.approached_by(mean, gain);
-    }
     #[inline(never)]
     fn approached_by(self, slow: &mut i64, gain: Gain) {
         // 2⁶² at most, times a gain of at most 1, in two halves
@@ -359,6 +352,16 @@ impl Arithmetic for Fixed {
             None => product << (32 - u32::from(gain.shift)),
         };
         *slow = slow.wrapping_add(change);
+    }
+
+    fn mean_at(self) -> i64 {
+        self.at_rest()
+    }
+    fn mean(mean: i64) -> Self {
+        Self::now(mean)
+    }
+    fn averaged_by(self, mean: &mut i64, gain: Gain) {
+        self.approached_by(mean, gain);
     }
 }
 
