@@ -4,9 +4,7 @@
 
 use core::fmt::Debug;
 
-use crate::{Real, Scalar};
-
-/// The arithmetic of a [`Scalar`](crate::Scalar). Nobody else can implement it.
+/// The arithmetic of a scalar. Nobody else can implement it.
 pub trait Arithmetic: Copy {
     /// A constant factor that need not be a value: 1/scale, or the gain of a slow low-pass.
     type Gain: Copy + Debug;
@@ -35,10 +33,6 @@ pub trait Arithmetic: Copy {
     fn times(self, gain: Self::Gain) -> Self;
     /// `n` × `gain`.
     fn count(n: u32, gain: Self::Gain) -> Self;
-    /// `code` × `unit`: of a sensor.
-    fn of_code(code: i16, unit: Self::Stored) -> Self
-    where
-        Self: Scalar;
 
     /// A sum that begins with `self`.
     fn begin(self) -> Self::Sum;
@@ -50,15 +44,6 @@ pub trait Arithmetic: Copy {
     fn square(self) -> Self::Sum;
     /// `a` + `b`, of sums that no model bounds.
     fn plus(a: Self::Sum, b: Self::Sum) -> Self::Sum;
-
-    /// A sum of values, or of squares, as a model has it.
-    fn sum_stored(sum: Self::Sum) -> Self::Stored
-    where
-        Self: Scalar;
-    /// The sum nearest to that.
-    fn sum_of(stored: Self::Stored) -> Self::Sum
-    where
-        Self: Scalar;
 
     /// A low-pass at `self`.
     fn at_rest(self) -> Self::Slow;
@@ -121,10 +106,6 @@ macro_rules! float {
             fn count(n: u32, gain: $float) -> $float {
                 n as $float * gain
             }
-            #[inline(always)]
-            fn of_code(code: i16, unit: $float) -> $float {
-                <$float>::from(code) * unit
-            }
 
             #[inline(always)]
             fn begin(self) -> $float {
@@ -145,15 +126,6 @@ macro_rules! float {
             #[inline(always)]
             fn plus(a: $float, b: $float) -> $float {
                 a + b
-            }
-
-            #[inline(always)]
-            fn sum_stored(sum: $float) -> $float {
-                sum
-            }
-            #[inline(always)]
-            fn sum_of(stored: $float) -> $float {
-                stored
             }
 
             fn at_rest(self) -> Compensated<$float> {
@@ -188,8 +160,3 @@ macro_rules! float {
 
 float!(f32);
 float!(f64);
-
-/// Finite and above 0.
-pub(crate) fn is_positive<R: Real>(value: R) -> bool {
-    value.is_finite() && value > R::ZERO
-}

@@ -251,6 +251,19 @@ impl Scalar for Fixed {
         }
     }
     #[inline]
+    fn of_code(code: i16, unit: f32) -> Self {
+        Self::count_of(i64::from(code), Gain::from_f32(unit))
+    }
+    fn sum_stored(sum: i64) -> f32 {
+        const STEP: f32 = 1.0 / (1_u64 << (2 * FRACTION)) as f32;
+        sum as f32 * STEP
+    }
+    fn sum_of(stored: f32) -> i64 {
+        const STEPS: f32 = (1_u64 << (2 * FRACTION)) as f32;
+        // the conversion saturates
+        (stored * STEPS) as i64
+    }
+    #[inline]
     fn is_finite(self) -> bool {
         self != Self::NAN
     }
@@ -295,10 +308,6 @@ impl Arithmetic for Fixed {
     fn count(n: u32, gain: Gain) -> Self {
         Self::count_of(i64::from(n), gain)
     }
-    #[inline]
-    fn of_code(code: i16, unit: f32) -> Self {
-        Self::count_of(i64::from(code), Gain::from_f32(unit))
-    }
 
     #[inline]
     fn begin(self) -> i64 {
@@ -320,16 +329,6 @@ impl Arithmetic for Fixed {
     #[inline]
     fn plus(a: i64, b: i64) -> i64 {
         a.saturating_add(b)
-    }
-
-    fn sum_stored(sum: i64) -> f32 {
-        const STEP: f32 = 1.0 / (1_u64 << (2 * FRACTION)) as f32;
-        sum as f32 * STEP
-    }
-    fn sum_of(stored: f32) -> i64 {
-        const STEPS: f32 = (1_u64 << (2 * FRACTION)) as f32;
-        // the conversion saturates
-        (stored * STEPS) as i64
     }
 
     fn at_rest(self) -> i64 {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::arithmetic::is_positive;
+use crate::real::is_positive;
 use crate::{Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.

@@ -42,6 +42,12 @@ pub trait Scalar:
     fn of(stored: Self::Stored) -> Self;
     /// The same value, or nearest to it, as a model or a log has it.
     fn stored(self) -> Self::Stored;
+    /// `code` × `unit`: what a sensor's code stands for.
+    fn of_code(code: i16, unit: Self::Stored) -> Self;
+    /// A sum of values, or of squares, as a model has it.
+    fn sum_stored(sum: Self::Sum) -> Self::Stored;
+    /// The sum nearest to that.
+    fn sum_of(stored: Self::Stored) -> Self::Sum;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 
@@ -96,6 +102,18 @@ macro_rules! float {
             fn stored(self) -> $float {
                 self
             }
+            #[inline(always)]
+            fn of_code(code: i16, unit: $float) -> $float {
+                <$float>::from(code) * unit
+            }
+            #[inline(always)]
+            fn sum_stored(sum: $float) -> $float {
+                sum
+            }
+            #[inline(always)]
+            fn sum_of(stored: $float) -> $float {
+                stored
+            }
             #[inline]
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
@@ -110,3 +128,8 @@ macro_rules! float {
 
 float!(f32);
 float!(f64);
+
+/// Finite and above 0.
+pub(crate) fn is_positive<R: Real>(value: R) -> bool {
+    value.is_finite() && value > R::ZERO
+}

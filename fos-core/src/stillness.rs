@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::arithmetic::is_positive;
+use crate::real::is_positive;
 use crate::{ModelError, Real, Scalar};
 
 /// Windows that must be quiet in a row before the unit counts as still.

@@ -2,11 +2,11 @@
 
 use super::Evaluator;
 use super::building::Building;
-use crate::arithmetic::is_positive;
 use crate::axis::{AxisProgram, RunningAxis};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
 use crate::program::Layout;
+use crate::real::is_positive;
 use crate::{Channel, Input, Model, ModelError, Scalar, Term};
 
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
