@@ -5,7 +5,8 @@ use core::hint::cold_path;
 use crate::function::exp_m1;
 use crate::model::AxisParameters;
 use crate::program::Part;
-use crate::{Range, Scalar, Validity};
+use crate::real::scalar;
+use crate::{Range, Real, Scalar, Validity};
 
 /// By how much of its width the fitted range of the remainder is widened before a value is limited: half the
 /// width on either side doubles it. The extreme of a normal record of 10⁴ samples is 3.9 σ, of 10¹⁰ samples
@@ -113,7 +114,8 @@ impl<R: Scalar> RunningAxis<R> {
         period_s: f64,
     ) -> Self {
         // −0 is a limit of 0: to divide by it must not turn the sign of the fading
-        let coast_limit_s = parameters.coast_limit_s.to_f64().abs();
+        let coast_limit_s: R::Built = scalar(parameters.coast_limit_s.abs());
+        let (scale, period_s): (R::Built, R::Built) = (scalar(parameters.scale), scalar(period_s));
         let full_scale = R::of(parameters.full_scale);
         Self {
             physical: program.physical,
@@ -122,8 +124,8 @@ impl<R: Scalar> RunningAxis<R> {
             depth: program.depth,
             reference: R::of(parameters.reference),
             offset: R::of(parameters.offset),
-            scale: R::gain(parameters.scale.to_f64()),
-            per_scale: R::gain(1.0 / parameters.scale.to_f64()),
+            scale: R::gain(scale.to_f64()),
+            per_scale: R::gain((R::Built::ONE / scale).to_f64()),
             range: Self::limits(parameters).convert(),
             physical_range: parameters.physical_limits().convert(),
             sound: Range::new(R::ONE, R::ZERO),
@@ -133,9 +135,8 @@ impl<R: Scalar> RunningAxis<R> {
                 repeats => u32::from(repeats),
             },
             gap_limit_samples: parameters.gap_limit_samples,
-            // the conversion saturates
-            coast_limit: (coast_limit_s / period_s) as u32,
-            fade: R::gain(1.0 + exp_m1(-period_s / coast_limit_s)),
+            coast_limit: (coast_limit_s / period_s).to_u32(),
+            fade: R::gain((R::Built::ONE + exp_m1(-period_s / coast_limit_s)).to_f64()),
             p: R::ZERO,
             predicted_remainder: R::ZERO,
             limited: false,
@@ -187,11 +188,13 @@ impl<R: Scalar> RunningAxis<R> {
 
     /// The whole range of the remainder if nothing in it is at full scale, else nothing: full scale is then looked at.
     fn find_sound(&mut self) {
-        let p = if self.physical.is_empty { 0.0 } else { self.physical_range.magnitude() };
-        let error = R::gain_to_f64(self.scale) * (self.range.magnitude() + p);
-        let furthest = self.reference.to_f64().abs() + self.offset.to_f64().abs() + error;
+        let built = |value: R| -> R::Built { scalar(value) };
+        let p = if self.physical.is_empty { R::ZERO } else { self.physical_range.magnitude() };
+        let scale: R::Built = scalar(R::gain_to_f64(self.scale));
+        let error = scale * (built(self.range.magnitude()) + built(p));
+        let furthest = built(self.reference.abs()) + built(self.offset.abs()) + error;
         // for what rounding adds
-        let below = furthest * 1.000_01 < self.full_scale.to_f64();
+        let below = furthest * R::Built::from_f64(1.000_01) < built(self.full_scale);
         self.sound = if below { self.range } else { Range::new(R::ONE, R::ZERO) };
     }
 

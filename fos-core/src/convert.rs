@@ -1,12 +1,9 @@
 //! The same model in another scalar. On the way to the image this is where f64 is rounded to f32, once.
 
+use crate::real::scalar;
 use crate::{
     AxisParameters, InnovationStatistics, Input, Range, Real, Scalar, StillnessLimits, Term, Transform,
 };
-
-fn scalar<S: Scalar, R: Scalar>(value: S) -> R {
-    R::from_f64(value.to_f64())
-}
 
 impl<S: Scalar> Range<S> {
     /// The same range in another scalar.

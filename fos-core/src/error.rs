@@ -97,6 +97,18 @@ pub enum ModelError {
         /// Its place in the model.
         input: usize,
     },
+    /// The input has a transform, and this was built without the feature `transforms`.
+    TransformNotBuilt {
+        /// Its place in the model.
+        input: usize,
+    },
+    /// The term is a product of factors, and this was built without the feature `products`.
+    ProductNotBuilt {
+        /// Its place in the model.
+        axis: usize,
+        /// The term, physical part first.
+        term: usize,
+    },
     /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
     Stillness,
 }
@@ -134,6 +146,12 @@ impl fmt::Display for ModelError {
             }
             Self::InputNotInFixedPoint { input } => {
                 write!(f, "input {input}: it needs values of 256 and more, which fixed point does not have")
+            }
+            Self::TransformNotBuilt { input } => {
+                write!(f, "input {input} has a transform: build fos-core with its feature `transforms`")
+            }
+            Self::ProductNotBuilt { axis, term } => {
+                write!(f, "axis {axis}, term {term} is a product: build fos-core with its feature `products`")
             }
             Self::Unbounded { axis } => write!(f, "axis {axis}: the terms can overflow"),
             Self::Stillness => write!(f, "a limit of stillness is not a positive number"),

@@ -217,6 +217,7 @@ impl Neg for Fixed {
 
 impl Scalar for Fixed {
     type Stored = f32;
+    type Built = f64;
 
     const ZERO: Self = Self(0);
     const ONE: Self = Self(1 << FRACTION);

@@ -4,7 +4,9 @@ use core::hint::cold_path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Range, Real, Scalar, Transform, Transformer, Validity};
+use crate::real::scalar;
+use crate::transformer::Transformer;
+use crate::{Range, Real, Scalar, Transform, Validity};
 
 /// By how much of its width a fitted range of an input is widened before a value counts as outside: the noise
 /// and the steps of a thermometer, not an extrapolation.
@@ -66,12 +68,11 @@ pub(crate) struct RunningInput<R: Scalar> {
 
 impl<R: Scalar> RunningInput<R> {
     pub(crate) fn new(input: &Input<R::Stored>, period_s: f64) -> Self {
-        let transformer =
-            Transformer::scaled(&input.transform, period_s, input.centre.to_f64(), input.scale.to_f64());
+        let transformer = Transformer::scaled(&input.transform, period_s, input.centre, input.scale);
         let mut running = Self {
             source: input.source,
             centre: R::of(input.centre),
-            per_scale: R::gain(1.0 / input.scale.to_f64()),
+            per_scale: R::gain((R::Built::ONE / scalar(input.scale)).to_f64()),
             source_range: input.source_limits().convert(),
             range: input.limits().convert(),
             transformer,
@@ -98,7 +99,7 @@ impl<R: Scalar> RunningInput<R> {
     }
 
     /// The largest |u| that can come out.
-    pub(crate) fn magnitude(&self) -> f64 {
+    pub(crate) fn magnitude(&self) -> R {
         self.range.magnitude()
     }
 

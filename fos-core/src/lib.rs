@@ -38,6 +38,8 @@ mod program;
 mod range;
 mod real;
 mod root;
+#[cfg_attr(not(feature = "transforms"), path = "running_identity.rs")]
+mod running;
 mod stillness;
 mod term;
 mod transform;
@@ -59,5 +61,6 @@ pub use real::{Real, Scalar};
 pub use stillness::{StillnessDetector, StillnessLimits};
 pub use term::{Channel, Factor, MAX_DEGREE, Term, u, y};
 pub use transform::Transform;
+#[cfg(feature = "transforms")]
 pub use transformer::Transformer;
 pub use validity::Validity;

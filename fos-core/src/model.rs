@@ -155,9 +155,9 @@ impl<R: Real> Input<R> {
         let numbers = self.transform.is_valid()
             && self.centre.is_finite()
             && is_positive(self.scale)
-            && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
+            && is_positive(R::ONE / self.scale)
             && self.source_range.is_valid()
-            && self.source_range.magnitude() < MAX_INPUT
+            && self.source_range.magnitude() < R::from_f64(MAX_INPUT)
             && self.range.is_valid();
         if !numbers {
             return Err(ModelError::InputParameter { input });
@@ -172,18 +172,18 @@ impl<R: Real> Input<R> {
 
     /// Whether a scalar holds all that the input comes to, from the logged quantity on.
     pub(crate) fn fits<S: Scalar<Stored = R>>(&self) -> bool {
-        let (centre, scale) = (self.centre.to_f64().abs(), self.scale.to_f64());
+        let (centre, scale) = (self.centre.abs(), self.scale);
         let x = self.source_limits().magnitude();
         let logged = match self.source {
             Source::Quantity(_) => centre + scale * x,
-            Source::Clock | Source::Remainder(_) => 0.0,
+            Source::Clock | Source::Remainder(_) => R::ZERO,
         };
         let own = match self.transform {
-            Transform::Backlash { half_width } => x + half_width.to_f64() / scale,
+            Transform::Backlash { half_width } => x + half_width / scale,
             Transform::Time => centre / scale,
-            _ => 0.0,
+            _ => R::ZERO,
         };
-        [logged, x, own, self.limits().magnitude()].into_iter().all(S::holds)
+        [logged, x, own, self.limits().magnitude()].into_iter().all(|value| S::holds(value.to_f64()))
     }
 }
 
@@ -199,7 +199,7 @@ impl<R: Real> AxisParameters<R> {
         let correlation = self.innovation.lag_1_correlation;
         let valid = finite.into_iter().all(Scalar::is_finite)
             && is_positive(self.scale)
-            && is_positive(R::from_f64(1.0 / self.scale.to_f64()))
+            && is_positive(R::ONE / self.scale)
             && self.range.is_valid()
             && self.physical_range.is_valid()
             && not_negative(self.full_scale)

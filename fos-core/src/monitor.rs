@@ -5,7 +5,8 @@ use core::hint::cold_path;
 use crate::axis::Correction;
 use crate::function::exp_m1;
 use crate::model::{AxisParameters, InnovationStatistics};
-use crate::{Range, Scalar, Validity, root};
+use crate::real::scalar;
+use crate::{Range, Real, Scalar, Validity, root};
 
 /// Shift of the innovation's mean, in standard deviations, that the drift test lets pass (Page 1954: k).
 ///
@@ -65,19 +66,22 @@ impl<R: Scalar> Monitor<R> {
     /// A monitor for the axis of `parameters`, sampled every `period_s` seconds.
     pub fn new(parameters: &AxisParameters<R::Stored>, period_s: f64) -> Self {
         let fitted = parameters.innovation;
-        let scale = parameters.scale.to_f64();
-        let deviation = libm::sqrt(fitted.variance.to_f64());
+        let built = |value: R::Stored| -> R::Built { scalar(value) };
+        let real = R::Built::from_f64;
+        let deviation = built(fitted.variance).square_root();
+        let scale = built(parameters.scale);
         // correlated innovations wander further: their sum has (1 + ρ)/(1 − ρ) times the variance
-        let correlation = fitted.lag_1_correlation.to_f64().clamp(-0.99, 0.99);
-        let inflation = (1.0 + correlation.max(0.0)) / (1.0 - correlation.max(0.0));
+        let correlation = built(fitted.lag_1_correlation).limit(real(-0.99), real(0.99));
+        let positive = correlation.limit(R::Built::ZERO, R::Built::ONE);
+        let inflation = (R::Built::ONE + positive) / (R::Built::ONE - positive);
         Self {
-            fitted_mean: R::from_f64(fitted.mean.to_f64() / deviation),
-            per_deviation: R::gain(1.0 / (scale * deviation)),
-            deviation: R::Stored::from_f64(deviation),
+            fitted_mean: scalar(built(fitted.mean) / deviation),
+            per_deviation: R::gain((R::Built::ONE / (scale * deviation)).to_f64()),
+            deviation: scalar(deviation),
             scale: parameters.scale,
-            mean_threshold: sum::<R>(MEAN_THRESHOLD * inflation),
-            power_threshold: sum::<R>(POWER_THRESHOLD * power_inflation(correlation)),
-            gain: R::gain(-exp_m1(-period_s / TAU_S)),
+            mean_threshold: R::sum_of(scalar(real(MEAN_THRESHOLD) * inflation)),
+            power_threshold: R::sum_of(scalar(real(POWER_THRESHOLD) * power_inflation(correlation))),
+            gain: R::gain((-exp_m1(-scalar::<_, R::Built>(period_s) / real(TAU_S))).to_f64()),
             samples: 0,
             mean: R::ZERO.mean_at(),
             variance: R::ONE.mean_at(),
@@ -199,9 +203,9 @@ fn sum<R: Scalar>(value: f64) -> R::Sum {
 /// θ(0)/θ(ρ), where θ(ρ) is the root of 1 + ρ² − 2θ(1 − ρ²) = e^(−3θ) + ρ²e^(3θ), which is lim E e^(θΣ(e² − 1.5)) = 1
 /// for a Gaussian recursion of order 1 (Szegő's theorem on its spectrum). This is above it by at most 4 %, and needs
 /// no root where a model is loaded.
-fn power_inflation(correlation: f64) -> f64 {
-    let square = correlation * correlation;
-    1.0 + (3.8 - 1.17 * correlation.abs()) * square / (1.0 - square)
+fn power_inflation<R: Real>(correlation: R) -> R {
+    let (real, square) = (R::from_f64, correlation * correlation);
+    R::ONE + (real(3.8) - real(1.17) * correlation.abs()) * square / (R::ONE - square)
 }
 
 /// What it has found, not what it was made with.

@@ -10,6 +10,15 @@ use heapless::Vec;
 use crate::history::Window;
 use crate::{Channel, Factor, MAX_DEGREE, ModelError, Scalar, Term};
 
+/// The largest degree of a term that is evaluated.
+pub(crate) const DEGREES: usize = if cfg!(feature = "products") { MAX_DEGREE } else { 1 };
+
+/// Third factors; none without products.
+#[cfg(feature = "products")]
+type Thirds<const TERMS: usize> = Vec<u16, TERMS>;
+#[cfg(not(feature = "products"))]
+type Thirds<const TERMS: usize> = Vec<u16, 0>;
+
 /// A part of an axis' model, p or r̂: which of the terms it has.
 #[derive(Debug, Clone)]
 pub(crate) struct Part<R> {
@@ -57,7 +66,7 @@ impl<R: Scalar> Record<R> {
 pub(crate) struct Program<R, const TERMS: usize> {
     records: Vec<Record<R>, TERMS>,
     /// Of the cubic terms, in their order.
-    thirds: Vec<u16, TERMS>,
+    thirds: Thirds<TERMS>,
 }
 
 /// Where a sample's values lie in the history: inputs first, then the remainders of the axes.
@@ -99,7 +108,7 @@ impl<R: Scalar, const TERMS: usize> Program<R, TERMS> {
         let too_many = ModelError::TooManyTerms { capacity: TERMS };
         let first_third = u16::try_from(self.thirds.len()).map_err(|_| too_many)?;
         let mut counts = [0_u16; MAX_DEGREE];
-        for (count, degree) in counts.iter_mut().zip(1..) {
+        for (count, degree) in counts.iter_mut().zip(1..=DEGREES) {
             for term in terms.clone().filter(|term| term.factors().len() == degree) {
                 let mut places = [0; MAX_DEGREE];
                 for (place, factor) in places.iter_mut().zip(term.factors()) {
@@ -159,7 +168,11 @@ impl<R: Scalar> Part<R> {
         if let [last] = last {
             sum = last.linear(sum, window);
         }
-        if self.has_products { self.products(sum, rest, thirds, window) } else { (R::end(sum), rest) }
+        if DEGREES > 1 && self.has_products {
+            self.products(sum, rest, thirds, window)
+        } else {
+            (R::end(sum), rest)
+        }
     }
 
     /// `sum` and the terms with more than one factor, and the records after them. A function of its own, so that its

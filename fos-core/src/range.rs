@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::Scalar;
+use crate::{Real, Scalar};
 
 /// The smallest and the largest value of a quantity in the data that a model was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,17 +31,10 @@ impl<R: Scalar> Range<R> {
         self.low.is_finite() && self.high.is_finite() && self.low <= self.high
     }
 
-    /// Widened on both sides by `share` of its width.
-    #[inline(never)]
-    pub(crate) fn widened(&self, share: f64) -> Self {
-        let (low, high) = (self.low.to_f64(), self.high.to_f64());
-        let margin = share * (high - low);
-        Self { low: R::from_f64(low - margin), high: R::from_f64(high + margin) }
-    }
-
     /// The largest magnitude in the range.
-    pub(crate) fn magnitude(&self) -> f64 {
-        self.low.abs().to_f64().max(self.high.abs().to_f64())
+    pub(crate) fn magnitude(&self) -> R {
+        let (low, high) = (self.low.abs(), self.high.abs());
+        if low > high { low } else { high }
     }
 
     /// Whether `value` lies in the range; NaN does not.
@@ -54,6 +47,15 @@ impl<R: Scalar> Range<R> {
     #[inline]
     pub(crate) fn limit(&self, value: R) -> R {
         value.limit(self.low, self.high)
+    }
+}
+
+impl<R: Real> Range<R> {
+    /// Widened on both sides by `share` of its width.
+    #[inline(never)]
+    pub(crate) fn widened(&self, share: f64) -> Self {
+        let margin = R::from_f64(share) * (self.high - self.low);
+        Self { low: self.low - margin, high: self.high + margin }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The scalar: f32 on the device, f32 and f64 on the host, fixed point where there is no float; one source for all.
 
 use core::fmt::Debug;
-use core::ops::{Add, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::arithmetic::Arithmetic;
 
@@ -9,7 +9,7 @@ use crate::arithmetic::Arithmetic;
 ///
 /// Per sample only `+`, `−`, `×` and comparisons are used, in a fixed order and never fused, so that every
 /// machine gives the same bits. There is no division on purpose: what divides is inverted once, when a model is built,
-/// in f64.
+/// in [`Built`](Self::Built).
 pub trait Scalar:
     Arithmetic
     + PartialOrd
@@ -22,6 +22,9 @@ pub trait Scalar:
 {
     /// Of the models that it evaluates: itself, if that is a float.
     type Stored: Real;
+    /// In which the constants of a model are computed, once, when it is built: as exact as they are kept. A device with
+    /// floats of 32 bits links no arithmetic of 64.
+    type Built: Real;
 
     /// 0.
     const ZERO: Self;
@@ -68,14 +71,18 @@ pub trait Scalar:
 }
 
 /// A float: the scalar of models.
-pub trait Real: Scalar<Stored = Self> {}
-
-impl<R: Scalar<Stored = R>> Real for R {}
+pub trait Real: Scalar<Stored = Self, Built = Self> + Div<Output = Self> {
+    /// The whole part; the nearest u32 to what is none, 0 of NaN.
+    fn to_u32(self) -> u32;
+    /// √x, correctly rounded: for constants, whatever the features.
+    fn square_root(self) -> Self;
+}
 
 macro_rules! float {
-    ($float:ty) => {
+    ($float:ty, $square_root:path) => {
         impl Scalar for $float {
             type Stored = $float;
+            type Built = $float;
 
             const ZERO: $float = 0.0;
             const ONE: $float = 1.0;
@@ -123,13 +130,29 @@ macro_rules! float {
                 <$float>::abs(self)
             }
         }
+
+        impl Real for $float {
+            #[inline]
+            fn to_u32(self) -> u32 {
+                self as u32
+            }
+            fn square_root(self) -> $float {
+                $square_root(self)
+            }
+        }
     };
 }
 
-float!(f32);
-float!(f64);
+float!(f32, libm::sqrtf);
+float!(f64, libm::sqrt);
 
 /// Finite and above 0.
 pub(crate) fn is_positive<R: Real>(value: R) -> bool {
     value.is_finite() && value > R::ZERO
+}
+
+/// The value nearest to it in another scalar; one of 32 bits stays what it is, without arithmetic of 64.
+#[inline]
+pub(crate) fn scalar<S: Scalar, R: Scalar>(value: S) -> R {
+    R::from_f64(value.to_f64())
 }

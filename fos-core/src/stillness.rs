@@ -119,7 +119,7 @@ impl<R: Scalar> StillnessDetector<R> {
         limits.check()?;
         Ok(Self {
             limits,
-            per_window: R::Stored::from_f64(1.0 / f64::from(limits.window)),
+            per_window: R::Stored::ONE / R::Stored::from_u32(u32::from(limits.window)),
             accel: Triad::EMPTY,
             gyro: Triad::EMPTY,
             filled: 0,

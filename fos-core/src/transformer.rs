@@ -1,6 +1,6 @@
 //! A transform at work: its state, and where it starts.
 
-use crate::transform::Running;
+use crate::running::Running;
 use crate::{Scalar, Transform};
 
 /// A [`Transform`] with its state: what an input of a model runs, and what a host that looks for inputs runs.
@@ -17,21 +17,41 @@ use crate::{Scalar, Transform};
 /// assert_eq!(low_pass.update(f64::NAN), 21.5); // and stays where one is missing
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(feature = "transforms"), allow(unreachable_pub, reason = "for inputs alone"))]
 pub struct Transformer<R: Scalar> {
     running: Running<R>,
     /// The last finite x; none before the first.
     held: Option<R>,
 }
 
+#[cfg(feature = "transforms")]
 impl<R: Scalar> Transformer<R> {
     /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0,
     /// scale 1.
     pub fn new(transform: &Transform<R::Stored>, period_s: f64) -> Self {
-        Self::scaled(transform, period_s, 0.0, 1.0)
+        Self::scaled(transform, period_s, R::Stored::ZERO, R::Stored::ONE)
     }
 
+    /// One sample: u(n) from x(n). A value that is not finite stands for the last one before it.
+    #[inline]
+    pub fn update(&mut self, x: R) -> R {
+        self.advance(x.is_finite().then_some(x))
+    }
+
+    /// `ticks` missing samples, x taken to have stayed; in bounded time.
+    pub fn skip(&mut self, ticks: u32) {
+        self.pass(None, ticks);
+    }
+}
+
+impl<R: Scalar> Transformer<R> {
     /// The transform of x = (logged − centre)/scale, at power-on.
-    pub(crate) fn scaled(transform: &Transform<R::Stored>, period_s: f64, centre: f64, scale: f64) -> Self {
+    pub(crate) fn scaled(
+        transform: &Transform<R::Stored>,
+        period_s: f64,
+        centre: R::Stored,
+        scale: R::Stored,
+    ) -> Self {
         Self { running: Running::new(transform, period_s, centre, scale), held: None }
     }
 
@@ -47,12 +67,6 @@ impl<R: Scalar> Transformer<R> {
         self.held = Some(x);
     }
 
-    /// One sample: u(n) from x(n). A value that is not finite stands for the last one before it.
-    #[inline]
-    pub fn update(&mut self, x: R) -> R {
-        self.advance(x.is_finite().then_some(x))
-    }
-
     /// One sample with a finite x, or without one: it is taken to have stayed.
     #[inline]
     pub(crate) fn advance(&mut self, x: Option<R>) -> R {
@@ -65,12 +79,7 @@ impl<R: Scalar> Transformer<R> {
         self.running.update(self.held.unwrap_or(R::ZERO))
     }
 
-    /// `ticks` missing samples, x taken to have stayed; in bounded time.
-    pub fn skip(&mut self, ticks: u32) {
-        self.pass(None, ticks);
-    }
-
-    /// The same; with an `x`, that is what it is taken to have been.
+    /// `ticks` missing samples, x taken to have stayed, or with an `x` to have been that; in bounded time.
     pub(crate) fn pass(&mut self, x: Option<R>, ticks: u32) {
         self.running.skip(x.or(self.held).unwrap_or(R::ZERO), ticks);
     }

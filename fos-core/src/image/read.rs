@@ -145,7 +145,7 @@ impl<'a> Image<'a> {
         for _ in 0..self.head.n_inputs {
             let _ = records.take::<Input<f32>>();
         }
-        (0..self.head.n_axes).map_while(move |_| records.axis().ok())
+        (0..self.head.n_axes).map_while(move |_| records.axis())
     }
 
     /// A predictor for the model, in f32 as on the device, or in f64.
@@ -294,19 +294,21 @@ impl<'a> Records<'a> {
         Ok(Term::try_new(coefficient, factors))
     }
 
-    fn axis(&mut self) -> Result<AxisImage<'a>, ImageError> {
-        let head: AxisHead = self.take()?;
-        let physical = self.terms(head.n_physical)?;
-        let stochastic = self.terms(head.n_stochastic)?;
-        Ok(AxisImage { parameters: head.parameters, physical, stochastic })
+    /// An axis whose form has been checked.
+    #[inline(never)]
+    fn axis(&mut self) -> Option<AxisImage<'a>> {
+        let head: AxisHead = self.take().ok()?;
+        let (physical, stochastic) = (self.terms(head.n_physical), self.terms(head.n_stochastic));
+        Some(AxisImage { parameters: head.parameters, physical, stochastic })
     }
 
-    fn terms(&mut self, count: u8) -> Result<Terms<'a>, ImageError> {
+    #[inline(never)]
+    fn terms(&mut self, count: u8) -> Terms<'a> {
         let terms = Terms { records: *self, left: count };
         for _ in 0..count {
-            self.term()?;
+            let _ = self.term();
         }
-        Ok(terms)
+        terms
     }
 
     fn end(&self) -> Result<(), ImageError> {

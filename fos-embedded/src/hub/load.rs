@@ -11,11 +11,13 @@ use super::{Hub, HubError, Output};
 
 /// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks
 /// of such sensors are up to 5 % off, on either side of the fit.
-pub const PERIOD_TOLERANCE: f64 = 0.1;
+pub const PERIOD_TOLERANCE: f32 = 0.1;
 
 /// Whether a model with this sample period, s, runs on samples that come in that one: within [`PERIOD_TOLERANCE`]. A
 /// period that is not a number is near none.
 pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
+    // in 32 bits, of which it takes three
+    let (model_s, sensor_s) = (model_s as f32, sensor_s as f32);
     let off = model_s - sensor_s;
     off.max(-off) <= PERIOD_TOLERANCE * sensor_s
 }
@@ -32,7 +34,11 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     /// so.
     pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
         self.unload();
-        let loaded = Image::parse(image).map_err(HubError::Image).and_then(|image| self.take(&image));
+        // where it lies: an image is many words of stack
+        let loaded = match &Image::parse(image) {
+            Ok(image) => self.take(image),
+            Err(error) => Err(HubError::Image(*error)),
+        };
         self.settle(loaded)
     }
 
@@ -113,23 +119,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
         self.model_rate_hz = 1.0 / model as f32;
         for (index, parameters) in axes.enumerate() {
-            let channel = channel_of(parameters.axis).ok_or(HubError::Axis(index))?;
-            if self.axes.contains(&channel) {
-                return Err(HubError::Axis(index));
-            }
-            if index == 0 {
-                self.first = Some(channel);
-            }
-            self.first = self.first.filter(|first| usize::from(*first) + index == usize::from(channel));
-            self.axes.push(channel).map_err(|_| HubError::Axis(index))?;
-            let pose = PoseGate::new(&parameters);
-            if pose.is_open_at_first() {
-                self.without_gate |= 1_u32.checked_shl(index as u32).unwrap_or(0);
-            } else {
-                self.gates.push(Gate { channel, pose: pose.convert() }).map_err(|_| HubError::Axis(index))?;
-            }
-            let full_scale = at(&self.scales.full_scale(), channel);
-            self.evaluator.limit_full_scale(index, R::of(full_scale));
+            self.connect_axis(index, &parameters).ok_or(HubError::Axis(index))?;
             self.watch.add(&parameters, model);
         }
         self.in_pose = self.gates.is_empty();
@@ -145,7 +135,37 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
             self.sources.push(source).map_err(|_| HubError::Quantity(index))?;
             self.quantities.push(R::NAN).map_err(|_| HubError::Quantity(index))?;
         }
-        self.detector = stillness.and_then(|limits| StillnessDetector::new(limits).ok());
+        self.detect_stillness(stillness);
         Ok(())
+    }
+
+    // as above
+    #[inline(never)]
+    fn detect_stillness(&mut self, limits: Option<StillnessLimits<f32>>) {
+        self.detector = limits.and_then(|limits| StillnessDetector::new(limits).ok());
+    }
+
+    /// Which of the six an axis of the model is; none if it is none of them, or one that the model has twice.
+    // as above
+    #[inline(never)]
+    fn connect_axis(&mut self, index: usize, parameters: &AxisParameters<f32>) -> Option<()> {
+        let channel = channel_of(parameters.axis)?;
+        if self.axes.contains(&channel) {
+            return None;
+        }
+        if index == 0 {
+            self.first = Some(channel);
+        }
+        self.first = self.first.filter(|first| usize::from(*first) + index == usize::from(channel));
+        self.axes.push(channel).ok()?;
+        let pose = PoseGate::new(parameters);
+        if pose.is_open_at_first() {
+            self.without_gate |= 1_u32.checked_shl(index as u32).unwrap_or(0);
+        } else {
+            self.gates.push(Gate { channel, pose: pose.convert() }).ok()?;
+        }
+        let full_scale = at(&self.scales.full_scale(), channel);
+        self.evaluator.limit_full_scale(index, R::of(full_scale));
+        Some(())
     }
 }

@@ -8,6 +8,7 @@ mod output;
 mod quantities;
 mod quantity_source;
 mod rate;
+#[cfg_attr(not(feature = "monitor"), path = "watch_nothing.rs")]
 mod watch;
 
 use fos_core::{

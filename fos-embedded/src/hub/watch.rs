@@ -27,6 +27,8 @@ impl<R: Scalar<Stored = f32>> Watch<R> {
         (self.watched, self.left, self.drifted) = (0, TURN, 0);
     }
 
+    // apart from decoding, so that the stack of one is not below the other's
+    #[inline(never)]
     pub(super) fn add(&mut self, parameters: &AxisParameters<f32>, period_s: f64) {
         // there is a place for every axis
         let _ = self.monitors.push(Monitor::new(parameters, period_s));

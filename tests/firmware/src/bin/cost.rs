@@ -352,32 +352,16 @@ fn run() {
     );
     println!("|---|---|---|---|---|---|---|---|");
     let linear = hub::<0, 60, 64, f32>(&mut instructions, "10 linear terms an axis", (&[], &LINEAR));
-    let products =
-        hub::<0, 60, 64, f32>(&mut instructions, "10 terms an axis, half of them products", (&[], &MIXED));
-    let _ = hub::<2, 72, 128, f32>(
-        &mut instructions,
-        "10 linear terms, 2 inputs of temperature",
-        (&PHYSICAL, &LINEAR),
-    );
-    let _ = hub::<16, 128, 256, f32>(
-        &mut instructions,
-        "the same with room for 16 inputs, 128 terms",
-        (&PHYSICAL, &LINEAR),
-    );
     let fixed =
         hub::<0, 60, 64, Fixed>(&mut instructions, "fixed point: 10 linear terms an axis", (&[], &LINEAR));
-    let _ = hub::<0, 60, 64, Fixed>(
-        &mut instructions,
-        "fixed point: 10 terms an axis, half of them products",
-        (&[], &MIXED),
-    );
-    let _ = hub::<2, 72, 128, Fixed>(
-        &mut instructions,
-        "fixed point: 10 linear terms, 2 inputs of temperature",
-        (&PHYSICAL, &LINEAR),
-    );
-    println!();
-    parts(&mut instructions);
+    let products = if cfg!(all(feature = "products", feature = "transforms")) {
+        let products = with_all_features(&mut instructions);
+        println!();
+        parts(&mut instructions);
+        products
+    } else {
+        0
+    };
     println!();
     let Taken { loading, load_stack, .. } = linear;
     println!(
@@ -385,13 +369,39 @@ fn run() {
     );
     // for the budget
     println!(
-        "ram {} stack {} instructions {} {} {}",
+        "ram {} stack {} instructions {} {products} {}",
         size_of::<Hub<0, 60, 64>>(),
         linear.stack.max(load_stack),
         linear.still,
-        products.still,
         fixed.still
     );
+}
+
+/// The hubs that need them; instructions of a sample at rest of one whose terms are half products.
+fn with_all_features(instructions: &mut Instructions) -> usize {
+    let products =
+        hub::<0, 60, 64, f32>(instructions, "10 terms an axis, half of them products", (&[], &MIXED));
+    let _ = hub::<2, 72, 128, f32>(
+        instructions,
+        "10 linear terms, 2 inputs of temperature",
+        (&PHYSICAL, &LINEAR),
+    );
+    let _ = hub::<16, 128, 256, f32>(
+        instructions,
+        "the same with room for 16 inputs, 128 terms",
+        (&PHYSICAL, &LINEAR),
+    );
+    let _ = hub::<0, 60, 64, Fixed>(
+        instructions,
+        "fixed point: 10 terms an axis, half of them products",
+        (&[], &MIXED),
+    );
+    let _ = hub::<2, 72, 128, Fixed>(
+        instructions,
+        "fixed point: 10 linear terms, 2 inputs of temperature",
+        (&PHYSICAL, &LINEAR),
+    );
+    products.still
 }
 
 fos_firmware::firmware!(run);

@@ -2,10 +2,10 @@
 //! codes in which everything happens that a hub has a word for. Prints what the hub makes of the log, in Rust.
 //!
 //! ```text
-//! hub_files FOLDER        # model.fosm, model.h, log.fosh
+//! hub_files FOLDER        # model.fosm, model.h, log.fosh, and linear.fosm
 //! ```
 //!
-//! The log is a hub log (`fos_embedded::test_log`).
+//! linear.fosm is what a device without products and transforms can run. The log is a hub log (`fos_embedded::test_log`).
 
 use std::error::Error;
 use std::fmt::Write;
@@ -99,12 +99,13 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
     }
 }
 
-fn image() -> Result<Vec<u8>, Box<dyn Error>> {
-    let axes = AXES.map(|axis| AxisModel {
-        parameters: parameters(axis),
-        physical: &PHYSICAL,
-        stochastic: &STOCHASTIC,
-    });
+/// A model of these terms, with the first so many of the inputs.
+fn image(
+    n_inputs: usize,
+    physical: &[Term<f32>],
+    stochastic: &[Term<f32>],
+) -> Result<Vec<u8>, Box<dyn Error>> {
+    let axes = AXES.map(|axis| AxisModel { parameters: parameters(axis), physical, stochastic });
     let model = Model {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
@@ -116,7 +117,7 @@ fn image() -> Result<Vec<u8>, Box<dyn Error>> {
             gyro_deviation: 0.1,
         }),
         quantities: &QUANTITIES,
-        inputs: &INPUTS,
+        inputs: &INPUTS[..n_inputs],
         axes: &axes,
     };
     let info = Info { sensor: "simulated", quantities: NAMES, ..Info::default() };
@@ -193,7 +194,7 @@ fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> HubLogRec
 }
 
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let image = image()?;
+    let image = image(INPUTS.len(), &PHYSICAL, &STOCHASTIC)?;
     let mut hub: Hub<16, 128, 256> = Hub::new(SCALES);
     hub.load(&image)?;
     let header = HubLogHeader { scales: SCALES, n_given: 2 };
@@ -229,6 +230,7 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     }
     array.push_str("};\n");
     fs::write(folder.join("model.fosm"), &image)?;
+    fs::write(folder.join("linear.fosm"), self::image(1, &PHYSICAL[..1], &STOCHASTIC[..2])?)?;
     fs::write(folder.join("model.h"), array)?;
     fs::write(folder.join("log.fosh"), &log)?;
     println!("samples {SAMPLES}");
