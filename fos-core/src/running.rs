@@ -13,8 +13,7 @@ pub(crate) struct LowPass<R: Scalar> {
 
 impl<R: Scalar> LowPass<R> {
     fn new(tau_s: R::Stored, period_s: f64) -> Self {
-        let (period_s, tau_s): (R::Built, R::Built) = (scalar(period_s), scalar(tau_s));
-        Self { gain: R::gain((-exp_m1(-period_s / tau_s)).to_f64()), slow: R::ZERO.at_rest() }
+        Self { gain: R::gain(-exp_m1(-period_s / tau_s.to_f64())), slow: R::ZERO.at_rest() }
     }
 
     fn start_at(&mut self, value: R) {
@@ -112,20 +111,19 @@ impl<R: Scalar> Running<R> {
         centre: R::Stored,
         scale: R::Stored,
     ) -> Self {
-        let built = |value: R::Stored| -> R::Built { scalar(value) };
+        let (centre, scale) = (centre.to_f64(), scale.to_f64());
         match *transform {
             Transform::Identity => Self::Identity,
             Transform::LowPass { tau_s } => Self::LowPass(LowPass::new(tau_s, period_s)),
-            Transform::Rate { tau_s } => Self::Rate {
-                low_pass: LowPass::new(tau_s, period_s),
-                per_tau: R::gain((R::Built::ONE / built(tau_s)).to_f64()),
-            },
+            Transform::Rate { tau_s } => {
+                Self::Rate { low_pass: LowPass::new(tau_s, period_s), per_tau: R::gain(1.0 / tau_s.to_f64()) }
+            }
             Transform::Variance { tau_s } => Self::Variance {
                 mean: LowPass::new(tau_s, period_s),
                 variance: LowPass::new(tau_s, period_s),
             },
             Transform::Backlash { half_width } => {
-                Self::Backlash { half_width: scalar(built(half_width) / built(scale)), play: R::ZERO }
+                Self::Backlash { half_width: R::from_f64(half_width.to_f64() / scale), play: R::ZERO }
             }
             Transform::Absolute => Self::Absolute,
             Transform::Decay { tau_s } => {
@@ -134,8 +132,8 @@ impl<R: Scalar> Running<R> {
                 Self::Decay(low_pass)
             }
             Transform::Time => Self::Time {
-                period: R::gain((scalar::<_, R::Built>(period_s) / built(scale)).to_f64()),
-                origin: scalar(built(centre) / built(scale)),
+                period: R::gain(period_s / scale),
+                origin: R::from_f64(centre / scale),
                 ticks: 0,
             },
             Transform::Sine { frequency_hz } => Self::oscillator(frequency_hz, period_s, true),
@@ -143,7 +141,6 @@ impl<R: Scalar> Running<R> {
         }
     }
 
-    /// The one constant for which f32 is too short: an error of its angle grows with every sample.
     fn oscillator(frequency_hz: R::Stored, period_s: f64, wants_sine: bool) -> Self {
         let (sin, cos) = sin_cos_of_cycles(frequency_hz.to_f64() * period_s);
         let rotation = Complex { re: R::from_f64(cos), im: R::from_f64(sin) };
