@@ -48,6 +48,7 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
         ("record", _) => "record none.stream -o recorded.csv",
         ("calibrate", _) => "calibrate --cases 1",
         ("export", _) => "export unit.json --px4 unit.params --judge log.csv",
+        ("fleet", _) => "fleet . -o population.json",
         ("noise", _) => "noise log.csv --axis gx",
         ("convert", _) => "convert log.csv -o out.csv",
         ("demo", _) => "demo",
@@ -58,7 +59,8 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
 }
 
 /// Options whose text has numbers in it, and where.
-const TEXTS: [(&str, &str, &[&str]); 8] = [
+const TEXTS: [(&str, &str, &[&str]); 9] = [
+    ("fleet", "regressor", &["temp_c:lowpass(#)", "temp_c:rate(#)"]),
     ("fit", "train", &["#%", "#s", "#"]),
     ("fit", "memory", &["#", "1,#"]),
     (

@@ -89,6 +89,12 @@ const LINES: [Line; 26] = [
         inputs: &[EFFECTS, ("folder", "cases/one/field.parquet"), ("folder", "cases/one/meta.json")],
     },
     Line {
+        output: "output",
+        at: "out.json",
+        words: "fleet cases --effect {effects} --map-file {map_file} -o out.json",
+        inputs: &[EFFECTS, MAP, ("folder", "cases/one/field.parquet")],
+    },
+    Line {
         output: "outcomes",
         at: "out.json",
         words: "calibrate --cases 1 --effect {effects} --outcomes out.json",
@@ -448,12 +454,13 @@ fn two_outputs_are_two_files() {
 }
 
 /// Where files are read apart from the door that notes what was read: none of them reads what a user measured.
-const OTHER_DOORS: [&str; 8] = [
+const OTHER_DOORS: [&str; 9] = [
     "data/src/file/read.rs",             // the door
     "data/src/file/paths.rs",            // a folder, to bring its names to the disk
     "data/src/file/replace.rs",          // what it is about to replace, and what killed writers left
     "data/src/file/compare_and_swap.rs", // whether a study still is what was read
     "diagnose/src/batch.rs",             // its own answers of before
+    "fleet/src/fleet.rs",                // its own rows of before
     "src/calibration/kept.rs",           // its own outcomes of before
     "src/record/kept.rs",                // whether another recording runs
     "src/record/end.rs",                 // what the system says of this process
@@ -468,7 +475,7 @@ fn opens_a_file(source: &str) -> bool {
 
 #[test]
 fn files_come_in_through_one_door() {
-    let all = sources(&["src", "data/src", "fit/src", "simulate/src", "diagnose/src"]);
+    let all = sources(&["src", "data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]);
     let mut seen = 0;
     for (name, text) in all.iter().filter(|(name, _)| !name.ends_with("tests.rs")) {
         assert_eq!(

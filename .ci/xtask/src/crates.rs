@@ -1,7 +1,7 @@
 //! Which crate may depend on which.
 //!
 //! ```text
-//! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ host-fit      fos-data ◄ fos-simulate ◄ host-fit
+//! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ host-fit      fos-data ◄ fos-simulate ◄ host-fit
 //! ```
 //!
 //! Of dependencies that are built for those who use the crate: tests may look at everything.
@@ -20,8 +20,12 @@ const MAY: &[(&str, &[&str])] = &[
     ("fos-data", &["fos-core"]),
     ("fos-fit", &["fos-core", "fos-data"]),
     ("fos-diagnose", &["fos-core", "fos-data", "fos-fit"]),
+    ("fos-fleet", &["fos-data", "fos-fit", "fos-diagnose"]),
     ("fos-simulate", &["fos-core", "fos-data"]),
-    ("host-fit", &["fos-core", "fos-embedded", "fos-data", "fos-fit", "fos-diagnose", "fos-simulate"]),
+    (
+        "host-fit",
+        &["fos-core", "fos-embedded", "fos-data", "fos-fit", "fos-diagnose", "fos-fleet", "fos-simulate"],
+    ),
     ("xtask", &[]),
 ];
 

@@ -16,6 +16,7 @@ mod error_table;
 mod export;
 pub mod files;
 mod fit;
+mod fleet;
 mod formats;
 mod history;
 mod inspect;
@@ -68,6 +69,7 @@ enum Command {
     Formats(formats::Formats),
     Convert(convert::Convert),
     Batch(batch::Batch),
+    Fleet(fleet::Fleet),
     Calibrate(calibrate::Calibrate),
     Export(export::Export),
     Inspect(inspect::Inspect),
@@ -128,6 +130,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Formats(command) => command.run(),
         Command::Convert(command) => command.run(),
         Command::Batch(command) => command.run(),
+        Command::Fleet(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),

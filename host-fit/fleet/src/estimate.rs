@@ -1,0 +1,231 @@
+//! The coefficients of a unit's axis, estimated together, with their covariance.
+
+use fos_data::column::Column;
+use fos_data::recording::{Recording, RecordingError};
+use fos_data::unit::Unit;
+use fos_data::{disturbance, pose};
+use fos_diagnose::detect::ErrorInBlocks;
+use fos_diagnose::effects::{Inputs, Regressor};
+use fos_fit::noise::{LevelPrior, NoiseLevels, Regression};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::known::Known;
+use crate::population::matrix_of;
+
+/// Temperatures count from here, °C: a bias is that at it.
+pub const REFERENCE_C: f64 = 25.0;
+
+/// The name of the constant.
+pub const BIAS: &str = "bias";
+
+/// Fewest blocks that tell coefficients and noise.
+const FEWEST_BLOCKS: usize = 40;
+
+/// Standard deviation of the logarithm of a noise level between units of a part: a third.
+const BETWEEN_UNITS: f64 = 0.3;
+
+/// Coefficients and their covariance, in SI units per unit of the regressor: rad/s or m/s² per K for `temp_c`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// [`BIAS`], or the regressor as it is asked for; those alone that the log tells.
+    pub names: Vec<String>,
+    /// The coefficients.
+    pub values: Vec<f64>,
+    /// Their covariance, row by row: noise of the estimate, white, flicker and random walk.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// An estimate as a population sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct Measured {
+    /// What it says of the population's coefficients.
+    pub(crate) known: Known,
+    /// The values; 0 of what it does not tell.
+    pub(crate) values: DVector<f64>,
+    /// Their variances; none of what it does not tell.
+    pub(crate) errors: Vec<Option<f64>>,
+}
+
+impl Measured {
+    /// One coefficient as if there were no others.
+    pub(crate) fn alone(&self, place: usize) -> Self {
+        let information = self.errors[place].map_or(0.0, |error| 1.0 / error);
+        let value = self.values[place];
+        let known = Known {
+            information: DMatrix::from_element(1, 1, information),
+            weighted: DVector::from_element(1, information * value),
+        };
+        Self { known, values: DVector::from_element(1, value), errors: vec![self.errors[place]] }
+    }
+}
+
+/// An axis of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisEstimate {
+    /// As in the log format, as `gx_rads`.
+    pub column: String,
+    /// What its log tells of the coefficients.
+    pub coefficients: Estimate,
+    /// The noise that goes with them.
+    pub noise: NoiseLevels,
+    /// Time that it is of, s.
+    pub seconds: f64,
+}
+
+/// Why an axis cannot be estimated.
+#[derive(Debug, thiserror::Error)]
+pub enum EstimateError {
+    /// A column is missing.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A regressor cannot be read.
+    #[error(
+        "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
+    )]
+    Regressor {
+        /// As it was given.
+        regressor: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Too little at rest.
+    #[error(
+        "{column}: {seconds:.1} s at rest are too short for its coefficients; at least {needed:.0} s are needed\nhelp: a longer log of the unit lying still"
+    )]
+    TooShort {
+        /// The axis.
+        column: String,
+        /// Time at rest, s.
+        seconds: f64,
+        /// Time needed, s.
+        needed: f64,
+    },
+}
+
+impl Estimate {
+    /// The place of a coefficient, if the log tells it.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// Standard error of a coefficient.
+    pub fn standard_error(&self, name: &str) -> Option<f64> {
+        self.place(name).map(|place| self.covariance[place][place].sqrt())
+    }
+
+    /// What it says of `names`, each divided by its scale.
+    pub(crate) fn measured(&self, names: &[String], scale: &[f64]) -> Measured {
+        let n = names.len();
+        let places: Vec<(usize, usize)> =
+            names.iter().enumerate().filter_map(|(place, name)| Some((place, self.place(name)?))).collect();
+        let own = matrix_of(&self.covariance);
+        let covariance = DMatrix::from_fn(places.len(), places.len(), |row, column| {
+            let (row, column) = (places[row], places[column]);
+            own[(row.1, column.1)] / (scale[row.0] * scale[column.0])
+        });
+        let mut values = DVector::zeros(n);
+        let mut errors = vec![None; n];
+        for (index, (place, of_own)) in places.iter().enumerate() {
+            values[*place] = self.values[*of_own] / scale[*place];
+            errors[*place] = Some(covariance[(index, index)]);
+        }
+        // of a regression, and so positive definite
+        let inverse = covariance.cholesky().map(|factor| factor.inverse());
+        let mut information = DMatrix::zeros(n, n);
+        for (row, (place, _)) in places.iter().enumerate() {
+            for (column, (other, _)) in places.iter().enumerate() {
+                information[(*place, *other)] =
+                    inverse.as_ref().map_or(0.0, |inverse| inverse[(row, column)]);
+            }
+        }
+        Measured { known: Known { weighted: &information * &values, information }, values, errors }
+    }
+}
+
+/// The coefficients of `regressors` on an axis (a column), beside its bias, from the rows at rest of a log in one or several poses.
+///
+/// Generalised least squares in block means, the noise estimated with them; about `noise`, where that of the part is known: a log of
+/// minutes tells hardly anything of what wanders slowly, and would be surer of its coefficients than it can be. An accelerometer without
+/// true values (`ref_…`) has no bias: at rest it shows gravity beside it. A regressor that the log does not tell, because nothing of it
+/// changes, is left out.
+///
+/// # Errors
+///
+/// A column is missing, a regressor cannot be read, or too little is at rest.
+pub fn estimate(
+    recording: &Recording,
+    column: &str,
+    regressors: &[String],
+    noise: Option<&NoiseLevels>,
+) -> Result<AxisEstimate, EstimateError> {
+    let at_rest = disturbance::marked(recording).0;
+    let log = from_reference(&at_rest);
+    let reduced = ErrorInBlocks::of(&log, column)?;
+    let blocks = &reduced.blocks;
+    let seconds = blocks.samples() as f64 * blocks.period_s;
+    if blocks.len() < FEWEST_BLOCKS {
+        let needed = FEWEST_BLOCKS as f64 * blocks.length_s;
+        return Err(EstimateError::TooShort { column: column.to_owned(), seconds, needed });
+    }
+    let has_bias = !pose::has_unknown_level(column, &log.error_series(column)?.reference);
+    let levels = blocks.levels(if has_bias { &[] } else { &log.turns });
+    let inputs = Inputs::new(&log);
+    let mut columns = levels.clone();
+    for text in regressors {
+        let unknown = |reason| EstimateError::Regressor { regressor: text.clone(), reason };
+        let regressor = Regressor::parse(text).map_err(unknown)?;
+        columns.push(blocks.means(&inputs.regressor(&regressor)?));
+    }
+    // what is far from zero would leave fewer digits to the noise
+    let mean = reduced.means.iter().sum::<f64>() / reduced.means.len() as f64;
+    let y: Vec<f64> = reduced.means.iter().map(|value| value - mean).collect();
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let prior = match noise {
+        Some(levels) => LevelPrior::independent(levels.logs(), [BETWEEN_UNITS; 3]),
+        None => LevelPrior::of_log(blocks, &y),
+    };
+    let regression = Regression { blocks, y: &y, regressors: &columns, prior: &prior };
+    let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean));
+
+    let (all, covariance) = (fitted.gls.coefficients(), fitted.gls.covariance());
+    let named = |index: usize| match index.checked_sub(levels.len()) {
+        Some(of_regressor) => Some((regressors[of_regressor].clone(), all[index])),
+        None => has_bias.then(|| (BIAS.to_owned(), all[index] + mean)),
+    };
+    let told: Vec<(usize, (String, f64))> = fitted
+        .gls
+        .kept
+        .iter()
+        .enumerate()
+        .filter_map(|(place, index)| Some((place, named(*index)?)))
+        .collect();
+    let covariance = told
+        .iter()
+        .map(|(row, _)| told.iter().map(|(other, _)| covariance[(*row, *other)]).collect())
+        .collect();
+    let (names, values) = told.into_iter().map(|(_, named)| named).unzip();
+    Ok(AxisEstimate {
+        column: column.to_owned(),
+        coefficients: Estimate { names, values, covariance },
+        noise: fitted.levels,
+        seconds,
+    })
+}
+
+/// The log with temperatures from [`REFERENCE_C`] on: a bias is then one that was measured, or nearly.
+fn from_reference(recording: &Recording) -> Recording {
+    let mut log = recording.clone();
+    let temperatures: Vec<(String, Vec<f64>)> = recording
+        .channels()
+        .iter()
+        .filter(|channel| Column::named(&channel.name).unit() == Unit::Celsius)
+        .map(|channel| {
+            (channel.name.clone(), channel.values.iter().map(|value| value - REFERENCE_C).collect())
+        })
+        .collect();
+    for (name, values) in temperatures {
+        log = log.with_values(&name, values);
+    }
+    log
+}

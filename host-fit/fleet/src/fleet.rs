@@ -1,0 +1,342 @@
+//! A fleet: a row for each unit, kept as they come, and the populations of its parts.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use fos_data::file::{FileError, write_atomically};
+use fos_data::statistics::median_of;
+use fos_diagnose::effects::Library;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::estimate::BIAS;
+use crate::odd::{Distance, discoveries, judge};
+use crate::population::{Member, Population};
+use crate::row::{Asked, AxisRow, Unit, UnitRow, unit_row};
+
+/// Schema of what is written of a fleet.
+pub const SCHEMA: &str = "fos-population/1";
+
+/// Of the units that are called odd at most this share is not, in the mean.
+pub const FALSE_ODD: f64 = 0.1;
+
+/// What a fleet comes to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fleet {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The program that wrote it.
+    pub program: String,
+    /// What was asked of every unit.
+    pub asked: Asked,
+    /// Units that were asked.
+    pub units: usize,
+    /// Each part, by name.
+    pub parts: Vec<PartSummary>,
+    /// Units of which nothing, or not everything, could be told.
+    pub failed: Vec<FailedUnit>,
+}
+
+/// A part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartSummary {
+    /// Its name; empty if the fleet names none.
+    pub part: String,
+    /// Its axes.
+    pub axes: Vec<AxisSummary>,
+    /// Units that do not belong, the furthest first.
+    pub odd: Vec<OddUnit>,
+}
+
+/// An axis of a part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisSummary {
+    /// As in the log format, as `gx_rads`.
+    pub column: String,
+    /// Its population; none where too few units tell a coefficient.
+    pub population: Option<Population>,
+    /// Why there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub without: Option<String>,
+    /// White noise, flicker and random walk of the median unit, as in `NoiseLevels`.
+    pub median_noise: [f64; 3],
+    /// What diagnoses found; none where none was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectShare>,
+}
+
+/// An effect in a population.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectShare {
+    /// As in the library.
+    pub effect: String,
+    /// Units that have it, and units that were asked.
+    pub units: [usize; 2],
+    /// By how much the error should fall if every unit's model had it: the mean over all units, 0 where it was not found.
+    pub mean_reduction: f64,
+    /// What it costs on the device, as its file says.
+    pub device: String,
+}
+
+/// A unit that does not belong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OddUnit {
+    /// Its name.
+    pub unit: String,
+    /// Its lot.
+    pub lot: Option<String>,
+    /// The axis that shows it best.
+    pub column: String,
+    /// How far it is there, and in what.
+    pub distance: Distance,
+    /// How often a unit that belongs would be so far in any of its axes.
+    pub p_value: f64,
+}
+
+/// A unit that tells nothing, or not everything.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FailedUnit {
+    /// Its name.
+    pub unit: String,
+    /// Why.
+    pub reasons: Vec<String>,
+}
+
+/// Why the rows of a fleet cannot be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum FleetError {
+    /// As the system says.
+    #[error("{}: {source}\nhelp: the rows of a fleet are kept there, so that it goes on where it was broken off", path.display())]
+    Rows {
+        /// Where rows are kept.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Something else is there.
+    #[error("{}: there is a file of that name that has no rows of a fleet; it would be lost\nhelp: write to another file, or move that one away", .0.display())]
+    NotRows(PathBuf),
+    /// As the system says.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// A row as it is kept, with what it depends on.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept {
+    key: String,
+    row: UnitRow,
+}
+
+/// The rows of `units`, in their order, each looked at once: rows go to `kept_in`, a line of JSON each, as they come, and are taken from
+/// there if neither log nor program has changed. `progress` is told how many are done.
+///
+/// # Errors
+///
+/// The rows cannot be kept. A unit that cannot be read is a row that says so.
+pub fn rows(
+    units: &[Unit],
+    asked: &Asked,
+    library: &Library,
+    program: &str,
+    kept_in: &Path,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Vec<UnitRow>, FleetError> {
+    let failed = |source| FleetError::Rows { path: kept_in.to_owned(), source };
+    let known =
+        known_rows(kept_in).map_err(failed)?.ok_or_else(|| FleetError::NotRows(kept_in.to_owned()))?;
+    let file = OpenOptions::new().create(true).append(true).open(kept_in).map_err(failed)?;
+    let (file, done) = (Mutex::new(file), AtomicUsize::new(0));
+    let kept: Vec<Kept> = units
+        .par_iter()
+        .map(|unit| {
+            let key = key(unit, asked, library, program);
+            let kept = match known.iter().find(|kept| kept.key == key) {
+                Some(kept) => Kept { key, row: kept.row.clone() },
+                None => {
+                    let kept = Kept { key, row: unit_row(unit, asked, library, program) };
+                    // whole lines only: another thread may be writing too
+                    let line = line_of(&kept);
+                    let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                    file.write_all(&line).and_then(|()| file.flush()).map_err(failed)?;
+                    kept
+                }
+            };
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            Ok(kept)
+        })
+        .collect::<Result<_, FleetError>>()?;
+    // in the order of the units, each once
+    write_atomically(kept_in, &kept.iter().flat_map(line_of).collect::<Vec<u8>>())?;
+    Ok(kept.into_iter().map(|kept| kept.row).collect())
+}
+
+fn line_of(kept: &Kept) -> Vec<u8> {
+    let mut line = serde_json::to_vec(kept).expect("rows have only string keys");
+    line.push(b'\n');
+    line
+}
+
+/// What is kept; a last line that was cut off does not count. None if the file is of something else.
+fn known_rows(kept_in: &Path) -> std::io::Result<Option<Vec<Kept>>> {
+    let file = match File::open(kept_in) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(Vec::new())),
+        file => file?,
+    };
+    let (mut known, mut lines) = (Vec::new(), 0);
+    for line in BufReader::new(file).split(b'\n') {
+        known.extend(serde_json::from_slice::<Kept>(&line?));
+        lines += 1;
+    }
+    Ok((lines <= 1 || !known.is_empty()).then_some(known))
+}
+
+/// What a row depends on: name, size and time of change of its log, what is asked, the program, the library.
+fn key(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> String {
+    let about = std::fs::metadata(&unit.log).ok().map(|about| (about.len(), about.modified().ok()));
+    let mut digest = Sha256::new();
+    digest.update(format!("{program} {unit:?} {about:?}"));
+    digest.update(serde_json::to_vec(asked).unwrap_or_default());
+    if asked.diagnosed {
+        digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
+    }
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl Fleet {
+    /// What `rows` come to. The same rows in the same order give the same bits.
+    pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
+        let mut parts: Vec<&str> = rows.iter().map(|row| row.part.as_str()).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        let summary = |part: &&str| {
+            let rows: Vec<&UnitRow> = rows.iter().filter(|row| row.part == **part).collect();
+            part_summary(part, &rows, asked, library)
+        };
+        let failed = rows.iter().filter(|row| !row.failed.is_empty());
+        Self {
+            schema: SCHEMA.to_owned(),
+            program: program.to_owned(),
+            asked: asked.clone(),
+            units: rows.len(),
+            parts: parts.iter().map(summary).collect(),
+            failed: failed
+                .map(|row| FailedUnit { unit: row.unit.clone(), reasons: row.failed.clone() })
+                .collect(),
+        }
+    }
+}
+
+/// Of a unit, its axis that is furthest from its population, and the p-value of that.
+struct Furthest<'a> {
+    row: &'a UnitRow,
+    axes: usize,
+    column: &'a str,
+    distance: Distance,
+}
+
+fn part_summary(part: &str, rows: &[&UnitRow], asked: &Asked, library: &Library) -> PartSummary {
+    let mut columns: Vec<&str> =
+        rows.iter().flat_map(|row| row.axes.iter().map(|axis| axis.estimate.column.as_str())).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    let mut furthest: Vec<Option<Furthest<'_>>> = rows.iter().map(|_| None).collect();
+    let mut axes = Vec::new();
+    for column in columns {
+        let of_rows: Vec<(usize, &AxisRow)> = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(index, row)| {
+                Some((index, row.axes.iter().find(|axis| axis.estimate.column == column)?))
+            })
+            .collect();
+        let members: Vec<Member<'_>> = of_rows
+            .iter()
+            .map(|(index, axis)| Member {
+                lot: rows[*index].lot.as_deref(),
+                estimate: &axis.estimate.coefficients,
+            })
+            .collect();
+        let judged = judge(&members, &names_of(&members, asked));
+        if let Ok(judged) = &judged {
+            for ((index, _), distance) in of_rows.iter().zip(&judged.distances) {
+                let place = &mut furthest[*index];
+                let axes = place.as_ref().map_or(1, |before| before.axes + 1);
+                match place {
+                    Some(before) if before.distance.p_value <= distance.p_value => before.axes = axes,
+                    _ => {
+                        *place =
+                            Some(Furthest { row: rows[*index], axes, column, distance: distance.clone() });
+                    }
+                }
+            }
+        }
+        let noise = |level: fn(&AxisRow) -> f64| {
+            median_of(of_rows.iter().map(|(_, axis)| level(axis))).unwrap_or(0.0)
+        };
+        axes.push(AxisSummary {
+            column: column.to_owned(),
+            without: judged.as_ref().err().map(ToString::to_string),
+            population: judged.ok().map(|judged| judged.population),
+            median_noise: [
+                noise(|axis| axis.estimate.noise.white),
+                noise(|axis| axis.estimate.noise.flicker),
+                noise(|axis| axis.estimate.noise.walk),
+            ],
+            effects: effects_of(of_rows.iter().map(|(_, axis)| *axis), library),
+        });
+    }
+    PartSummary { part: part.to_owned(), axes, odd: odd_units(furthest.into_iter().flatten().collect()) }
+}
+
+/// Bias and regressors, those that at least three units tell.
+fn names_of(members: &[Member<'_>], asked: &Asked) -> Vec<String> {
+    let all = std::iter::once(BIAS).chain(asked.regressors.iter().map(String::as_str));
+    let told =
+        all.filter(|name| members.iter().filter(|member| member.estimate.place(name).is_some()).count() >= 3);
+    told.map(str::to_owned).collect()
+}
+
+fn odd_units(furthest: Vec<Furthest<'_>>) -> Vec<OddUnit> {
+    // of several axes the furthest is further by chance (Bonferroni)
+    let p_value = |unit: &Furthest<'_>| (unit.distance.p_value * unit.axes as f64).min(1.0);
+    let p_values: Vec<f64> = furthest.iter().map(p_value).collect();
+    let mut odd: Vec<OddUnit> = furthest
+        .into_iter()
+        .zip(discoveries(&p_values, FALSE_ODD))
+        .zip(&p_values)
+        .filter(|((_, found), _)| *found)
+        .map(|((unit, _), p_value)| OddUnit {
+            unit: unit.row.unit.clone(),
+            lot: unit.row.lot.clone(),
+            column: unit.column.to_owned(),
+            distance: unit.distance,
+            p_value: *p_value,
+        })
+        .collect();
+    odd.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then_with(|| a.unit.cmp(&b.unit)));
+    odd
+}
+
+fn effects_of<'a>(axes: impl Iterator<Item = &'a AxisRow>, library: &Library) -> Vec<EffectShare> {
+    let diagnoses: Vec<_> = axes.filter_map(|axis| axis.diagnosis.as_ref()).collect();
+    let mut shares: Vec<EffectShare> = Vec::new();
+    for found in diagnoses.iter().flat_map(|diagnosis| &diagnosis.effects) {
+        let place = shares.iter().position(|share| share.effect == found.effect).unwrap_or_else(|| {
+            let device =
+                library.get(&found.effect).map_or_else(|_| String::new(), |effect| effect.device.clone());
+            let units = [0, diagnoses.len()];
+            shares.push(EffectShare { effect: found.effect.clone(), units, mean_reduction: 0.0, device });
+            shares.len() - 1
+        });
+        shares[place].units[0] += 1;
+        shares[place].mean_reduction += found.predicted_reduction / diagnoses.len() as f64;
+    }
+    shares
+        .sort_by(|a, b| b.mean_reduction.total_cmp(&a.mean_reduction).then_with(|| a.effect.cmp(&b.effect)));
+    shares
+}

@@ -1,0 +1,20 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+mod estimate;
+mod fleet;
+mod folder;
+mod known;
+mod odd;
+mod population;
+mod row;
+
+pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
+pub use fleet::{
+    AxisSummary, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
+};
+pub use folder::{FolderError, UNITS, units_in};
+pub use odd::{Distance, Judged, discoveries, judge};
+pub use population::{Lot, Member, Population, PopulationError, Scatter};
+pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, unit_row};

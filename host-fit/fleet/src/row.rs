@@ -1,0 +1,179 @@
+//! A unit in one row: what its log tells, or why it tells nothing.
+
+use std::path::Path;
+
+use fos_data::recording::{LoadOptions, Recording, load};
+use fos_diagnose::detect::{Question, Verdict, diagnose};
+use fos_diagnose::effects::Library;
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{AxisEstimate, EstimateError, estimate};
+
+/// What is asked of every unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// The regressors whose coefficients are compared between units, beside the bias: `temp_c`, `temp_c * temp_c`, ….
+    pub regressors: Vec<String>,
+    /// Every axis is diagnosed too. It takes longer than all else.
+    pub diagnosed: bool,
+    /// How logs are read.
+    pub read: LoadOptions,
+}
+
+/// A unit to be looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unit {
+    /// Its name, one of a kind in the fleet.
+    pub name: String,
+    /// The part, as `bmi270`; units of different parts have nothing in common. Empty: all are of one.
+    pub part: String,
+    /// The lot, where it is known.
+    pub lot: Option<String>,
+    /// Its log.
+    pub log: std::path::PathBuf,
+}
+
+/// A unit, and what its log tells.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitRow {
+    /// As in [`Unit`].
+    pub unit: String,
+    /// As in [`Unit`].
+    pub part: String,
+    /// As in [`Unit`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lot: Option<String>,
+    /// The program that made the row.
+    pub program: String,
+    /// SHA-256 of the log, hexadecimal; empty where it could not be read.
+    pub sha256: String,
+    /// What was read; none where the log could not be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<LogSummary>,
+    /// The axes that could be estimated.
+    pub axes: Vec<AxisRow>,
+    /// Why the log, or an axis of it, tells nothing: each reason once.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failed: Vec<String>,
+}
+
+/// What was read of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LogSummary {
+    /// Rows.
+    pub rows: usize,
+    /// From the first to the last, s.
+    pub seconds: f64,
+    /// True sample rate, Hz.
+    pub rate_hz: f64,
+    /// Lowest and highest temperature, °C; none without a thermometer.
+    pub temperature_c: Option<[f64; 2]>,
+}
+
+/// An axis of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisRow {
+    /// Its coefficients.
+    #[serde(flatten)]
+    pub estimate: AxisEstimate,
+    /// What a diagnosis says of it; none where none was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<AxisDiagnosis>,
+}
+
+/// What a diagnosis says of an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisDiagnosis {
+    /// Is something missing?
+    pub verdict: Verdict,
+    /// The effects that are, and nothing speaks against.
+    pub effects: Vec<FoundEffect>,
+}
+
+/// An effect that was found on a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FoundEffect {
+    /// As in the library.
+    pub effect: String,
+    /// Share of the error of its band that should go with it.
+    pub predicted_reduction: f64,
+}
+
+/// The row of a unit. It cannot fail: what went wrong is in it.
+pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
+    let mut row = UnitRow {
+        unit: unit.name.clone(),
+        part: unit.part.clone(),
+        lot: unit.lot.clone(),
+        program: program.to_owned(),
+        sha256: String::new(),
+        log: None,
+        axes: Vec::new(),
+        failed: Vec::new(),
+    };
+    match read(&unit.log, &asked.read) {
+        Ok(recording) => fill(&mut row, &recording, asked, library),
+        Err(error) => row.failed.push(error),
+    }
+    row
+}
+
+fn read(log: &Path, options: &LoadOptions) -> Result<Recording, String> {
+    load(log, options).map_err(|error| error.to_string())
+}
+
+fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Library) {
+    row.sha256 = recording.sources.first().map_or_else(String::new, |source| source.sha256.clone());
+    let temperature = recording.channel("temp_c").ok().map(|channel| {
+        let finite = channel.values.iter().copied().filter(|value| value.is_finite());
+        finite
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    });
+    row.log = Some(LogSummary {
+        rows: recording.n_rows(),
+        seconds: recording.duration_s(),
+        rate_hz: recording.rate.true_hz,
+        temperature_c: temperature.filter(|[low, high]| low <= high),
+    });
+    let axes = match recording.axes() {
+        Ok(axes) => axes,
+        Err(error) => return row.failed.push(error.to_string()),
+    };
+    for column in &axes {
+        let found = estimate(recording, column, &asked.regressors, None)
+            .map_err(|error: EstimateError| error.to_string());
+        let diagnosis = match asked.diagnosed && found.is_ok() {
+            true => diagnosed(recording, column, library).map(Some),
+            false => Ok(None),
+        };
+        match (found, diagnosis) {
+            (Ok(estimate), Ok(diagnosis)) => row.axes.push(AxisRow { estimate, diagnosis }),
+            (Err(reason), _) | (_, Err(reason)) => {
+                if !row.failed.contains(&reason) {
+                    row.failed.push(reason);
+                }
+            }
+        }
+    }
+}
+
+fn diagnosed(recording: &Recording, column: &str, library: &Library) -> Result<AxisDiagnosis, String> {
+    let question = Question {
+        field: recording,
+        quiet: None,
+        judged: None,
+        target: column,
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library,
+        given: &[],
+    };
+    let answer = diagnose(&question).map_err(|error| error.to_string())?;
+    let believed = answer.findings.iter().filter(|finding| finding.doubt.is_none());
+    let effects = believed.map(|finding| FoundEffect {
+        effect: finding.effect.clone(),
+        predicted_reduction: finding.predicted_reduction,
+    });
+    Ok(AxisDiagnosis { verdict: answer.verdict, effects: effects.collect() })
+}

@@ -1,0 +1,104 @@
+//! Rows and populations of logs: simulated units whose bias and slope of temperature are known.
+
+use std::path::Path;
+
+use fos_data::recording::{LoadOptions, write_columns};
+use fos_diagnose::effects::Library;
+use fos_fleet::{Asked, BIAS, Fleet, rows, units_in};
+use fos_simulate::{Simulation, simulate};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const UNITS: u64 = 14;
+
+/// Standard deviations between units, of gx: bias in rad/s, slope in rad/s/K.
+const OF_BIAS: f64 = 4e-3;
+const OF_SLOPE: f64 = 2e-4;
+
+/// A log of a unit at rest, whose gx has this bias at 25 °C and this slope beside what all have.
+fn write_unit(path: &Path, seed: u64, bias: f64, slope: f64) {
+    let simulation = Simulation { duration_s: 240.0, rate_hz: 100.0, seed, temperature: 0.0, motion: false };
+    let mut columns = simulate(&simulation).columns;
+    let temperature = columns.iter().find(|(name, _)| name == "temp_c").expect("a thermometer").1.clone();
+    for (name, values) in &mut columns {
+        if name == "gx_rads" {
+            values.iter_mut().zip(&temperature).for_each(|(value, t)| *value += bias + slope * (t - 25.0));
+        }
+    }
+    let columns: Vec<(&str, &[f64])> =
+        columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+    write_columns(path, &columns).expect("a log");
+}
+
+fn asked() -> Asked {
+    Asked { regressors: vec!["temp_c".to_owned()], diagnosed: false, read: LoadOptions::default() }
+}
+
+#[test]
+fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let logs = folder.path().join("logs");
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut truth = Vec::new();
+    for unit in 0..UNITS {
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let (bias, slope) = (OF_BIAS * draw(), OF_SLOPE * draw());
+        let lot = logs.join(format!("lot{}", unit % 2));
+        std::fs::create_dir_all(&lot).expect("a folder");
+        write_unit(&lot.join(format!("{unit:02}.parquet")), 100 + unit, bias, slope);
+        truth.push((format!("lot{}/{unit:02}", unit % 2), bias, slope));
+    }
+    std::fs::write(logs.join("lot0/cut.parquet"), b"PAR1 and no more").expect("a file");
+    std::fs::write(logs.join("lot1/empty.csv"), b"").expect("a file");
+
+    let (units, library, kept) =
+        (units_in(&logs).expect("units"), Library::built_in(), folder.path().join("rows"));
+    let found = rows(&units, &asked(), &library, "a test", &kept, |_| {}).expect("rows");
+    assert_eq!(found.len(), UNITS as usize + 2);
+    for row in &found {
+        let Some((_, bias, slope)) = truth.iter().find(|(name, _, _)| *name == row.unit) else {
+            assert!(row.axes.is_empty() && row.failed.len() == 1, "{row:?}");
+            continue;
+        };
+        let gx = row.axes.iter().find(|axis| axis.estimate.column == "gx_rads").expect("gx");
+        let estimate = &gx.estimate.coefficients;
+        assert_eq!(estimate.names, [BIAS, "temp_c"]);
+        // the unit of the simulation has a bias of its own, the same in all
+        let error = estimate.standard_error("temp_c").expect("told");
+        assert!(
+            (estimate.values[1] - slope).abs() < 4.5 * error,
+            "{}: {} {slope} {error}",
+            row.unit,
+            estimate.values[1]
+        );
+        assert!(error < OF_SLOPE, "{error}");
+        assert!((estimate.values[0] - bias).abs() < 0.1, "{estimate:?}");
+        // an accelerometer at rest shows gravity beside its bias
+        let ax = row.axes.iter().find(|axis| axis.estimate.column == "ax_mps2").expect("ax");
+        assert_eq!(ax.estimate.coefficients.names, ["temp_c"]);
+    }
+
+    // broken off after some rows, in the middle of a line
+    let whole = std::fs::read_to_string(&kept).expect("rows");
+    let cut: String = whole.chars().take(whole.len() * 2 / 5).collect();
+    std::fs::write(&kept, &cut).expect("rows");
+    let again = rows(&units, &asked(), &library, "a test", &kept, |_| {}).expect("rows");
+    assert_eq!(again, found);
+    assert_eq!(std::fs::read_to_string(&kept).expect("rows"), whole, "the same bytes");
+    // another program makes its own
+    let other = rows(&units, &asked(), &library, "another", &kept, |_| {}).expect("rows");
+    assert!(other.iter().all(|row| row.program == "another"));
+
+    let fleet = Fleet::of(&found, &asked(), &library, "a test");
+    assert_eq!(fleet.failed.len(), 2);
+    let part = &fleet.parts[0];
+    assert!(part.odd.is_empty(), "{:?}", part.odd);
+    let gx = part.axes.iter().find(|axis| axis.column == "gx_rads").expect("gx");
+    let population = gx.population.as_ref().expect("a population");
+    let [low, high] = population.scatter[1].units_interval;
+    // 14 units: the sample's own scatter is within a third of the truth
+    assert!(low < OF_SLOPE && OF_SLOPE < high, "{low} {high}");
+    let text = serde_json::to_string(&fleet).expect("JSON");
+    assert_eq!(serde_json::from_str::<Fleet>(&text).expect("what was written"), fleet);
+}
