@@ -10,8 +10,7 @@ use fos_fit::noise::{LevelPrior, NoiseLevels, Regression};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use crate::known::Known;
-use crate::population::matrix_of;
+use crate::known::{Known, matrix_of};
 
 /// Temperatures count from here, °C: a bias is that at it.
 pub const REFERENCE_C: f64 = 25.0;

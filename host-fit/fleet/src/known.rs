@@ -54,3 +54,8 @@ impl Known {
 pub(crate) fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     (matrix + matrix.transpose()) * 0.5
 }
+
+/// From rows.
+pub(crate) fn matrix_of(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column])
+}

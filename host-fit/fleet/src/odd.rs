@@ -5,7 +5,8 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Estimate;
-use crate::population::{Member, Population, PopulationError, matrix_of, tail};
+use crate::known::matrix_of;
+use crate::population::{Member, Population, PopulationError, tail};
 
 /// A unit that noise alone would set so far apart so rarely is left out where the population is estimated: an odd one would widen what
 /// it is judged by.

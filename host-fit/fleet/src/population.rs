@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::estimate::{Estimate, Measured};
-use crate::known::{Known, Seen, symmetric};
+use crate::known::{Known, Seen, matrix_of, symmetric};
 
 /// Ends after so many rounds, of three steps each, or when a round gains less than this in −2 ln L.
 const MOST_ROUNDS: usize = 400;
@@ -428,10 +428,6 @@ fn scales(members: &[Member<'_>], names: &[String]) -> Vec<f64> {
         if variance > 0.0 { variance.sqrt() } else { mean.abs().max(f64::MIN_POSITIVE) }
     };
     names.iter().map(scale).collect()
-}
-
-pub(crate) fn matrix_of(rows: &[Vec<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column])
 }
 
 fn nested(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
