@@ -39,7 +39,7 @@ const JUDGE: (&str, &str) = ("judge", "later.parquet");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
 
-const LINES: [Line; 26] = [
+const LINES: [Line; 27] = [
     Line {
         output: "output",
         at: "out.csv",
