@@ -61,7 +61,9 @@ def values_of(name: str, column: object) -> Array:
     """One column as a one-dimensional array of numbers; of times as seconds since 1970."""
     values = _as_array(column)
     if values.ndim != 1:
-        raise RecordingError(f"{name}: an array of {values.ndim} dimensions", remedy="one column, one dimension", column=name)
+        raise RecordingError(
+            f"{name}: an array of {values.ndim} dimensions", remedy="one column, one dimension", column=name
+        )
     if values.dtype.kind == "M":
         missing = np.isnat(values)
         # nanoseconds since 1970 do not fit the 53 bits of a float: from the first on they do

@@ -1,15 +1,15 @@
-"""The extension module: the engine in Rust. What it hands over is arrays and JSON; `fos_imu` makes results of them."""
-
+# The extension module: the engine in Rust. What it hands over is arrays and JSON; fos_imu makes results of them.
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import Self
 
-_Floats = npt.NDArray[np.float64]
-_Flags = npt.NDArray[np.bool_]
-_Singles = npt.NDArray[np.float32]
-_Corrections = tuple[_Singles, _Singles, _Singles, npt.NDArray[np.uint16]]
+_Floats: TypeAlias = npt.NDArray[np.float64]
+_Flags: TypeAlias = npt.NDArray[np.bool_]
+_Singles: TypeAlias = npt.NDArray[np.float32]
+_Corrections: TypeAlias = tuple[_Singles, _Singles, _Singles, npt.NDArray[np.uint16]]
 
 __version__: str
 
@@ -40,9 +40,7 @@ def load(
     keep_moved: bool,
 ) -> Recording: ...
 def formats() -> list[tuple[str, str]]: ...
-def simulate(
-    minutes: float, rate_hz: float, seed: int, temperature: float, motion: bool, truth: bool
-) -> Recording: ...
+def simulate(minutes: float, rate_hz: float, seed: int, temperature: float, motion: bool, truth: bool) -> Recording: ...
 def simulate_case(
     planted: Sequence[tuple[str, float, float | None]],
     setup: str,
@@ -99,7 +97,7 @@ def noise(log: Recording, axes: Sequence[str] | None) -> str: ...
 def imu_yaml(log: Recording, rostopic: str) -> tuple[str, str, str]: ...
 
 class Predictor:
-    def __new__(cls, image: bytes, axes: Sequence[str]) -> Predictor: ...
+    def __new__(cls, image: bytes, axes: Sequence[str]) -> Self: ...
     def about(self) -> str: ...
     def run(self, log: Recording) -> tuple[_Corrections, _Flags, float | None]: ...
     def step(self, measured: _Singles, quantities: _Singles, still: Sequence[bool]) -> _Corrections: ...

@@ -44,7 +44,7 @@ def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
     def cell(tag: str, value: object, first: bool) -> str:
         align = "left" if first or isinstance(value, Raw) else "right"
-        style = f"text-align:{align};padding:1px 10px 1px 0;border:0;background:none;color:#1b1f24"
+        style = f"text-align:{align};padding:1px 10px 1px 0;border:0;background:none;color:#1b1f24;font:inherit"
         return f'<{tag} style="{style}">{escaped(value)}</{tag}>'
 
     def row(tag: str, values: Sequence[object]) -> str:

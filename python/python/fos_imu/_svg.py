@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 
-MEASURED, PREDICTED, LEFT, MARKED = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+MEASURED, PREDICTED, LEFT, MARKED, DARK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 """Colours that colour-blind people tell apart (Okabe and Ito 2008), the same as in the program's figures."""
 
 WIDTH, HEIGHT = 760, 240
@@ -74,6 +74,14 @@ def sparkline(values: Floats, width: int = 120, height: int = 20) -> str:
         if math.isfinite(a)
     )
     return f'<svg width="{width}" height="{height}" stroke="{MEASURED}" stroke-width="1" fill="none">{bars}</svg>'
+
+
+def means(x: Floats, y: Floats, parts: int = 150) -> tuple[Floats, Floats]:
+    """Means of y in equal parts of x, and their middles; NaN in a part without a value."""
+    there = np.isfinite(x) & np.isfinite(y)
+    sums, edges = np.histogram(x[there], parts, weights=y[there])
+    counts = np.histogram(x[there], edges)[0]
+    return (edges[1:] + edges[:-1]) / 2, np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
 
 
 @dataclass(frozen=True)
@@ -176,7 +184,7 @@ def _envelope_shape(colour: str, x: Floats, y: Floats, _high: Floats, x_axis: _A
     middle, low, high = _envelope(x, y, BUCKETS)
     a, b, c = x_axis.at(middle), y_axis.at(low), y_axis.at(high)
     bars = (f"M{i:.1f} {j + 0.5:.1f}V{k - 0.5:.1f}" for i, j, k in zip(a, b, c, strict=True) if math.isfinite(j))
-    return f'<path d="{"".join(bars)}" stroke="{colour}" stroke-width="1.2" stroke-opacity="0.75"/>'
+    return f'<path d="{"".join(bars)}" stroke="{colour}" stroke-width="1.2" stroke-opacity="0.5"/>'
 
 
 def _envelope(x: Floats, y: Floats, buckets: int) -> tuple[Floats, Floats, Floats]:

@@ -212,12 +212,13 @@ class AxisComparison:
         """Measured against predicted, and what is left, as SVG."""
         centre = float(np.nanmean(self.measured)) if np.isfinite(self.measured).any() else 0.0
         measured = _svg.Series("measured", self.time_s, self.measured - centre, _svg.MEASURED, "envelope")
-        predicted = _svg.Series("predicted", self.time_s, self.predicted - centre, _svg.PREDICTED, "envelope")
+        mean = _svg.Series("its mean", *_svg.means(self.time_s, self.measured - centre), _svg.DARK)
+        predicted = _svg.Series("mean predicted", *_svg.means(self.time_s, self.predicted - centre), _svg.PREDICTED)
         left = _svg.Series("left", self.time_s, self.left, _svg.LEFT, "envelope")
         label = f"error, {self.unit}"
         worst = [(one.begin_s, one.end_s) for one in self.worst[:1]]
         title = f"{self.column}: from own history of at most 60 s"
-        return _svg.plot(title, "time, s", label, [measured, predicted]) + _svg.plot(
+        return _svg.plot(title, "time, s", label, [measured, mean, predicted]) + _svg.plot(
             "what is left; worst where shaded", "time, s", label, [left], shaded=worst
         )
 
@@ -236,7 +237,9 @@ class AxisComparison:
         notes = [f"what is left follows {one.channel} (p = {one.p_of_all:.2g})" for one in follows[:4]]
         if self.model.below_noise_floor:
             notes.append("the one-step error is below the noise floor: not to be trusted")
-        worst = [f"worst from {s.begin_s:.1f} to {s.end_s:.1f} s, {s.ratio:.1f} times the usual" for s in self.worst[:1]]
+        worst = [
+            f"worst from {s.begin_s:.1f} to {s.end_s:.1f} s, {s.ratio:.1f} times the usual" for s in self.worst[:1]
+        ]
         return _html.card(
             f"{self.column}: {self.rows} rows at rest that were not fitted",
             _html.paragraph(f"roots of mean squares, {self.unit}"),

@@ -356,7 +356,8 @@ def _finding(finding: Finding, unit: str) -> str:
     if finding.measured_reduction is not None:
         rows.append(("measured reduction", percent(finding.measured_reduction)))
     if finding.cost is not None:
-        more = f"{finding.cost.terms} terms, {finding.cost.ram_bytes} bytes of RAM, {finding.cost.instructions} instructions a sample"
+        cost = finding.cost
+        more = f"{cost.terms} terms, {cost.ram_bytes} bytes of RAM, {cost.instructions} instructions a sample"
         rows.append(("costs more on the device", more))
     rows.append(("score", f"{min(finding.score, 1e6):.0f}"))
     doubt = [_html.paragraph(f"no claim, since {finding.doubt}", _html.BAD)] if finding.doubt else []
@@ -468,4 +469,3 @@ def effects(files: Sequence[Path] = ()) -> Mapping[str, Effect]:
     """The library by identifier: the built-in effects and those of these TOML files."""
     found = json.loads(_engine.effects([os.fspath(path) for path in files]))
     return MappingProxyType({one["id"]: build(Effect, one) for one in found})
-

@@ -174,7 +174,9 @@ def noise(log: Recording, *, axes: Sequence[str] | str | None = None) -> Noise:
 
     def axis(data: dict[str, Any]) -> AxisNoise:
         levels = zip(("white", "flicker", "walk"), data["units"], strict=True)
-        return build(AxisNoise, {**data["noise"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}})
+        return build(
+            AxisNoise, {**data["noise"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}}
+        )
 
     return Noise(tuple(axis(one) for one in found))
 

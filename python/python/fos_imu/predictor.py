@@ -211,7 +211,9 @@ class Predictor:
             ("effects", ", ".join(about.effects)),
         ]
         return _html.card(
-            about.sensor or "model image", _html.table(("", ""), rows), *(_html.paragraph(line) for line in about.provenance)
+            about.sensor or "model image",
+            _html.table(("", ""), rows),
+            *(_html.paragraph(line) for line in about.provenance),
         )
 
 

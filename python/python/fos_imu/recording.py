@@ -90,7 +90,7 @@ class Recording(Mapping[str, Floats]):
         arrays: object,
         *,
         units: Mapping[str, str] | None = None,
-        map: Sequence[str] = (),  # noqa: A002
+        map: Sequence[str] = (),
         rate_hz: float | None = None,
         keep_moved: bool = False,
         name: str = "arrays",
@@ -276,9 +276,9 @@ def _locked(array: Any) -> Any:  # noqa: ANN401
 def read(
     path: Path,
     *,
-    map: Sequence[str] = (),  # noqa: A002
+    map: Sequence[str] = (),
     rate_hz: float | None = None,
-    format: str | None = None,  # noqa: A002
+    format: str | None = None,
     topic: str | None = None,
     strict: bool = False,
     keep_moved: bool = False,

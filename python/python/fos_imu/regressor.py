@@ -143,7 +143,9 @@ class FosRegressor:
                 remedy="one row of X for every value of y",
             )
         if output.size < 2:
-            raise RegressorError(f"1 sample (n_samples=1) is too few: n_samples is {output.size}", remedy="more samples")
+            raise RegressorError(
+                f"1 sample (n_samples=1) is too few: n_samples is {output.size}", remedy="more samples"
+            )
         labels = None if groups is None else _labels(groups, output.size)
         steady = np.ptp(inputs, axis=0) == 0 if len(inputs) else np.zeros(inputs.shape[1], bool)
         varying = np.flatnonzero(~steady)
@@ -193,9 +195,7 @@ class FosRegressor:
         self._check_is_fitted()
         return self.report_.terms
 
-    def predict(
-        self, X: object = None, *, y: object = None, steps: int | None = None, groups: object = None
-    ) -> Floats:
+    def predict(self, X: object = None, *, y: object = None, steps: int | None = None, groups: object = None) -> Floats:
         """What the model says, in one of three ways.
 
         Args:
@@ -229,17 +229,17 @@ class FosRegressor:
     def score(self, X: object, y: object, *, one_step: bool = False, groups: object = None) -> float:
         """R² of `predict(X)`, the model's own run; of one step ahead if `one_step`. At most 1; 0 of the mean."""
         output = _output(y)
-        if one_step or X is None:
-            predicted = self.predict(X, y=output, groups=groups)
-        else:
-            predicted = self.predict(X)
+        ahead = one_step or X is None
+        predicted = self.predict(X, y=output, groups=groups) if ahead else self.predict(X)
         left = float(((output - predicted) ** 2).sum())
         about = float(((output - output.mean()) ** 2).sum())
         return 1.0 - left / about if about > 0 else float(left == 0)
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """What it was made with."""
-        return {name: getattr(self, name) for name in inspect.signature(type(self).__init__).parameters if name != "self"}
+        return {
+            name: getattr(self, name) for name in inspect.signature(type(self).__init__).parameters if name != "self"
+        }
 
     def set_params(self, **params: Any) -> Self:  # noqa: ANN401
         """Sets what it was made with."""

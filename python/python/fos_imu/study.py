@@ -127,7 +127,16 @@ class Refinement:
 
     def _repr_html_(self) -> str:
         number, percent = _html.number, _html.percent
-        header = ("step", "predicted reduction", "measured", "slow left", "wide left", "terms", "RAM, bytes", "instructions")
+        header = (
+            "step",
+            "predicted reduction",
+            "measured",
+            "slow left",
+            "wide left",
+            "terms",
+            "RAM, bytes",
+            "instructions",
+        )
 
         def row(step: Step) -> tuple[object, ...]:
             predicted = measured = ""
@@ -471,7 +480,12 @@ def _refinement(data: dict[str, Any]) -> Refinement:
         return build(Source, logs[name]) if logs.get(name) else None
 
     return Refinement(
-        data["column"], build(Source, logs["field"]), source("quiet"), source("judged"), logs["fitted_rows"], tuple(steps)
+        data["column"],
+        build(Source, logs["field"]),
+        source("quiet"),
+        source("judged"),
+        logs["fitted_rows"],
+        tuple(steps),
     )
 
 
