@@ -234,9 +234,7 @@ impl State {
             (None, None, Some(named)) => named.quiet.as_ref().map(again).transpose()?,
             // the study's own log is quiet, unless it is the very log where the model fails
             (None, None, None) => match &self.study.data.sources[..] {
-                [own] if field.sources.first() != Some(own) => {
-                    self.own()?.map(|own| (*own).clone())
-                }
+                [own] if field.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
                 _ => None,
             },
         };

@@ -5,10 +5,8 @@ from __future__ import annotations
 import copyreg
 import inspect
 import json
-import math
 import sys
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -25,20 +23,17 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 
-FORGOTTEN = 20.0
-"""After so many time constants a low-pass holds 2·10⁻⁹ of what it was: what lies before says nothing of what follows."""
-
 copyreg.pickle(_engine.SeriesModel, lambda model: (_engine.SeriesModel.from_json, model.to_json()))
 
 
 @dataclass(frozen=True)
 class RegressorTerm:
-    """A term of the model, over the centred and scaled output and inputs.
+    """A term of the model.
 
     Attributes:
         monomial: As people write it: `y(n-1)·x0(n-2)`.
-        coefficient: Scaled.
-        standard_error: Of it; None where it was not estimated.
+        coefficient: Unit of the output per unit of the product.
+        standard_error: Of it, of white residuals; None where it was not estimated.
     """
 
     monomial: str
@@ -48,30 +43,24 @@ class RegressorTerm:
 
 @dataclass(frozen=True)
 class RegressorReport:
-    """How the model was found. Output and inputs are centred and scaled: y = offset + scale·(constant + Σ terms).
+    """How the model was found: y(n) = constant + Σ terms, where the centres are taken off output and inputs first.
 
     Attributes:
-        offset: Mean of the output, its unit.
-        scale: Standard deviation of the output, its unit.
-        constant: Constant of the model, scaled.
-        terms: The terms in the order in which they are summed.
-        inputs: Name, centre and scale of every input that a term uses.
+        constant: Unit of the output.
+        terms: In the order in which they were chosen.
+        centres: Name and mean of output and inputs, if these were centred; else empty.
         candidates: Monomials that were searched.
         rows: Samples that counted.
-        left_out: Samples that were taken for no measurements: single ones far from all others.
         stopped: Why the search stopped.
-        condition_number: Of the final terms.
-        mse: Mean square of the one-step error on the training data, scaled.
+        condition_number: Of the final terms, columns scaled.
+        mse: Mean square of the one-step error on the training data, unit² of the output.
     """
 
-    offset: float
-    scale: float
     constant: float
     terms: tuple[RegressorTerm, ...]
-    inputs: tuple[tuple[str, float, float], ...]
+    centres: tuple[tuple[str, float], ...]
     candidates: int
     rows: int
-    left_out: int
     stopped: str
     condition_number: float
     mse: float
@@ -84,14 +73,14 @@ class FosRegressor:
     shuffled (`sklearn.model_selection.TimeSeriesSplit`, not `KFold`).
 
     Args:
-        max_lag: L: output lags 1 … L are candidates, samples.
+        max_lag: L: output lags 1 … L are candidates, samples; 0: the inputs alone.
         input_lags: K: input lags 0 … K are candidates, samples.
         degree: Cross-product degree, 1, 2 or 3: products of up to so many lags are candidates.
-        memory_s: Time constants of low-passes of the output offered beside its lags, s at `rate_hz`.
         max_terms: Most terms.
         search: Whether terms are exchanged until nothing improves, or the best next one is taken as in the paper.
         stop: When to stop before: allowing for the number of candidates, by Korenberg's test, never.
-        rate_hz: Samples a second, 0.01 … 10⁶; of no weight without `memory_s`.
+        centre: Take the means off output and inputs first: for signals whose mean dwarfs what they vary by. The terms are
+            then products of what is left, not of the signals.
 
     Attributes:
         n_features_in_: Columns of X.
@@ -106,20 +95,18 @@ class FosRegressor:
         max_lag: int = 10,
         input_lags: int = 0,
         degree: int = 2,
-        memory_s: Sequence[float] = (),
         max_terms: int = 20,
         search: Literal["exchange", "greedy"] = "exchange",
         stop: Literal["multiplicity", "korenberg", "never"] = "multiplicity",
-        rate_hz: float = 1.0,
+        centre: bool = False,
     ) -> None:
         self.max_lag = max_lag
         self.input_lags = input_lags
         self.degree = degree
-        self.memory_s = memory_s
         self.max_terms = max_terms
         self.search = search
         self.stop = stop
-        self.rate_hz = rate_hz
+        self.centre = centre
 
     def fit(self, X: object, y: object, groups: object = None) -> Self:
         """Finds the model.
@@ -151,41 +138,29 @@ class FosRegressor:
         varying = np.flatnonzero(~steady)
         said = names if names is not None else [f"x{index}" for index in range(inputs.shape[1])]
         options: dict[str, Any] = {
-            "method": "fos",
-            "denoise": None,
-            "search": self.search,
             "max_lag": self.max_lag,
-            "degree": self.degree,
-            "memory_s": [float(tau) for tau in self.memory_s],
-            "inputs": [],
             "input_lags": self.input_lags,
-            "physical": [],
+            "degree": self.degree,
             "max_terms": self.max_terms,
+            "search": self.search,
             "stop": self.stop,
-            "train": "100%",
-            "offset": None,
-            "scale": None,
-            "full_scale": 0.0,
-            "factory_corrected": False,
+            "centre": self.centre,
         }
         if np.ptp(output) == 0:
             raise RegressorError("y is one value throughout", remedy="an output that changes")
         chosen = [said[index] for index in varying]
-        model = _engine.fit_series(output, inputs[:, varying], labels, chosen, options, float(self.rate_hz))
+        model = _engine.fit_series(output, inputs[:, varying], labels, chosen, options)
         self.n_features_in_ = inputs.shape[1]
         if names is not None:
             self.feature_names_in_ = np.asarray(names, dtype=object)
         elif hasattr(self, "feature_names_in_"):
             del self.feature_names_in_
-        self.report_ = build(RegressorReport, json.loads(model.to_json()[1]))
+        self.report_ = build(RegressorReport, json.loads(model.to_json()[2]))
         self._varying = varying
         self._model = model
         # what a forecast goes on from: the last stretch, as far as it is remembered
-        kept = model.depth
-        if self.memory_s:
-            kept = max(kept, math.ceil(FORGOTTEN * max(self.memory_s) * self.rate_hz))
         begin = 0 if labels is None else int(np.flatnonzero(_starts(labels))[-1])
-        begin = max(begin, output.size - max(kept, 1))
+        begin = max(begin, output.size - max(model.depth, 1))
         self._last_output, self._last_inputs = output[begin:].copy(), inputs[begin:].copy()
         return self
 
@@ -195,7 +170,15 @@ class FosRegressor:
         self._check_is_fitted()
         return self.report_.terms
 
-    def predict(self, X: object = None, *, y: object = None, steps: int | None = None, groups: object = None) -> Floats:
+    def predict(
+        self,
+        X: object = None,
+        *,
+        y: object = None,
+        steps: int | None = None,
+        y_init: object = None,
+        groups: object = None,
+    ) -> Floats:
         """What the model says, in one of three ways.
 
         Args:
@@ -203,12 +186,13 @@ class FosRegressor:
             y: Measured output, shape `(n_samples,)`: every sample is predicted one step ahead, from the measured ones
                 before it; the first ones, before a history is there, by the mean.
             steps: So many samples behind the training data are forecast; X are their inputs.
+            y_init: Measured output of the first rows of X, which the own run goes on from; these rows are not predicted.
             groups: Labels, with y: where they change the history begins anew.
 
         Returns:
-            Shape `(n_samples,)`, unit of the output. Without y and steps from the model's own history, which begins at
-            rest: the output at its mean, the inputs as they are in the first row. Own history is kept within twice the
-            range of the training data.
+            Shape `(n_samples,)`, less the rows of `y_init`, unit of the output. Without y and steps from the model's own
+            history, which begins at rest: the output at its mean, the inputs as they are in the first row. Own history is
+            kept within twice the range of the training data.
         """
         self._check_is_fitted()
         if y is not None:
@@ -224,7 +208,8 @@ class FosRegressor:
             raise RegressorError("the model has inputs and X is None", remedy="give X, or steps and X")
         if X is None:
             raise RegressorError("how many samples?", remedy="give steps, or y for one step ahead")
-        return self._model.free_run(np.zeros(0), self._inputs_again(X, None))
+        history = np.zeros(0) if y_init is None else _output(y_init)
+        return self._model.free_run(history, self._inputs_again(X, None))
 
     def score(self, X: object, y: object, *, one_step: bool = False, groups: object = None) -> float:
         """R² of `predict(X)`, the model's own run; of one step ahead if `one_step`. At most 1; 0 of the mean."""
