@@ -23,6 +23,18 @@ const STACK: usize = 8 << 20;
 ///
 /// What the signal was taken for; a defect of the engine.
 pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    run_with(py, |_| work())
+}
+
+/// The same of work that goes on in further threads, each of which has to look at the wish itself ([`part`]).
+///
+/// # Errors
+///
+/// As of [`run`].
+pub(crate) fn run_with<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&StopRequest) -> T + Send,
+) -> PyResult<T> {
     let stop = StopRequest::default();
     thread::scope(|scope| {
         let (done, mut waiting) = channel::<()>();
@@ -30,7 +42,7 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
         let worker = worker.spawn_scoped(scope, move || {
             // dropped with the thread, which is heard
             let _done = done;
-            interruptible(&wish, work)
+            interruptible(&wish, || work(&wish))
         })?;
         let mut raised = None;
         loop {
@@ -52,4 +64,16 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
             (None, Err(Interrupted::Stopped | Interrupted::Panicked)) => Err(defect(py)),
         }
     })
+}
+
+/// A part of [`run_with`]'s work, on a thread of its own.
+///
+/// # Panics
+///
+/// If the part did; and where it was stopped, for the whole to end.
+pub(crate) fn part<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> T {
+    match interruptible(stop, work) {
+        Ok(done) => done,
+        Err(ended @ (Interrupted::Stopped | Interrupted::Panicked)) => resume_unwind(Box::new(ended)),
+    }
 }

@@ -23,6 +23,7 @@ from .comparison import AxisComparison, Comparison, ModelErrors
 from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
 from .errors import FosError, FosWarning
 from .noise import AxisNoise, Noise, NoiseFiles, noise, noise_files
+from .page import page, write_page
 from .predictor import Corrections, Predictor, Validity
 from .recording import Recording, formats, read
 from .regressor import FosRegressor
@@ -57,7 +58,9 @@ __all__ = [
     "formats",
     "noise",
     "noise_files",
+    "page",
     "read",
     "simulate",
     "simulate_case",
+    "write_page",
 ]
