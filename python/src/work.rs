@@ -31,10 +31,7 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
 /// # Errors
 ///
 /// As of [`run`].
-pub(crate) fn run_with<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce(&StopRequest) -> T + Send,
-) -> PyResult<T> {
+pub(crate) fn run_with<T: Send>(py: Python<'_>, work: impl FnOnce(&StopRequest) -> T + Send) -> PyResult<T> {
     let stop = StopRequest::default();
     thread::scope(|scope| {
         let (done, mut waiting) = channel::<()>();
