@@ -8,8 +8,7 @@ use fos_core::{
     Range as Limits, Sample, Source, Transform, Validity,
 };
 use fos_fit::candidates::{Candidates, monomial_text_named};
-use fos_fit::fit::fit;
-use fos_fit::fit::{NoiseRule, Search, Stop, StopRule, Stopped};
+use fos_fit::fit::{NoiseRule, Search, Stop, StopRule, Stopped, fit};
 use fos_fit::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -203,13 +202,15 @@ fn search(
         Stopped::NothingLeft => "every candidate is in".to_owned(),
         Stopped::MseRatio => "enough is explained".to_owned(),
     };
+    let means = names.iter().copied().zip(&inputs).map(|(name, input)| (name, input.centre));
+    let centres: Vec<(&str, f64)> = match options.centre {
+        true => std::iter::once((OUTPUT, output.centre)).chain(means).collect(),
+        false => Vec::new(),
+    };
     let report = json!({
         "constant": found.refit.constant * output.scale + output.centre,
         "terms": told.collect::<Vec<_>>(),
-        "centres": options.centre.then(|| {
-            let inputs = names.iter().zip(&inputs).map(|(name, input)| (*name, input.centre));
-            std::iter::once((OUTPUT, output.centre)).chain(inputs).collect::<Vec<_>>()
-        }).unwrap_or_default(),
+        "centres": centres,
         "candidates": pool.len(),
         "rows": found.refit.rows,
         "stopped": stopped,
