@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_core::{Axis, Correction, Fixed, Image, ImageError, Quantity, Sample, Scalar, Validity};
+use fos_core::{Axis, Correction, Fixed, Image, ImageError, Sample, Scalar, Validity};
 use fos_embedded::hub::{Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use serde::Serialize;
@@ -10,7 +10,8 @@ use serde::Serialize;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{KnownBy, Stillness};
 use fos_fit::evaluate::{ModelErrors, trace};
-use fos_fit::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
+use fos_fit::export::{NoColumn, model_of};
+use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
 
 /// Why an image cannot be run over a recording.
@@ -35,15 +36,8 @@ pub enum ReplayError {
         log_s: f64,
     },
     /// An axis or quantity of the image has no name of its own.
-    #[error(
-        "{what} {index} of the image has no column of its own\nhelp: name the columns of the axes with --axes"
-    )]
-    NoColumn {
-        /// `axis` or `quantity`.
-        what: &'static str,
-        /// Place in the model, from 0.
-        index: usize,
-    },
+    #[error(transparent)]
+    NoColumn(#[from] NoColumn),
     /// The log has reference columns, or other poses.
     #[error(
         "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer lies still in another pose than that of the fit\nhelp: leave the columns out with --map '!ref_gx_rads', or export gyros only"
@@ -177,70 +171,6 @@ mod hexadecimal {
     pub(super) fn serialize<S: serde::Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(&format_args!("{digest:016x}"))
     }
-}
-
-/// The column of an axis.
-fn column_of(axis: Axis) -> Option<&'static str> {
-    match axis {
-        Axis::Ax => Some("ax_mps2"),
-        Axis::Ay => Some("ay_mps2"),
-        Axis::Az => Some("az_mps2"),
-        Axis::Gx => Some("gx_rads"),
-        Axis::Gy => Some("gy_rads"),
-        Axis::Gz => Some("gz_rads"),
-        Axis::Other => None,
-    }
-}
-
-/// The model of an image, with the names of its columns.
-///
-/// # Errors
-///
-/// An axis or a quantity without a name. `axes` names the axes instead, where it is not empty.
-pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, ReplayError> {
-    let terms = |terms: fos_core::image::Terms<'_>| -> Vec<FittedTerm> {
-        terms
-            .map(|term| FittedTerm {
-                coefficient: f64::from(term.coefficient),
-                standard_error: None,
-                factors: term.factors().to_vec(),
-            })
-            .collect()
-    };
-    let named = image.axes().enumerate().map(|(index, axis)| {
-        let column = match axes.get(index) {
-            Some(column) => column.clone(),
-            None => column_of(axis.parameters.axis)
-                .ok_or(ReplayError::NoColumn { what: "axis", index })?
-                .to_owned(),
-        };
-        Ok(FittedAxis {
-            column,
-            parameters: axis.parameters.convert(),
-            physical: terms(axis.physical),
-            stochastic: terms(axis.stochastic),
-            plain: None,
-        })
-    });
-    let axes = named.collect::<Result<Vec<_>, ReplayError>>()?;
-    let names: Vec<&str> = image.info().quantities.lines().collect();
-    let quantities = image.quantities().enumerate().map(|(index, quantity): (usize, Quantity)| {
-        let name = names.get(index).and_then(|line| line.split(' ').next()).filter(|name| !name.is_empty());
-        let column = name.ok_or(ReplayError::NoColumn { what: "quantity", index })?.to_owned();
-        Ok(LoggedQuantity { column, quantity })
-    });
-    Ok(UnitModel {
-        period_s: image.period_s(),
-        fitted_on: image.fitted_on(),
-        stillness: image.stillness().map(|limits| limits.convert()),
-        quantities: quantities.collect::<Result<Vec<_>, ReplayError>>()?,
-        inputs: image
-            .inputs()
-            .enumerate()
-            .map(|(index, input)| NamedInput { name: format!("u{index}"), input: input.convert() })
-            .collect(),
-        axes,
-    })
 }
 
 /// Runs `image` over `recording`: tracks where it is still, coasts where it moves.

@@ -8,12 +8,12 @@ use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
 use fos_fit::evaluate::trace;
+use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use host_fit::export::image;
-use host_fit::replay::model_of;
 use rayon::prelude::*;
 
 /// The case that shows an effect: the first set-up and axis that suit it.

@@ -9,7 +9,7 @@ use crate::dependence::{Dependence, DependenceError, Trained, dependence};
 use crate::physical::{PhysicalError, in_known_pose};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
-use fos_data::stillness::Stillness;
+use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
@@ -152,6 +152,51 @@ pub fn compare(
         .collect();
     let judged_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
     Ok((Comparison { judged_s, axes }, own))
+}
+
+/// What a study says of a log, and what it rests on.
+#[derive(Debug)]
+pub struct Judgement {
+    /// Errors beside rivals, the worst stretches, dependences.
+    pub comparison: Comparison,
+    /// The model's own trace, for the figures.
+    pub trace: Trace,
+    /// Where the log is at rest.
+    pub stillness: Stillness,
+}
+
+/// Judges the model of a study on `log`: on the rows that were not fitted where it is the study's own log, else on all
+/// of it. `own` is the log that was fitted, where it is another and at hand: what the noise is learnt from.
+///
+/// # Errors
+///
+/// As for [`compare`].
+pub fn compare_study(
+    study: &Study,
+    log: &Recording,
+    own: Option<&Recording>,
+    progress: impl FnMut(&str),
+) -> Result<Judgement, CompareError> {
+    let is_own = study.data.is(log);
+    let trained_rows = study.data.trained_rows;
+    let stillness = stillness::find_apart(log, if is_own { trained_rows } else { log.n_rows() });
+    let rows = if is_own { trained_rows } else { 0 }..log.n_rows();
+    let own = own.filter(|own| !is_own && study.data.is(own));
+    let own = own.map(|own| (stillness::find_apart(own, trained_rows), own));
+    let trained = match &own {
+        Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
+        None => is_own.then_some(Trained { recording: log, stillness: &stillness, rows: 0..trained_rows }),
+    };
+    let (comparison, trace) =
+        compare(&study.model, &study.lag_1(), log, &stillness, rows, trained.as_ref(), progress)?;
+    Ok(Judgement { comparison, trace, stillness })
+}
+
+/// A log whose rate is another than that of a model: by how much its lags are off in time, relative; none where that is
+/// too little to matter.
+pub fn lags_off(model: &UnitModel, log: &Recording) -> Option<f64> {
+    let off = model.period_s / log.rate.period_s - 1.0;
+    (off.abs() > 0.005).then_some(off)
 }
 
 /// Puts fitted axes together into a study, judged on the rows after the training part. Also gives that judgement, and

@@ -53,17 +53,7 @@ impl Add {
         let refiner = logs.refiner(&library);
         let named = logs.named(refiner.fitted_rows());
         let bar = spinner("estimating and judging");
-        let mut refinement = match study.refinement_of(&column) {
-            Some(refinement) if refinement.logs == named => refinement.clone(),
-            Some(refinement) if refinement.added().next().is_some() => {
-                return Err(format!(
-                    "{column} was refined on {}; its steps cannot be compared with those on another log\nhelp: leave --from and --judge out to go on there, or take the steps back with `host-fit undo` first",
-                    refinement.logs.field.path
-                )
-                .into());
-            }
-            _ => refiner.begin(&study, &column, named)?,
-        };
+        let mut refinement = refiner.go_on(&study, &column, named)?;
         match &self.effect {
             Some(effect) => {
                 let step = refiner.add(&refinement, library.get(effect)?)?;

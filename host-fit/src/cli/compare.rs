@@ -8,15 +8,14 @@ use super::arguments::{OutputFolder, Reading, describe};
 use super::comparison_summary::{LEGEND, summary};
 use super::error_table::error_table;
 use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
-use fos_diagnose::compare::{AxisComparison, Comparison, compare};
-use fos_diagnose::dependence::{Dependence, Trained};
+use fos_diagnose::compare::{AxisComparison, Comparison, Judgement, compare_study, lags_off};
+use fos_diagnose::dependence::Dependence;
 use fos_fit::evaluate::ModelErrors;
 
 use crate::curves::curves;
 use crate::figures::moved;
 use crate::plots;
 use fos_data::recording::{LoadOptions, Recording, load};
-use fos_data::stillness;
 use fos_diagnose::study::{Study, load_again};
 
 /// Compare the model of a study with measurements and with plain rivals, and show where it fails
@@ -55,36 +54,23 @@ impl Compare {
             )
             .into());
         }
-        let ratio = study.model.period_s / recording.rate.period_s;
-        if (ratio - 1.0).abs() > 0.005 {
+        if let Some(off) = lags_off(&study.model, &recording) {
             print_warning(&format!(
                 "the log runs at {:.3} Hz, the model was fitted at {:.3} Hz: its lags are {:.1} % off in time",
                 recording.rate.true_hz,
                 1.0 / study.model.period_s,
-                100.0 * (ratio - 1.0)
+                100.0 * off
             ));
         }
-        let learnt_rows = if same { study.data.trained_rows } else { recording.n_rows() };
-        let stillness = stillness::find_apart(&recording, learnt_rows);
-        let rows = if same { study.data.trained_rows..recording.n_rows() } else { 0..recording.n_rows() };
         // where it still is what it was
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
-        let own = own.filter(|own| study.data.is(own));
-        let own = own.map(|own| (stillness::find_apart(&own, study.data.trained_rows), own));
-        let trained_rows = 0..study.data.trained_rows;
-        let trained = match &own {
-            Some((stillness, recording)) => Some(Trained { recording, stillness, rows: trained_rows }),
-            None => {
-                same.then_some(Trained { recording: &recording, stillness: &stillness, rows: trained_rows })
-            }
-        };
         let bar = progress(4, "judging");
         let judged = |model: &str| {
             bar.set_message(&format!("judging: {model}"));
             bar.inc(1);
         };
-        let (comparison, trace) =
-            compare(&study.model, &study.lag_1(), &recording, &stillness, rows, trained.as_ref(), judged)?;
+        let Judgement { comparison, trace, stillness } =
+            compare_study(&study, &recording, own.as_ref(), judged)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             let curves = curves(&comparison, &trace, &recording);

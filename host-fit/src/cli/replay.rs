@@ -9,10 +9,11 @@ use super::arguments::{OutputFile, Reading};
 use super::output::{Failure, optional, print_json, print_line, spinner, table};
 use crate::export::current;
 use crate::hub_log::hub_log;
-use crate::replay::{CostOfScalar, Replay as Replayed, device_log, model_of, replay};
+use crate::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_data::file;
 use fos_data::recording::write_columns;
 use fos_data::stillness;
+use fos_fit::export::model_of;
 
 /// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
 #[derive(Debug, Args)]

@@ -8,9 +8,8 @@
 use std::fmt::Write as _;
 
 use fos_data::column::{ACCELEROMETERS, GYROS};
+use fos_fit::export::in_ascii;
 use fos_fit::thermal::{ThermalTable, about};
-
-use super::comment::in_ascii;
 
 /// ArduPilot's reference temperature, °C, and the scale of its coefficients.
 const REFERENCE_C: f64 = 35.0;

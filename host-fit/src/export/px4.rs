@@ -8,9 +8,8 @@
 use std::fmt::Write as _;
 
 use fos_data::column::{ACCELEROMETERS, GYROS};
+use fos_fit::export::in_ascii;
 use fos_fit::thermal::ThermalTable;
-
-use super::comment::in_ascii;
 
 /// The parameters of one accelerometer and one gyro, as they are stored: in single precision.
 #[derive(Debug, Clone, PartialEq)]

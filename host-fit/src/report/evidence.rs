@@ -1,18 +1,13 @@
 //! What speaks for a finding, as data: its shape in the slow error, or its line in the spectrum.
 
-use std::ops::Range;
-
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
 use crate::figures::evidence::{evidence, line_evidence};
-use fos_data::recording::{Recording, runs};
+use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
-use fos_diagnose::refine::{Evidence as SlowEvidence, RefineError, Refiner};
+use fos_diagnose::refine::{Evidence as SlowEvidence, RefineError, Refiner, line_spectrum};
 use fos_diagnose::study::Refinement;
-use fos_fit::signal::spectrum::{Spectrum, welch};
-
-/// Length of the windows that the spectrum about a line is taken over, s.
-const LINE_WINDOW_S: f64 = 30.0;
+use fos_fit::signal::spectrum::Spectrum;
 
 /// What speaks for a finding.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,18 +41,7 @@ impl Evidence {
             return Ok(Some(Self::Slow { found, largest_s: finding.shows_from_to_s }));
         }
         let Some(&frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
-        let error = field.error_series(&refinement.column)?.values;
-        let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
-        let stretches: Vec<&[f64]> = field
-            .segments
-            .iter()
-            .flat_map(|segment| finite(segment.rows.clone()))
-            .map(|rows| &error[rows])
-            .collect();
-        let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
-        // narrow bins, so that a line stands out: half a minute, if there is so much
-        let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
-        let spectrum = welch(&stretches, field.rate.true_hz, length);
+        let spectrum = line_spectrum(field, &refinement.column)?;
         Ok(spectrum.map(|spectrum| Self::Line { spectrum, frequency_hz }))
     }
 

@@ -33,7 +33,7 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
         return Ok(());
     };
     let config = root.join("deny.toml");
-    for workspace in [root.to_owned(), root.join("fuzz")] {
+    for workspace in [root.to_owned(), root.join("fuzz"), root.join("python")] {
         let done = check(&program, &workspace, &config, &["licenses", "bans", "sources"])?;
         if !done.status.success() {
             findings.problems.push(String::from_utf8_lossy(&done.stderr).into());

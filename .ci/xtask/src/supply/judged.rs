@@ -1,4 +1,4 @@
-//! What cargo-deny has judged: the crates of both lock files, and by which rules.
+//! What cargo-deny has judged: the crates of all lock files, and by which rules.
 
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -23,7 +23,7 @@ fn locked(text: &str) -> impl Iterator<Item = String> {
 
 fn now(root: &Path) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let mut found = BTreeSet::new();
-    for lock in ["Cargo.lock", "fuzz/Cargo.lock"] {
+    for lock in ["Cargo.lock", "fuzz/Cargo.lock", "python/Cargo.lock"] {
         found.extend(locked(&fs::read_to_string(root.join(lock))?));
     }
     let rules = output(Command::new("git").args(["hash-object", "deny.toml"]).current_dir(root))?;

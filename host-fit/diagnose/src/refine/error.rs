@@ -36,6 +36,16 @@ pub enum RefineError {
         "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"
     )]
     Twice(String),
+    /// What was added before was estimated and judged elsewhere.
+    #[error(
+        "{column} was refined on {log}; its steps cannot be compared with those on another log\nhelp: leave the logs out to go on there, or take the steps back first (undo)"
+    )]
+    OtherLogs {
+        /// The axis.
+        column: String,
+        /// The log that it was refined on.
+        log: String,
+    },
     /// There is nothing to take off.
     #[error("{0}: nothing of it can be taken off sample by sample\nhelp: {1}")]
     NothingToTakeOff(String, &'static str),

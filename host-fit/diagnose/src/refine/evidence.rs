@@ -1,19 +1,26 @@
 //! What speaks for an effect, for the eye: the error that it should explain, and what it explains of it.
 
+use std::ops::Range;
+
 use super::error::RefineError;
 use super::refiner::Refiner;
 use super::terms;
 use crate::detect::{ErrorInBlocks, Finding, correction};
 use crate::effects::Band;
 use crate::study::Refinement;
+use fos_data::recording::{Recording, RecordingError, runs};
 use fos_fit::cost::Cost;
 use fos_fit::signal::centred;
+use fos_fit::signal::spectrum::{Spectrum, welch};
 
 /// Blocks of an evidence, about: as many as a picture can show.
 const BLOCKS: f64 = 400.0;
 
 /// Shortest block, s.
 const SHORTEST_S: f64 = 1.0;
+
+/// Length of the windows that the spectrum about a line is taken over, s.
+const LINE_WINDOW_S: f64 = 30.0;
 
 /// The slow error in blocks of the field log, beside what a finding says of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +47,82 @@ pub struct Against {
     pub values: Vec<f64>,
 }
 
+impl Evidence {
+    /// In `field`; `without` is the same less all that is not of the finding.
+    fn of(
+        field: &Recording,
+        without: &Recording,
+        column: &str,
+        finding: &Finding,
+    ) -> Result<Self, RecordingError> {
+        let seconds = field.n_rows() as f64 * field.rate.period_s;
+        let length_s = (seconds / BLOCKS).max(SHORTEST_S);
+        let reduced = ErrorInBlocks::in_blocks_of(without, column, &[], length_s)?;
+        let blocks = &reduced.blocks;
+        let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
+        let against = match &finding.shows_against {
+            Some(column) => {
+                let held = field.held_from_first(field.channel(column)?);
+                Some(Against { column: column.clone(), values: blocks.means(&held) })
+            }
+            None => None,
+        };
+        let middle = |block: &fos_fit::noise::Block| field.time_s[(block.rows.start + block.rows.end) / 2];
+        Ok(Self {
+            block_s: blocks.length_s,
+            time_s: blocks.blocks.iter().map(middle).collect(),
+            error: centred(reduced.means.clone()),
+            effect: centred(effect),
+            against,
+        })
+    }
+}
+
+fn shows_in_blocks(finding: &Finding) -> bool {
+    finding.band == Band::Slow && !finding.correction.is_empty()
+}
+
+/// What speaks for one of the `findings` of a diagnosis of `field` alone, without a model; none for an effect that no
+/// block shows.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn evidence_without_model(
+    field: &Recording,
+    column: &str,
+    findings: &[Finding],
+    finding: &Finding,
+) -> Result<Option<Evidence>, RecordingError> {
+    if !shows_in_blocks(finding) {
+        return Ok(None);
+    }
+    let others: Vec<Finding> = findings.iter().filter(|other| *other != finding).cloned().collect();
+    let taken = correction(&others, field, field)?;
+    let measured = field.channel(column)?.values.iter();
+    let without = measured.zip(&taken).map(|(measured, taken)| measured - taken).collect();
+    let without = field.with_values(column, without);
+    Ok(Some(Evidence::of(field, &without, column, finding)?))
+}
+
+/// The spectrum of the error of `column` as logged, unit²/Hz, in bins so narrow that a line stands out: what speaks for
+/// one. None where there is too little for a spectrum.
+///
+/// # Errors
+///
+/// There is no such column.
+pub fn line_spectrum(field: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
+    let error = field.error_series(column)?.values;
+    let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
+    let segments = field.segments.iter();
+    let stretches: Vec<&[f64]> =
+        segments.flat_map(|segment| finite(segment.rows.clone())).map(|rows| &error[rows]).collect();
+    let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
+    // half a minute, if there is so much
+    let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
+    Ok(welch(&stretches, field.rate.true_hz, length))
+}
+
 impl Refiner<'_> {
     /// What speaks for one of the `findings` of a diagnosis of `refinement`; none for an effect that no block shows.
     ///
@@ -52,33 +135,13 @@ impl Refiner<'_> {
         findings: &[Finding],
         finding: &Finding,
     ) -> Result<Option<Evidence>, RefineError> {
-        if finding.band != Band::Slow || finding.correction.is_empty() {
+        if !shows_in_blocks(finding) {
             return Ok(None);
         }
-        let field = &*self.field;
         let mut others: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         others.extend(findings.iter().filter(|other| *other != finding).cloned());
         let without = self.without_base(refinement, &others)?;
-        let seconds = field.n_rows() as f64 * field.rate.period_s;
-        let length_s = (seconds / BLOCKS).max(SHORTEST_S);
-        let reduced = ErrorInBlocks::in_blocks_of(&without, &refinement.column, &[], length_s)?;
-        let blocks = &reduced.blocks;
-        let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
-        let against = match &finding.shows_against {
-            Some(column) => {
-                let held = field.held_from_first(field.channel(column)?);
-                Some(Against { column: column.clone(), values: blocks.means(&held) })
-            }
-            None => None,
-        };
-        let middle = |block: &fos_fit::noise::Block| field.time_s[(block.rows.start + block.rows.end) / 2];
-        Ok(Some(Evidence {
-            block_s: blocks.length_s,
-            time_s: blocks.blocks.iter().map(middle).collect(),
-            error: centred(reduced.means.clone()),
-            effect: centred(effect),
-            against,
-        }))
+        Ok(Some(Evidence::of(&self.field, &without, &refinement.column, finding)?))
     }
 
     /// What the model of `refinement` would cost more on the device with `finding`.

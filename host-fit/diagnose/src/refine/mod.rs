@@ -8,6 +8,6 @@ mod refiner;
 mod terms;
 
 pub use error::RefineError;
-pub use evidence::{Against, Evidence};
+pub use evidence::{Against, Evidence, evidence_without_model, line_spectrum};
 pub use logs::Logs;
 pub use refiner::{FITTED_SHARE, Refiner};

@@ -90,6 +90,22 @@ impl<'a> Refiner<'a> {
         Ok(Refinement { column: column.to_owned(), logs, steps })
     }
 
+    /// An axis of a study to go on with: as it was refined on these very logs, or as before anything was added to it.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Refiner::begin`]; and it was refined on other logs.
+    pub fn go_on(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
+        match study.refinement_of(column) {
+            Some(refinement) if refinement.logs == logs => Ok(refinement.clone()),
+            Some(refinement) if refinement.added().next().is_some() => {
+                let (column, log) = (column.to_owned(), refinement.logs.field.path.clone());
+                Err(RefineError::OtherLogs { column, log })
+            }
+            _ => self.begin(study, column, logs),
+        }
+    }
+
     /// Whether an effect leaves anything to subtract on this axis.
     ///
     /// # Errors

@@ -1,9 +1,33 @@
-//! A model on its way to a device: the image, and what it says in words.
+//! What others take: the image of a model, what it says in words, and the model in it again; the noise of a log as a table
+//! and as the files of other stacks.
+//!
+//! | file | writes |
+//! |---|---|
+//! | `image`, `earlier` | the image that a device reads; those of earlier versions as today's |
+//! | `description`, `model_of` | an image in words, and as a model again |
+//! | `allan_csv` | the noise of a log as a table |
+//! | `noise_model` | one number of noise for three axes, for the files below |
+//! | `imu_yaml` | the noise for Kalibr and OpenVINS |
+//! | `slam` | the noise for ORB-SLAM3 and VINS |
 
+mod allan_csv;
+mod comment;
 mod description;
 mod earlier;
 mod image;
+mod imu_yaml;
+mod model_of;
+mod noise_model;
+mod noise_unit;
+mod slam;
 
+pub use allan_csv::{SHARE, allan_csv};
+pub use comment::in_ascii;
 pub use description::description;
 pub use earlier::{current, version};
 pub use image::{UnusableImage, image};
+pub use imu_yaml::imu_yaml;
+pub use model_of::{NoColumn, model_of};
+pub use noise_model::{NoiseModel, NoiseModelError};
+pub use noise_unit::NoiseUnits;
+pub use slam::{orb_slam3, vins};

@@ -202,6 +202,7 @@ impl<'g> Model<'g> {
 /// Every swap of one term for one candidate.
 fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
     for &leaves in terms {
+        fos_data::interrupt::check();
         let base = Expansion::of_terms(gram, &without(terms, &[leaves]));
         for open in base.open().iter().filter(|open| open.candidate != leaves) {
             visit(&[leaves], &[open.candidate], base.mse() - open.mse_reduction());
@@ -213,6 +214,7 @@ fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
 fn for_each_pair(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
     for (i, &first) in terms.iter().enumerate() {
         for &second in &terms[i + 1..] {
+            fos_data::interrupt::check();
             let leaves = [first, second];
             let base = Expansion::of_terms(gram, &without(terms, &leaves));
             let open: Vec<&Open> =

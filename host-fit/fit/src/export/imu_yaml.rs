@@ -33,7 +33,7 @@ pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
     let zero = "    - [ 0.0, 0.0, 0.0 ]\n".repeat(3);
     format!(
         "%YAML 1.0\n---\n\
-         # Noise of {}, by host-fit noise: of three axes the one that has the most.\n\
+         # Noise of {}, by fos: of three axes the one that has the most.\n\
          # Continuous densities, not to be multiplied by the root of the rate: N is the Allan deviation at 1 s of the\n\
          # white noise, K the random walk of the bias. A data sheet's one-sided density is sqrt(2) times N.\n\
          \n# Kalibr reads these\n{}\

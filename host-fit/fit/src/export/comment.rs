@@ -1,6 +1,6 @@
 //! Names in the comments of files for others, whose readers take ASCII alone.
 
 /// One line of ASCII.
-pub(super) fn in_ascii(text: &str) -> String {
+pub fn in_ascii(text: &str) -> String {
     text.chars().map(|letter| if letter.is_ascii_graphic() || letter == ' ' { letter } else { '?' }).collect()
 }

@@ -1,9 +1,8 @@
 //! One noise level for the three axes of a sensor, as the files of other stacks have it.
 
-use fos_data::column::{ACCELEROMETERS, GYROS};
-use fos_fit::noise::{AxisNoise, Level};
-
 use super::noise_unit::NoiseUnits;
+use crate::noise::{AxisNoise, Level};
+use fos_data::column::{ACCELEROMETERS, GYROS};
 
 /// Noise of an accelerometer and a gyro.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,7 +15,7 @@ pub fn orb_slam3(noise: &NoiseModel) -> String {
     ];
     let lines = levels.map(|(key, level)| level.line(key)).concat();
     format!(
-        "%YAML:1.0\n\n# Noise of {}, by host-fit noise: of three axes the one that has the most.\n\
+        "%YAML:1.0\n\n# Noise of {}, by fos: of three axes the one that has the most.\n\
          # Put these lines in the place of those of the same names in the settings. They are continuous densities:\n\
          # ORB-SLAM3 makes of them what it needs per sample, with IMU.Frequency. Versions before 1.0 want a whole\n\
          # number there.\n\
@@ -39,7 +39,7 @@ pub fn vins(noise: &NoiseModel) -> String {
     let discrete = discrete.concat();
     let continuous = levels.map(|(key, level)| format!("# {}", level.line(key))).concat();
     format!(
-        "%YAML:1.0\n\n# Noise of {}, by host-fit noise: of three axes the one that has the most.\n\
+        "%YAML:1.0\n\n# Noise of {}, by fos: of three axes the one that has the most.\n\
          # Put these lines in the place of those of the same names in the configuration.\n\
          # Active: standard deviations per sample at {} Hz (discrete), as the integration of VINS uses them: it\n\
          # multiplies them by the time step.\n{discrete}\

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use fos_fit::noise::{AxisNoise, Level};
-
 use super::noise_unit::NoiseUnits;
+use crate::noise::{AxisNoise, Level};
 
 /// The share that the intervals of a noise table hold.
 pub const SHARE: f64 = 0.9;

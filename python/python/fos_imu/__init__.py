@@ -1,0 +1,66 @@
+"""Models of the error of accelerometers and gyros: fitted from logs, what they lack named and added, the image that a
+device runs.
+
+From a log to what is missing, with its evidence::
+
+    import fos_imu as fos
+
+    quiet, field = fos.read("quiet.parquet"), fos.read("field.parquet")
+    study = fos.fit(quiet, axes="gx")
+    diagnosis = study.diagnose(field)
+    if diagnosis.findings:
+        study.add(diagnosis.findings[0], field)
+    image = study.export_image()
+    corrected = fos.Predictor(image).run(field).corrected
+
+In a notebook every result shows itself; `help()` of any name says shapes and units. All values are in SI units.
+"""
+
+from __future__ import annotations
+
+from ._engine import __version__
+from .comparison import AxisComparison, Comparison, ModelErrors
+from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
+from .errors import FosError, FosWarning
+from .noise import AxisNoise, Noise, NoiseFiles, noise, noise_files
+from .page import page, write_page
+from .predictor import Corrections, Predictor, Validity
+from .recording import Recording, formats, read
+from .regressor import FosRegressor
+from .simulation import Case, Plant, simulate, simulate_case
+from .study import Refinement, Study, fit
+
+__all__ = [
+    "AxisComparison",
+    "AxisNoise",
+    "Case",
+    "Comparison",
+    "Corrections",
+    "Diagnosis",
+    "Effect",
+    "Finding",
+    "FosError",
+    "FosRegressor",
+    "FosWarning",
+    "ModelErrors",
+    "Noise",
+    "NoiseFiles",
+    "Plant",
+    "Predictor",
+    "Recording",
+    "Refinement",
+    "Study",
+    "Validity",
+    "__version__",
+    "diagnose",
+    "effects",
+    "fit",
+    "formats",
+    "noise",
+    "noise_files",
+    "page",
+    "read",
+    "simulate",
+    "simulate_case",
+    "write_page",
+]

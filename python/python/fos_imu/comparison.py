@@ -1,0 +1,282 @@
+"""A model against the measurements and against plain rivals, on rows that were not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _html, _svg
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = npt.NDArray[np.float64]
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CoastError:
+    """Error from own history after a time.
+
+    Attributes:
+        horizon_s: The time, s.
+        mse: Mean square after exactly that time, unit².
+        standard_error: Of that mean, coasts taken as independent.
+        origins: Coasts that it is the mean of.
+    """
+
+    horizon_s: float
+    mse: float
+    standard_error: float
+    origins: int
+
+
+@dataclass(frozen=True)
+class AllanValue:
+    """Allan deviation of what is left when coasting: averaging time, s, and deviation, unit of the axis."""
+
+    tau_s: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """What is left of the error with one model; squares in the square of the axis' unit.
+
+    Attributes:
+        model: `model`, or the name of a rival.
+        one_step_mse: Mean square of measured − predicted from measured history.
+        coast: The same from own history, after 1, 10 and 60 s where the log is long enough.
+        coast_whole_mse: The same over all rows, never starting anew.
+        slow_error_one_step: Variance of 1-s means, one-step; None where too short.
+        slow_error_coast: Variance of 1-s means, coasting for at most 60 s.
+        wide_error_one_step: Variance of the samples, one-step.
+        wide_error_coast: Variance of the samples, coasting for at most 60 s.
+        position_error_m: What the one-step error comes to as a position after an hour, m: a formula, not a navigation.
+        allan: Allan deviation when coasting, at 1, 10, 100 s.
+        below_noise_floor: The one-step error is below what any causal predictor can reach: not to be trusted.
+        cautions: Rows whose prediction came with a caution.
+    """
+
+    model: str
+    one_step_mse: float
+    coast: tuple[CoastError, ...]
+    coast_whole_mse: float
+    slow_error_one_step: float | None
+    slow_error_coast: float | None
+    wide_error_one_step: float
+    wide_error_coast: float
+    position_error_m: float | None
+    allan: tuple[AllanValue, ...]
+    below_noise_floor: bool
+    cautions: int
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch where much is left.
+
+    Attributes:
+        begin_s: Begin, s as stamped.
+        end_s: End, s as stamped.
+        rms: Of what is left, coasting, unit of the axis.
+        mean: Of the same.
+        ratio: `rms` over that of the median stretch.
+        special: What of the logged is special there, most striking first.
+    """
+
+    begin_s: float
+    end_s: float
+    rms: float
+    mean: float
+    ratio: float
+    special: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ChannelTest:
+    """Whether what is left follows a channel.
+
+    Attributes:
+        gain: 2Δ ln L of a curve of the channel.
+        score: The gain less the price of its coefficients.
+        p: Chance of such a gain where nothing depends on anything.
+    """
+
+    gain: float
+    score: float
+    p: float
+
+
+@dataclass(frozen=True)
+class ChannelDependence:
+    """What is left of an axis against one channel.
+
+    Attributes:
+        channel: Its column.
+        unit: Its unit.
+        curve: A curve of it against a constant.
+        p_of_all: p of the curve after allowing for all channels.
+    """
+
+    channel: str
+    unit: str
+    curve: ChannelTest
+    p_of_all: float
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """What is left of an axis against everything that is logged.
+
+    Attributes:
+        block_s: Length of the blocks that means were taken over, s.
+        blocks: How many have enough data.
+        learnt: The noise was learnt from the rows that were fitted; else from the judged ones, which is less sure.
+        channels: Every channel that changes, least likely first.
+    """
+
+    block_s: float
+    blocks: int
+    learnt: bool
+    channels: tuple[ChannelDependence, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class AxisComparison:
+    """One axis against the measurements.
+
+    Attributes:
+        column: As `gx_rads`.
+        unit: Its unit.
+        rows: Rows at rest that were judged.
+        noise_floor: What no causal predictor can beat, unit², and its 95 % interval.
+        floor_cautions: Why the floor should not be trusted.
+        errors: The rivals, then the model.
+        worst: The stretches where the model fails worst.
+        dependence: What is left against everything that is logged; None where that is too little to tell.
+        time_s: Time stamps of the judged rows, s, shape `(n,)`.
+        measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
+        innovation: Measured − predicted one step ahead, shape `(n,)`.
+        left: Measured − predicted from own history of at most 60 s, shape `(n,)`.
+    """
+
+    column: str
+    unit: str
+    rows: int
+    noise_floor: tuple[float, Interval] | None
+    floor_cautions: tuple[str, ...]
+    errors: tuple[ModelErrors, ...]
+    worst: tuple[Stretch, ...]
+    dependence: Dependence | None
+    time_s: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
+    measured: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
+    innovation: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
+    left: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
+
+    @property
+    def model(self) -> ModelErrors:
+        """The errors of the model, rivals apart."""
+        return self.errors[-1]
+
+    @property
+    def predicted(self) -> Floats:
+        """Predicted error while coasting for at most 60 s, unit of the axis, shape `(n,)`."""
+        return self.measured - self.left
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a model: its errors, squares in the square of the unit."""
+        import pandas
+
+        def row(errors: ModelErrors) -> dict[str, object]:
+            return {
+                "model": errors.model,
+                "one_step_mse": errors.one_step_mse,
+                **{f"coast_{coast.horizon_s:.0f}_s_mse": coast.mse for coast in errors.coast},
+                "coast_whole_mse": errors.coast_whole_mse,
+                "slow_error_one_step": errors.slow_error_one_step,
+                "slow_error_coast": errors.slow_error_coast,
+                "wide_error_one_step": errors.wide_error_one_step,
+                "wide_error_coast": errors.wide_error_coast,
+                "position_error_m": errors.position_error_m,
+                "cautions": errors.cautions,
+            }
+
+        return pandas.DataFrame([row(errors) for errors in self.errors])
+
+    def picture(self) -> str:
+        """Measured against predicted, and what is left, as SVG."""
+        centre = float(np.nanmean(self.measured)) if np.isfinite(self.measured).any() else 0.0
+        measured = _svg.Series("measured", self.time_s, self.measured - centre, _svg.MEASURED, "envelope")
+        mean = _svg.Series("its mean", *_svg.means(self.time_s, self.measured - centre), _svg.DARK)
+        predicted = _svg.Series("mean predicted", *_svg.means(self.time_s, self.predicted - centre), _svg.PREDICTED)
+        left = _svg.Series("left", self.time_s, self.left, _svg.LEFT, "envelope")
+        label = f"error, {self.unit}"
+        worst = [(one.begin_s, one.end_s) for one in self.worst[:1]]
+        title = f"{self.column}: from own history of at most 60 s"
+        return _svg.plot(title, "time, s", label, [measured, mean, predicted]) + _svg.plot(
+            "what is left; worst where shaded", "time, s", label, [left], shaded=worst
+        )
+
+    def _repr_html_(self) -> str:
+        number = _html.number
+        horizons = [coast.horizon_s for coast in self.errors[-1].coast]
+        header = ["", "one-step", *(f"coast {horizon:.0f} s" for horizon in horizons), "slow, coast", "wide, coast"]
+
+        def row(errors: ModelErrors) -> list[object]:
+            at = {coast.horizon_s: coast.mse for coast in errors.coast}
+            squares = [errors.one_step_mse, *(at.get(horizon) for horizon in horizons)]
+            squares += [errors.slow_error_coast, errors.wide_error_coast]
+            return [errors.model, *(number(None if mse is None else mse**0.5) for mse in squares)]
+
+        follows = [one for one in self.dependence.channels if one.p_of_all < 0.05] if self.dependence else []
+        notes = [f"what is left follows {one.channel} (p = {one.p_of_all:.2g})" for one in follows[:4]]
+        if self.model.below_noise_floor:
+            notes.append("the one-step error is below the noise floor: not to be trusted")
+        worst = [
+            f"worst from {s.begin_s:.1f} to {s.end_s:.1f} s, {s.ratio:.1f} times the usual" for s in self.worst[:1]
+        ]
+        return _html.card(
+            f"{self.column}: {self.rows} rows at rest that were not fitted",
+            _html.paragraph(f"roots of mean squares, {self.unit}"),
+            _html.table(header, [row(errors) for errors in self.errors]),
+            *(_html.paragraph(note, _html.BAD) for note in notes),
+            *(_html.paragraph(text) for text in worst),
+            self.picture(),
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model against the measurements.
+
+    Attributes:
+        judged_s: First and last time stamp of the judged rows, s.
+        axes: The axes of the model.
+    """
+
+    judged_s: Interval
+    axes: tuple[AxisComparison, ...]
+
+    def __getitem__(self, axis: str) -> AxisComparison:
+        """The axis of this column, or of its first part: `gx`."""
+        for one in self.axes:
+            if axis in (one.column, one.column.split("_")[0]):
+                return one
+        raise KeyError(axis)
+
+    def __iter__(self) -> Iterator[AxisComparison]:
+        return iter(self.axes)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row an axis and model."""
+        import pandas
+
+        return pandas.concat({one.column: one.to_pandas() for one in self.axes}, names=["axis", None])
+
+    def _repr_html_(self) -> str:
+        return "".join(one._repr_html_() for one in self.axes)  # pyright: ignore[reportPrivateUsage]

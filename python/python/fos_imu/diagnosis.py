@@ -1,0 +1,471 @@
+"""What is missing: a verdict with its evidence."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _engine, _html, _svg
+from ._results import build
+from .recording import Path, Recording, engine_of
+
+if TYPE_CHECKING:
+    import pandas
+
+Band = Literal["slow", "wide", "data", "stochastic"]
+"""Where an effect shows: in block means, in single samples, in the data before any physics, as noise."""
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large an effect is, in the units of data sheets.
+
+    Attributes:
+        of: The regressor, as `temp_c:lowpass(61)`.
+        value: In `unit`.
+        interval: 95 %, in `unit`; an end that is not known is NaN.
+        unit: As data sheets state it, as `dps/K`.
+    """
+
+    of: str
+    value: float
+    interval: Interval
+    unit: str
+
+
+@dataclass(frozen=True)
+class Separation:
+    """The experiment that tells a finding from a rival."""
+
+    effect: str
+    experiment: str
+
+
+@dataclass(frozen=True)
+class CorrectionTerm:
+    """One term of what a finding takes off: coefficient times regressor, in the unit of the axis (SI).
+
+    Attributes:
+        regressor: A product of inputs.
+        coefficient: Unit of the axis per unit of the product.
+        standard_error: In the same.
+    """
+
+    regressor: str
+    coefficient: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for a slow effect: means over blocks of the log where it was found.
+
+    Attributes:
+        block_s: Length of the blocks, s.
+        time_s: Their middles, s as stamped, one a block.
+        error: Mean error without the model and all other findings, less its mean, unit of the axis, one a block.
+        effect: What the finding says of it, less its mean, unit of the axis, one a block.
+        against: The column against which it shows best; None if there is none.
+        against_unit: Unit of that column.
+        against_values: Its mean, one a block.
+    """
+
+    block_s: float
+    time_s: tuple[float, ...]
+    error: tuple[float, ...]
+    effect: tuple[float, ...]
+    against: str | None = None
+    against_unit: str | None = None
+    against_values: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class LineEvidence:
+    """What speaks for a line: the spectrum about it.
+
+    Attributes:
+        line_hz: Where the line is, Hz.
+        frequency_hz: Bins, Hz.
+        density: Power spectral density, one-sided, unit²/Hz, one a bin.
+    """
+
+    line_hz: float
+    frequency_hz: tuple[float, ...]
+    density: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What terms and inputs cost on the device.
+
+    Attributes:
+        terms: Physical and stochastic together.
+        factors: Of all terms.
+        inputs: Inputs.
+        ram_bytes: RAM, bytes.
+        instructions: Instructions a sample on a Cortex-M4F, about.
+    """
+
+    terms: int
+    factors: int
+    inputs: int
+    ram_bytes: int
+    instructions: int
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that is missing.
+
+    Attributes:
+        effect: Its identifier, as `thermal_lag`: what `Study.add` takes.
+        name: Its name, as in a sentence.
+        band: Where it shows.
+        params: Its parameters; their names say the units, as `tau_s`.
+        params_interval: 95 % intervals of them, where they are known.
+        sizes: Its size, one a regressor.
+        gain: By how much −2 ln L falls with it.
+        score: The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines: 15).
+        predicted_reduction: Share of the error of its band that should go, 0 … 1: of the variance of 1-s means (slow),
+            of the samples (wide).
+        predicted_reduction_interval: 90 %.
+        measured_reduction: The share that went on the log that it was judged on; None where none was given.
+        doubt: Why it is no claim; None where nothing speaks against it.
+        confounded_with: Effects that this log cannot tell from it.
+        separate: The experiments that would.
+        shows_against: The column against which it shows best.
+        shows_from_to_s: Where it is largest, s as stamped.
+        correction: What it takes off.
+        evidence: What speaks for it, if it is slow.
+        line: What speaks for it, if it is a line.
+        cost: What the model would cost more with it; None without a model.
+    """
+
+    effect: str
+    name: str
+    band: Band
+    params: Mapping[str, float]
+    params_interval: Mapping[str, Interval]
+    sizes: tuple[Size, ...]
+    gain: float
+    score: float
+    predicted_reduction: float
+    predicted_reduction_interval: Interval
+    confounded_with: tuple[str, ...]
+    separate: tuple[Separation, ...]
+    shows_against: str | None
+    shows_from_to_s: Interval | None
+    correction: tuple[CorrectionTerm, ...]
+    measured_reduction: float | None = None
+    doubt: str | None = None
+    evidence: Evidence | None = None
+    line: LineEvidence | None = None
+    cost: Cost | None = None
+
+    def picture(self, unit: str = "") -> str:
+        """What speaks for it, as SVG; empty where there is nothing to draw. `unit` is that of the axis."""
+        parts: list[str] = []
+        if self.evidence is not None:
+            seen = self.evidence
+            shaded = [self.shows_from_to_s] if self.shows_from_to_s else []
+            error = _svg.Series("error", seen.time_s, seen.error, _svg.LEFT, "dots")
+            says = _svg.Series(self.name, seen.time_s, seen.effect, _svg.PREDICTED)
+            title = f"means over {seen.block_s:.1f} s, all else taken off; largest where shaded"
+            parts.append(_svg.plot(title, "time, s", f"error, {unit}", [error, says], shaded=shaded))
+            if seen.against_values is not None:
+                series = [
+                    _svg.Series("error", seen.against_values, seen.error, _svg.LEFT, "dots"),
+                    _svg.Series(self.name, seen.against_values, seen.effect, _svg.PREDICTED, "dots"),
+                ]
+                label = ", ".join(part for part in (seen.against, seen.against_unit) if part)
+                parts.append(_svg.plot(f"the same against {seen.against}", label, f"error, {unit}", series))
+        if self.line is not None:
+            spectrum = _svg.Series("", self.line.frequency_hz, self.line.density, _svg.MEASURED)
+            marked = (self.line.line_hz * 0.995, self.line.line_hz * 1.005)
+            title = f"the line at {self.line.line_hz:.3f} Hz"
+            density = f"({unit})²/Hz" if unit else "density"
+            parts.append(
+                _svg.plot(title, "frequency, Hz", density, [spectrum], logarithmic=(False, True), shaded=[marked])
+            )
+        return "".join(parts)
+
+    def _repr_html_(self) -> str:
+        return _finding(self, "")
+
+
+@dataclass(frozen=True)
+class Lead:
+    """What the rest of the error follows; no finding.
+
+    Attributes:
+        follows: In words.
+        score: As of a finding.
+        share: Its share of the variance of the block means of what is left.
+    """
+
+    follows: str
+    score: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """An effect that was tried and not chosen: its score alone, and why if that would have done."""
+
+    effect: str
+    score: float
+    why: str | None = None
+
+
+@dataclass(frozen=True)
+class Untested:
+    """An effect that could not be tried, and what of its columns the log does not have."""
+
+    effect: str
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class NoiseLevels:
+    """Noise of an axis, in its unit.
+
+    Attributes:
+        white: N, unit·√s.
+        flicker: B, unit.
+        walk: K, unit/√s.
+    """
+
+    white: float
+    flicker: float
+    walk: float
+
+
+@dataclass(frozen=True)
+class NoiseReport:
+    """The noise that the evidence rests on.
+
+    Attributes:
+        levels: With everything that was found.
+        learnt_from: Where they were learnt from, in words.
+        block_s: Length of the blocks that slow effects were looked for in, s.
+        blocks: How many there are.
+    """
+
+    levels: NoiseLevels
+    learnt_from: str
+    block_s: float
+    blocks: int
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing on a log, from a model or from none. Shows itself in a notebook with the evidence.
+
+    Attributes:
+        target: The column that was explained.
+        unit: Its unit.
+        verdict: `missing`: effects of the library are; `nothing_missing`; `unexplained`: something is, and nothing in the
+            library explains it.
+        sentence: The outcome in a sentence.
+        findings: What is missing, best first.
+        leads: What else the log follows; no findings.
+        rejected: Effects that were tried and not chosen, the nearest first.
+        untested: Effects that could not be tried.
+        noise: The noise that the evidence rests on.
+        cautions: Why the answer should be taken with care.
+        moved: When the unit was moved though it was meant to be at rest.
+    """
+
+    target: str
+    unit: str
+    verdict: Literal["missing", "nothing_missing", "unexplained"]
+    sentence: str
+    findings: tuple[Finding, ...]
+    leads: tuple[Lead, ...]
+    rejected: tuple[Rejected, ...]
+    untested: tuple[Untested, ...]
+    noise: NoiseReport
+    cautions: tuple[str, ...]
+    moved: tuple[str, ...] = field(default=())
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a finding: effect, score, size and its interval, predicted and measured reduction."""
+        import pandas
+
+        def row(finding: Finding) -> dict[str, Any]:
+            size = finding.sizes[0] if finding.sizes else None
+            return {
+                "effect": finding.effect,
+                "band": finding.band,
+                "score": finding.score,
+                **finding.params,
+                "size": size.value if size else float("nan"),
+                "size_low": size.interval[0] if size else float("nan"),
+                "size_high": size.interval[1] if size else float("nan"),
+                "size_unit": size.unit if size else "",
+                "predicted_reduction": finding.predicted_reduction,
+                "predicted_low": finding.predicted_reduction_interval[0],
+                "predicted_high": finding.predicted_reduction_interval[1],
+                "measured_reduction": finding.measured_reduction,
+            }
+
+        return pandas.DataFrame([row(finding) for finding in self.findings])
+
+    def __str__(self) -> str:
+        return f"{self.target}: {self.sentence}"
+
+    def _repr_html_(self) -> str:
+        good = self.verdict == "nothing_missing"
+        notes = [f"caution: {caution}" for caution in self.cautions] + [f"moved: {moved}" for moved in self.moved]
+        leads = "; ".join(lead.follows for lead in self.leads[:3])
+        near = ", ".join(f"{one.effect} ({one.score:.0f})" for one in self.rejected[:6])
+        noise = f"noise learnt from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
+        tail = [
+            text
+            for text, shown in (
+                (f"leads, what the rest follows (not findings): {leads}", leads),
+                (f"tried alone and not chosen, with score: {near}", near),
+                (noise, noise),
+            )
+            if shown
+        ]
+        return _html.card(
+            f"{self.target}: {self.sentence}",
+            *(_html.paragraph(note, _html.BAD) for note in notes),
+            *(_finding(finding, self.unit) for finding in self.findings),
+            *(_html.paragraph(text) for text in tail),
+            colour=_html.GOOD if good else _html.BAD,
+        )
+
+
+def _finding(finding: Finding, unit: str) -> str:
+    number, percent = _html.number, _html.percent
+    low, high = finding.predicted_reduction_interval
+    rows: list[tuple[object, ...]] = [
+        (f"{size.of}", f"{number(size.value)} ({number(size.interval[0])} … {number(size.interval[1])}) {size.unit}")
+        for size in finding.sizes
+    ]
+    rows += [(name, _with_interval(value, finding.params_interval.get(name))) for name, value in finding.params.items()]
+    rows.append(("predicted reduction", f"{percent(finding.predicted_reduction)} ({percent(low)} … {percent(high)})"))
+    if finding.measured_reduction is not None:
+        rows.append(("measured reduction", percent(finding.measured_reduction)))
+    if finding.cost is not None:
+        cost = finding.cost
+        more = f"{cost.terms} terms, {cost.ram_bytes} bytes of RAM, {cost.instructions} instructions a sample"
+        rows.append(("costs more on the device", more))
+    rows.append(("score", f"{min(finding.score, 1e6):.0f}"))
+    doubt = [_html.paragraph(f"no claim, since {finding.doubt}", _html.BAD)] if finding.doubt else []
+    rivals = [f"cannot be told from {other.effect}: {other.experiment}" for other in finding.separate]
+    return _html.card(
+        f"{finding.name} ({finding.effect})",
+        *doubt,
+        _html.table(("", ""), rows),
+        *(_html.paragraph(rival) for rival in rivals),
+        finding.picture(unit),
+    )
+
+
+def _with_interval(value: float, interval: Interval | None) -> str:
+    text = _html.number(value)
+    return text if interval is None else f"{text} ({_html.number(interval[0])} … {_html.number(interval[1])})"
+
+
+def diagnosis_of(answer: str, speaks: str) -> Diagnosis:
+    """A diagnosis as the engine hands it over, with what speaks for each finding."""
+    data: dict[str, Any] = json.loads(answer)
+    found = zip(data.pop("findings"), json.loads(speaks), strict=True)
+    diagnosis = build(Diagnosis, {**data, "findings": ()})
+    return replace(diagnosis, findings=tuple(finding_of({**finding, **beside}) for finding, beside in found))
+
+
+def finding_of(data: Mapping[str, Any]) -> Finding:
+    """A finding as answers and studies have it."""
+    names = {
+        "expected_drop": "predicted_reduction",
+        "expected_drop_ci": "predicted_reduction_interval",
+        "realised_fall": "measured_reduction",
+    }
+    return build(Finding, {names.get(key, key): value for key, value in data.items()})
+
+
+def diagnose(
+    log: Recording,
+    *,
+    axis: str,
+    quiet: Recording | None = None,
+    judged: Recording | None = None,
+    full_scale: float | None = None,
+    lsb: float | None = None,
+    effects: Sequence[Path] = (),
+) -> Diagnosis:
+    """Says what is missing on an axis of a log, without a model. With one: `Study.diagnose`.
+
+    Args:
+        log: Where the error is to be explained: 60 blocks at rest at least, better half an hour.
+        axis: As `gx`, or a column.
+        quiet: A log of the same unit in which nothing is missing: what its noise is learnt from.
+        judged: A later log: how much of its error goes is measured there.
+        full_scale: Full scale of the axis, in its unit.
+        lsb: Least significant bit of the axis, in its unit.
+        effects: Effects of your own, one TOML file each.
+
+    Raises:
+        RecordingError: A column is missing.
+        DiagnoseError: The log is too short, or the axis is stuck.
+    """
+    answer = _engine.diagnose(
+        engine_of(log),
+        axis,
+        engine_of(quiet),
+        engine_of(judged),
+        full_scale,
+        lsb,
+        [os.fspath(path) for path in effects],
+    )
+    return diagnosis_of(*answer)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect of the library.
+
+    Attributes:
+        id: Its identifier, the same everywhere.
+        name: As in a sentence.
+        band: Where it shows.
+        mechanism: What happens in the sensor.
+        equation: The error that it makes.
+        experiment: Which experiment shows it.
+        typical_size: How large it is on parts of phones.
+        source: Where that comes from.
+        gives_away: What in a plot gives it away.
+        device: What it costs on the device.
+    """
+
+    id: str
+    name: str
+    band: Band
+    mechanism: str
+    equation: str
+    experiment: str
+    typical_size: str
+    source: str
+    gives_away: str
+    device: str
+
+    def _repr_html_(self) -> str:
+        told = ("mechanism", "equation", "typical_size", "source", "gives_away", "experiment", "device")
+        rows = [(name.replace("_", " "), _html.Raw(_html.escaped(getattr(self, name)))) for name in told]
+        return _html.card(f"{self.name} ({self.id})", _html.table(("", ""), rows))
+
+
+def effects(files: Sequence[Path] = ()) -> Mapping[str, Effect]:
+    """The library by identifier: the built-in effects and those of these TOML files."""
+    found = json.loads(_engine.effects([os.fspath(path) for path in files]))
+    return MappingProxyType({one["id"]: build(Effect, one) for one in found})

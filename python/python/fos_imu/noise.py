@@ -1,0 +1,209 @@
+"""White noise, bias instability and random walk of a log at rest."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _engine, _html, _svg
+from ._results import build
+from .recording import Recording, engine_of
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class Level:
+    """What a log tells of one level.
+
+    Attributes:
+        value: The likeliest value; None where none at all is as likely.
+        low: Lower end of the 90 % interval; None where there may be none of it.
+        high: Upper end of it, which is also the 95 % limit where there is no lower end.
+        unit: Unit of all three, in ASCII.
+    """
+
+    value: float | None
+    low: float | None
+    high: float
+    unit: str = ""
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return f"at most {self.high:.3g} {self.unit}"
+        return f"{self.value:.3g} ({0.0 if self.low is None else self.low:.3g} … {self.high:.3g}) {self.unit}"
+
+
+@dataclass(frozen=True)
+class AllanPoint:
+    """Overlapping Allan deviation at one averaging time.
+
+    Attributes:
+        tau_s: Averaging time, s.
+        deviation: Unit of the axis.
+        low: Lower end of the 95 % interval.
+        high: Upper end of it.
+        degrees_of_freedom: Behind the interval.
+    """
+
+    tau_s: float
+    deviation: float
+    low: float
+    high: float
+    degrees_of_freedom: float
+
+
+@dataclass(frozen=True)
+class AxisNoise:
+    """Noise of one axis at rest. Motion, knocks and samples that are no measurements are left out.
+
+    Attributes:
+        column: The axis.
+        unit: Its unit.
+        seconds: Time at rest that it is of, s.
+        span_s: From the first to the last sample at rest, s.
+        left_out: Samples that are no measurements.
+        white: N: the mean over t seconds has variance N²/t.
+        flicker: B, bias instability: the Allan deviation is flat at 0.664·B.
+        walk: K, rate random walk: the bias moves by K·√t in t seconds.
+        walk_needs_s: How long a log would have to be to tell more of a walk that was not seen, s.
+        allan: Allan deviation; none of its differences reaches over a gap or a motion.
+    """
+
+    column: str
+    unit: str
+    seconds: float
+    span_s: float
+    left_out: int
+    white: Level
+    flicker: Level
+    walk: Level
+    walk_needs_s: float | None
+    allan: tuple[AllanPoint, ...]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The Allan deviation, one row an averaging time."""
+        import pandas
+
+        return pandas.DataFrame([vars(point) for point in self.allan])
+
+    def picture(self) -> str:
+        """The Allan plot: deviation with its interval, and what N, B and K alone would give, as SVG."""
+        tau = np.array([point.tau_s for point in self.allan])
+        deviation = [point.deviation for point in self.allan]
+        low, high = [point.low for point in self.allan], [point.high for point in self.allan]
+        series = [
+            _svg.Series("95 %", tau, low, _svg.MEASURED, "band", high),
+            _svg.Series(self.column, tau, deviation, _svg.MEASURED),
+        ]
+        # IEEE Std 952-1997, annex C: of white noise, flicker and random walk alone
+        if self.white.value is not None:
+            series.append(_svg.Series("N", tau, self.white.value / np.sqrt(tau), _svg.PREDICTED))
+        if self.flicker.value is not None:
+            series.append(_svg.Series("B", tau, np.full(tau.size, 0.664 * self.flicker.value), _svg.LEFT))
+        if self.walk.value is not None:
+            shown = self.walk.value * np.sqrt(tau / 3) >= min(low)
+            series.append(_svg.Series("K", tau[shown], (self.walk.value * np.sqrt(tau / 3))[shown], _svg.MARKED))
+        label = f"Allan deviation, {self.unit}"
+        return _svg.plot(self.column, "averaging time, s", label, series, logarithmic=(True, True))
+
+    def _repr_html_(self) -> str:
+        rows = [("N", self.white), ("B", self.flicker), ("K", self.walk)]
+        notes: list[str] = []
+        if self.walk_needs_s is not None:
+            notes.append(f"too short for K; about {self.walk_needs_s / 60:.0f} min would show half as much")
+        return _html.card(
+            f"{self.column}: {self.seconds:.0f} s at rest",
+            _html.table(("", "likeliest, 90 % interval"), rows),
+            *(_html.paragraph(note) for note in notes),
+            self.picture(),
+        )
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of the axes of a log."""
+
+    axes: tuple[AxisNoise, ...]
+
+    def __getitem__(self, axis: str) -> AxisNoise:
+        """The axis of this column, or of its first part: `gx`."""
+        for one in self.axes:
+            if axis in (one.column, one.column.split("_")[0]):
+                return one
+        raise KeyError(axis)
+
+    def __iter__(self) -> Iterator[AxisNoise]:
+        return iter(self.axes)
+
+    def __len__(self) -> int:
+        return len(self.axes)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row an axis and level: value, interval, unit."""
+        import pandas
+
+        def row(axis: AxisNoise, name: str, level: Level) -> dict[str, Any]:
+            return {"axis": axis.column, "level": name, **vars(level)}
+
+        named = (("N", "white"), ("B", "flicker"), ("K", "walk"))
+        return pandas.DataFrame([row(axis, name, getattr(axis, of)) for axis in self.axes for name, of in named])
+
+    def _repr_html_(self) -> str:
+        return "".join(one._repr_html_() for one in self.axes)  # pyright: ignore[reportPrivateUsage]
+
+
+def noise(log: Recording, *, axes: Sequence[str] | str | None = None) -> Noise:
+    """The noise of a log of a unit lying still.
+
+    Args:
+        log: The longer the better: three hours tell the random walk of most parts.
+        axes: As `gx`, a column, or several; all that there are if not given.
+
+    Raises:
+        NoiseError: Too little at rest, or an axis that never changes.
+        RecordingError: A column is missing.
+    """
+    chosen = [axes] if isinstance(axes, str) else axes
+    found = json.loads(_engine.noise(engine_of(log), None if chosen is None else list(chosen)))
+
+    def axis(data: dict[str, Any]) -> AxisNoise:
+        levels = zip(("white", "flicker", "walk"), data["units"], strict=True)
+        return build(
+            AxisNoise, {**data["noise"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}}
+        )
+
+    return Noise(tuple(axis(one) for one in found))
+
+
+@dataclass(frozen=True)
+class NoiseFiles:
+    """The noise of a log as the files of other programs have it, as text.
+
+    Attributes:
+        imu_yaml: For Kalibr and OpenVINS, which both read this file.
+        orb_slam3: Lines for the settings of ORB-SLAM3.
+        vins: Lines for the configuration of VINS-Mono and VINS-Fusion.
+    """
+
+    imu_yaml: str
+    orb_slam3: str
+    vins: str
+
+
+def noise_files(log: Recording, *, rostopic: str = "/imu0") -> NoiseFiles:
+    """The noise of a log for Kalibr, OpenVINS, ORB-SLAM3 and VINS: of three axes the one that has the most.
+
+    Args:
+        log: Of a unit lying still, all six axes.
+        rostopic: The topic of the sensor, for Kalibr.
+
+    Raises:
+        NoiseError: Not all six axes, too little at rest.
+    """
+    return NoiseFiles(*_engine.imu_yaml(engine_of(log), rostopic))

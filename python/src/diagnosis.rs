@@ -1,0 +1,118 @@
+//! What is missing on a log, from no model; and what speaks for what is found.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use fos_data::recording::{Recording as Log, RecordingError};
+use fos_diagnose::detect::{self, Finding, Question, with_measured_reduction};
+use fos_diagnose::effects::{Effect, Library};
+use fos_diagnose::refine::{Evidence, evidence_without_model, line_spectrum};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+
+use crate::error::raised;
+use crate::recording::{Recording, unit_of};
+use crate::work;
+
+/// About a line its spectrum is shown within this ratio.
+const NEAR: f64 = 1.25;
+
+/// The built-in effects and those of these files.
+pub(crate) fn library(py: Python<'_>, files: &[PathBuf]) -> PyResult<Library> {
+    Library::with_files(files).map_err(raised(py))
+}
+
+/// What speaks for a finding that shows in block means.
+pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
+    json!({
+        "block_s": evidence.block_s,
+        "time_s": evidence.time_s,
+        "error": evidence.error,
+        "effect": evidence.effect,
+        "against": evidence.against.as_ref().map(|against| &against.column),
+        "against_unit": evidence.against.as_ref().map(|against| unit_of(&against.column)),
+        "against_values": evidence.against.as_ref().map(|against| &against.values),
+    })
+}
+
+/// What speaks for a line: the spectrum about it.
+pub(crate) fn line_json(
+    field: &Log,
+    column: &str,
+    finding: &Finding,
+) -> Result<Option<Value>, RecordingError> {
+    let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
+    let Some(spectrum) = line_spectrum(field, column)? else { return Ok(None) };
+    let bins = spectrum.frequency_hz.iter().zip(&spectrum.density);
+    let near = bins.filter(|(hz, _)| (1.0 / NEAR..NEAR).contains(&(**hz / frequency_hz)));
+    let (hz, density): (Vec<f64>, Vec<f64>) = near.map(|(hz, density)| (*hz, *density)).unzip();
+    Ok(Some(json!({ "line_hz": frequency_hz, "frequency_hz": hz, "density": density })))
+}
+
+/// What is missing on an axis of a log: the diagnosis as JSON, and for each finding what speaks for it.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.diagnose`")]
+pub(crate) fn diagnose(
+    py: Python<'_>,
+    field: &Recording,
+    axis: &str,
+    quiet: Option<&Recording>,
+    judged: Option<&Recording>,
+    full_scale: Option<f64>,
+    lsb: Option<f64>,
+    effects: Vec<PathBuf>,
+) -> PyResult<(String, String)> {
+    let library = library(py, &effects)?;
+    let target = field.axis(py, axis)?;
+    let log = |recording: &Recording| Arc::clone(&recording.log);
+    let (field, quiet, judged) = (log(field), quiet.map(log), judged.map(log));
+    work::run(py, || {
+        let diagnosis = detect::diagnose(&Question {
+            field: &field,
+            quiet: quiet.as_deref(),
+            judged: judged.as_deref(),
+            target: &target,
+            sheet: None,
+            full_scale,
+            lsb,
+            library: &library,
+            given: &[],
+        })?;
+        let diagnosis = match &judged {
+            Some(judged) => with_measured_reduction(diagnosis, &field, judged)?,
+            None => diagnosis,
+        };
+        let mut speaks = Vec::new();
+        for finding in &diagnosis.findings {
+            let evidence = evidence_without_model(&field, &target, &diagnosis.findings, finding)?;
+            speaks.push(json!({
+                "evidence": evidence.as_ref().map(evidence_json),
+                "line": line_json(&field, &target, finding)?,
+                "cost": null,
+            }));
+        }
+        Ok((json!(diagnosis).to_string(), json!(speaks).to_string()))
+    })?
+    .map_err(raised::<detect::DiagnoseError>(py))
+}
+
+/// The effects that are known, as JSON.
+#[pyfunction]
+pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
+    let library = library(py, &files)?;
+    let told = |effect: &Effect| {
+        json!({
+            "id": effect.id,
+            "name": effect.name,
+            "band": effect.band,
+            "mechanism": effect.mechanism,
+            "equation": effect.equation,
+            "experiment": effect.experiment,
+            "typical_size": effect.typical_size,
+            "source": effect.source,
+            "gives_away": effect.gives_away,
+            "device": effect.device,
+        })
+    };
+    Ok(Value::Array(library.effects().iter().map(told).collect()).to_string())
+}

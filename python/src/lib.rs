@@ -1,0 +1,53 @@
+//! The engine of fos as the Python package `fos_imu` sees it: logs, fits, studies, diagnoses, noise, the predictor of a
+//! device. What is here hands over arrays and JSON; what people see is made of them in `python/fos_imu`.
+//!
+//! | file | subject |
+//! |---|---|
+//! | `error` | errors of the engine as exceptions, with file, line, column and remedy |
+//! | `work` | a long call on a thread of its own: others run meanwhile, Ctrl-C ends it |
+//! | `arrays` | columns of NumPy as columns of a log, and back |
+//! | `recording`, `simulation` | logs |
+//! | `options`, `study`, `diagnosis`, `noise` | what is fitted, added, found and told |
+//! | `predictor` | an image on fos-core in f32 |
+//! | `series` | a model of any output and inputs, for the regressor |
+
+#![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+mod arrays;
+mod diagnosis;
+mod error;
+mod noise;
+mod options;
+mod predictor;
+mod recording;
+mod series;
+mod simulation;
+mod study;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The engine.
+#[pymodule]
+mod _engine {
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "that is its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::diagnosis::{diagnose, effects};
+    #[pymodule_export]
+    use crate::noise::{imu_yaml, noise};
+    #[pymodule_export]
+    use crate::options::fit_defaults;
+    #[pymodule_export]
+    use crate::predictor::{Predictor, validity_names};
+    #[pymodule_export]
+    use crate::recording::{Recording, formats, load};
+    #[pymodule_export]
+    use crate::series::{SeriesModel, fit_series};
+    #[pymodule_export]
+    use crate::simulation::{simulate, simulate_case};
+    #[pymodule_export]
+    use crate::study::{Study, fit, load_study};
+}

@@ -1,0 +1,52 @@
+//! White noise, bias instability and random walk of a log at rest.
+
+use std::sync::Arc;
+
+use fos_data::stillness;
+use fos_fit::export::{self, NoiseModel, NoiseUnits};
+use fos_fit::noise::{AxisNoise, AxisNoiseError, axis_noise};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::error::{raised, said};
+use crate::recording::Recording;
+use crate::work;
+
+/// Of `axes`, or of all that there are.
+fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Vec<AxisNoise>> {
+    let log = Arc::clone(&log.log);
+    work::run_with(py, |stop| -> Result<Vec<AxisNoise>, AxisNoiseError> {
+        let axes = match axes {
+            Some(axes) => axes,
+            None => log.axes()?,
+        };
+        let stillness = stillness::find(&log);
+        axes.par_iter().map(|axis| work::part(stop, || axis_noise(&log, &stillness, axis))).collect()
+    })?
+    .map_err(raised(py))
+}
+
+/// The noise of every axis, as JSON.
+#[pyfunction]
+pub(crate) fn noise(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<String> {
+    let told = of(py, log, axes)?.into_iter().map(|axis| {
+        let NoiseUnits { white, flicker, walk } = NoiseUnits::of(&axis.unit);
+        json!({ "noise": axis, "units": [white, flicker, walk] })
+    });
+    Ok(json!(told.collect::<Vec<_>>()).to_string())
+}
+
+/// The noise of three accelerometers and three gyros for Kalibr and OpenVINS, for ORB-SLAM3, for VINS.
+#[pyfunction]
+pub(crate) fn imu_yaml(
+    py: Python<'_>,
+    log: &Recording,
+    rostopic: &str,
+) -> PyResult<(String, String, String)> {
+    let found = of(py, log, None)?;
+    let name = fos_data::file::name_of(&log.log.paths());
+    let model = NoiseModel::of(&name, log.log.rate.true_hz, &found);
+    let model = model.map_err(|error| said(py, "NoiseError", &error.to_string()))?;
+    Ok((export::imu_yaml(&model, rostopic), export::orb_slam3(&model), export::vins(&model)))
+}

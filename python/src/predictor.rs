@@ -1,0 +1,212 @@
+//! An image on fos-core in f32: what a device computes, over arrays.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use fos_core::{Correction, Image, Sample, Validity};
+use fos_data::stillness;
+use fos_diagnose::compare::lags_off;
+use fos_fit::export::{NoColumn, current, description, model_of, version};
+use fos_fit::model::{HostPredictor, UnitModel};
+use fos_fit::playback::Playback;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::error::{raised, said};
+use crate::recording::Recording;
+use crate::work;
+
+/// The model of an image and its state.
+#[pyclass(frozen, module = "fos_imu._engine")]
+pub(crate) struct Predictor {
+    fresh: HostPredictor<f32>,
+    state: Mutex<HostPredictor<f32>>,
+    model: UnitModel,
+    about: String,
+}
+
+/// Corrections of rows, axis by axis in each.
+#[derive(Default)]
+struct Rows {
+    predicted: Vec<f32>,
+    innovation: Vec<f32>,
+    corrected: Vec<f32>,
+    validity: Vec<u16>,
+}
+
+/// Predicted, innovation, corrected, validity; rows × axes.
+type Arrays<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<u16>>,
+);
+
+impl Rows {
+    fn push(&mut self, corrections: &[Correction<f32>]) {
+        for correction in corrections {
+            self.predicted.push(correction.predicted);
+            self.innovation.push(correction.innovation.unwrap_or(f32::NAN));
+            self.corrected.push(correction.corrected);
+            self.validity.push(correction.validity.bits());
+        }
+    }
+
+    fn arrays(self, py: Python<'_>, n_axes: usize) -> PyResult<Arrays<'_>> {
+        let n_rows = self.predicted.len() / n_axes.max(1);
+        let shaped = |values: Vec<f32>| PyArray1::from_vec(py, values).reshape([n_rows, n_axes]);
+        Ok((
+            shaped(self.predicted)?,
+            shaped(self.innovation)?,
+            shaped(self.corrected)?,
+            PyArray1::from_vec(py, self.validity).reshape([n_rows, n_axes])?,
+        ))
+    }
+}
+
+/// What speaks against a corrected value, in the order of the bits.
+#[pyfunction]
+pub(crate) fn validity_names() -> Vec<&'static str> {
+    Validity::all().names().collect()
+}
+
+impl Predictor {
+    fn lock(&self) -> MutexGuard<'_, HostPredictor<f32>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The rows of a C-ordered or any other two-dimensional array.
+fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: usize) -> PyResult<Vec<f32>> {
+    let view = array.as_array();
+    if view.ncols() != columns {
+        let found = view.ncols();
+        let help = "the order is that of `axes` and `quantities`";
+        let text = format!("{what} has {found} columns where the model has {columns}\nhelp: {help}");
+        return Err(said(py, "PredictorError", &text));
+    }
+    Ok(view.iter().copied().collect())
+}
+
+#[pymethods]
+impl Predictor {
+    #[new]
+    fn new(py: Python<'_>, image: &[u8], axes: Vec<String>) -> PyResult<Self> {
+        let refused = |text: String| said(py, "ImageError", &format!("the image cannot be run: {text}"));
+        let bytes = current(image).map_err(|error| refused(error.to_string()))?;
+        let parsed = Image::parse(&bytes).map_err(|error| refused(error.to_string()))?;
+        let fresh: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
+        let model =
+            model_of(&parsed, &axes).map_err(|error: NoColumn| said(py, "ImageError", &error.to_string()))?;
+        let info = parsed.info();
+        let lines = |text: &str| -> Vec<String> { text.lines().map(str::to_owned).collect() };
+        let about = json!({
+            "axes": model.axes.iter().map(|axis| &axis.column).collect::<Vec<_>>(),
+            "quantities": model.quantities.iter().map(|logged| &logged.column).collect::<Vec<_>>(),
+            "period_s": model.period_s,
+            "sensor": info.sensor,
+            "effects": lines(info.effects),
+            "provenance": lines(info.provenance),
+            "terms": model.n_terms(),
+            "bytes": image.len(),
+            "version": version(image),
+            "description": description(&parsed),
+        });
+        Ok(Self { state: Mutex::new(fresh.clone()), fresh, model, about: about.to_string() })
+    }
+
+    /// What is known of the image, as JSON.
+    fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// Runs over a log from power-on, tracking where it is still and coasting where it moves, as a device does: its
+    /// corrections, where it was still, and by how much the lags are off in time. The state of the predictor is left as
+    /// it is.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        log: &Recording,
+    ) -> PyResult<(Arrays<'py>, Bound<'py, PyArray1<bool>>, Option<f64>)> {
+        let log = Arc::clone(&log.log);
+        let off = lags_off(&self.model, &log);
+        let (found, still) = work::run(py, || {
+            let stillness = stillness::find(&log);
+            let playback = Playback::new(&log, &self.model, &stillness.still)?;
+            let mut predictor = self.fresh.clone();
+            let mut found = Rows::default();
+            for row in 0..log.n_rows() {
+                if row.is_multiple_of(1024) {
+                    fos_data::interrupt::check();
+                }
+                found.push(playback.step(&mut predictor, row));
+            }
+            Ok((found, stillness.still))
+        })?
+        .map_err(raised::<fos_data::recording::RecordingError>(py))?;
+        Ok((found.arrays(py, self.model.axes.len())?, PyArray1::from_vec(py, still), off))
+    }
+
+    /// Takes samples: rows × axes measured, rows × quantities, and which rows are still.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        measured: PyReadonlyArray2<'py, f32>,
+        quantities: PyReadonlyArray2<'py, f32>,
+        still: Vec<bool>,
+    ) -> PyResult<Arrays<'py>> {
+        let (n_axes, n_quantities) = (self.model.axes.len(), self.model.quantities.len());
+        let n_rows = still.len();
+        let (measured, quantities) =
+            (rows(py, "measured", &measured, n_axes)?, rows(py, "quantities", &quantities, n_quantities)?);
+        if measured.len() != n_rows * n_axes || quantities.len() != n_rows * n_quantities {
+            return Err(said(py, "PredictorError", "measured, quantities and still differ in their rows"));
+        }
+        let found = work::run(py, || {
+            let mut state = self.lock();
+            let mut found = Rows::default();
+            for (row, still) in still.into_iter().enumerate() {
+                let sample = Sample {
+                    measured: &measured[row * n_axes..(row + 1) * n_axes],
+                    quantities: &quantities[row * n_quantities..(row + 1) * n_quantities],
+                };
+                found.push(if still { state.track(&sample) } else { state.coast(&sample) });
+            }
+            found
+        })?;
+        found.arrays(py, n_axes)
+    }
+
+    /// The rows that follow, without samples: as many as `quantities` has.
+    fn forecast<'py>(
+        &self,
+        py: Python<'py>,
+        quantities: PyReadonlyArray2<'py, f32>,
+        steps: usize,
+    ) -> PyResult<Arrays<'py>> {
+        let n_quantities = self.model.quantities.len();
+        let quantities = rows(py, "quantities", &quantities, n_quantities)?;
+        if quantities.len() != steps * n_quantities {
+            return Err(said(py, "PredictorError", "quantities has another number of rows than steps"));
+        }
+        let found = work::run(py, || {
+            let mut state = self.lock();
+            let mut found = Rows::default();
+            for row in 0..steps {
+                found.push(state.forecast(&quantities[row * n_quantities..(row + 1) * n_quantities]));
+            }
+            found
+        })?;
+        found.arrays(py, self.model.axes.len())
+    }
+
+    /// So many samples are missing.
+    fn skip(&self, ticks: u32) {
+        let _ = self.lock().skip(ticks);
+    }
+
+    /// As at power-on.
+    fn reset(&self) {
+        self.lock().reset();
+    }
+}

@@ -1,0 +1,441 @@
+//! A study: fitted, compared, diagnosed, refined, saved as the program saves it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use fos_data::file::compare_and_swap::FileVersion;
+use fos_data::recording::{self as data, LoadOptions};
+use fos_diagnose::compare::{Judgement, compare_study, lags_off, study_of};
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::{Logs, RefineError, Refiner};
+use fos_diagnose::study::{Refinement, Study as StudyFile, load_again};
+use fos_fit::cost::Cost;
+use fos_fit::export::image;
+use fos_fit::fit::{fit_axis, rest};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::json;
+
+use crate::diagnosis::{evidence_json, library, line_json};
+use crate::error::{raised, said};
+use crate::options::Given;
+use crate::recording::Recording;
+use crate::work;
+
+/// The user's work on one unit. Calls from several threads are taken one after the other where they change it; what they
+/// change is published when it is whole.
+#[pyclass(frozen, module = "fos_imu._engine")]
+pub(crate) struct Study {
+    state: Mutex<State>,
+    /// Held by whoever changes it.
+    changing: Mutex<()>,
+}
+
+#[derive(Clone)]
+struct State {
+    study: StudyFile,
+    /// The log that was fitted, where it is at hand.
+    own: Option<Arc<data::Recording>>,
+    /// Where it was loaded from or saved to, and how that file was then.
+    file: Option<FileVersion>,
+    /// The logs that an axis was refined on, by its column.
+    logs: Vec<(String, Arc<Logs>)>,
+}
+
+/// The logs of a call, as far as they were given.
+struct GivenLogs {
+    field: Option<(Arc<data::Recording>, LoadOptions)>,
+    quiet: Option<Arc<data::Recording>>,
+    judged: Option<Arc<data::Recording>>,
+}
+
+impl GivenLogs {
+    fn of(log: Option<&Recording>, quiet: Option<&Recording>, judged: Option<&Recording>) -> Self {
+        Self {
+            field: log.map(|log| (Arc::clone(&log.log), log.read.clone())),
+            quiet: quiet.map(|log| Arc::clone(&log.log)),
+            judged: judged.map(|log| Arc::clone(&log.log)),
+        }
+    }
+}
+
+/// What keeps a study from doing what is asked.
+enum Refused {
+    Log(fos_diagnose::study::LogAgainError),
+    Refine(RefineError),
+    Said(String),
+}
+
+impl From<RefineError> for Refused {
+    fn from(error: RefineError) -> Self {
+        Self::Refine(error)
+    }
+}
+
+impl From<fos_diagnose::study::LogAgainError> for Refused {
+    fn from(error: fos_diagnose::study::LogAgainError) -> Self {
+        Self::Log(error)
+    }
+}
+
+impl From<data::RecordingError> for Refused {
+    fn from(error: data::RecordingError) -> Self {
+        Self::Refine(error.into())
+    }
+}
+
+impl Refused {
+    fn raised(self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Log(error) => raised(py)(error),
+            Self::Refine(error) => raised(py)(error),
+            Self::Said(text) => said(py, "StudyError", &text),
+        }
+    }
+}
+
+/// Fits `axes` of the logs, taken one after the other and never spliced.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    recordings: Vec<PyRef<'_, Recording>>,
+    axes: Option<Vec<String>>,
+    options: Given,
+) -> PyResult<Study> {
+    let options = options.options(py)?;
+    let read = recordings.first().map(|first| first.read.clone()).unwrap_or_default();
+    let logs: Vec<Arc<data::Recording>> = recordings.iter().map(|log| Arc::clone(&log.log)).collect();
+    drop(recordings);
+    let joined = match &logs[..] {
+        [one] => Ok(Arc::clone(one)),
+        several => data::Recording::join(several.iter().map(|log| (**log).clone()).collect()).map(Arc::new),
+    };
+    let log = joined.map_err(raised(py))?;
+    let columns: Result<Vec<String>, _> = match &axes {
+        None => log.axes(),
+        Some(names) => names.iter().map(|name| Ok(log.axis(name)?.name.clone())).collect(),
+    };
+    let columns = columns.map_err(raised(py))?;
+    if columns.is_empty() {
+        return Err(said(py, "FitError", "no axis was named\nhelp: name one, as gx"));
+    }
+    let (stillness, fits) = work::run(py, || {
+        let stillness = rest(&log, options.train);
+        let fits: Result<Vec<_>, _> =
+            columns.iter().map(|column| fit_axis(&log, &stillness, column, &options)).collect();
+        (stillness, fits)
+    })?;
+    let fits = fits.map_err(raised(py))?;
+    let (study, ..) =
+        work::run(py, || study_of(&log, &stillness, fits, options, read, |_| {}))?.map_err(raised(py))?;
+    Ok(Study::of(State { study, own: Some(log), file: None, logs: Vec::new() }))
+}
+
+/// Reads a study that this package or the program wrote.
+#[pyfunction]
+pub(crate) fn load_study(py: Python<'_>, path: PathBuf) -> PyResult<Study> {
+    let read = work::run(py, || StudyFile::read_to_change(&path))?;
+    let (study, file) = read.map_err(raised(py))?;
+    Ok(Study::of(State { study, own: None, file: Some(file), logs: Vec::new() }))
+}
+
+impl Study {
+    fn of(state: State) -> Self {
+        Self { state: Mutex::new(state), changing: Mutex::new(()) }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // nothing panics while it holds the lock; if it did, what is published is still whole
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn snapshot(&self) -> State {
+        self.lock().clone()
+    }
+
+    /// Runs what changes the study, after whoever changes it now.
+    fn change<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut State) -> Result<T, Refused> + Send,
+    ) -> PyResult<T> {
+        work::run(py, || {
+            let _turn = self.changing.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut state = self.snapshot();
+            let result = work(&mut state)?;
+            *self.lock() = state;
+            Ok(result)
+        })?
+        .map_err(|refused: Refused| refused.raised(py))
+    }
+}
+
+impl State {
+    /// The column of `axis`, or the only one.
+    fn column(&self, axis: Option<&str>) -> Result<String, Refused> {
+        let columns: Vec<&str> = self.study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
+        let is_meant = |column: &&str| axis.is_none_or(|axis| *column == axis || is_short(axis, column));
+        let meant: Vec<&str> = columns.iter().copied().filter(is_meant).collect();
+        match (&meant[..], axis) {
+            ([column], _) => Ok((*column).to_owned()),
+            (_, Some(axis)) => Err(Refused::Said(format!(
+                "the study has no axis {axis}; it has {}\nhelp: name one of them (axis)",
+                columns.join(", ")
+            ))),
+            (_, None) => Err(Refused::Said(format!(
+                "the study has several axes: {}\nhelp: name one (axis)",
+                columns.join(", ")
+            ))),
+        }
+    }
+
+    /// The log that was fitted: at hand, or read again from where the study says that it is.
+    fn own(&self) -> Result<Option<Arc<data::Recording>>, Refused> {
+        let (Some(file), None) = (&self.file, &self.own) else { return Ok(self.own.clone()) };
+        let read = &self.study.data.read;
+        let logs = self.study.data.sources.iter().map(|source| load_again(source, file.path(), read));
+        let logs: Vec<data::Recording> = logs.collect::<Result<_, _>>()?;
+        Ok(Some(Arc::new(data::Recording::join(logs)?)))
+    }
+
+    /// The logs of a call: those that were given, else those that the axis was refined on.
+    fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Refused> {
+        let known = self.logs.iter().find(|(of, _)| of == column).map(|(_, logs)| Arc::clone(logs));
+        let GivenLogs { field, quiet, judged } = given;
+        if let (Some(known), None, None, None) = (&known, &field, &quiet, &judged) {
+            return Ok(Arc::clone(known));
+        }
+        let named = self.study.refinement_of(column).map(|refinement| &refinement.logs);
+        let again = |source: &data::Source| -> Result<data::Recording, Refused> {
+            let Some(file) = &self.file else {
+                return Err(Refused::Said(format!(
+                    "{}: the log is not at hand\nhelp: give it in the call",
+                    source.path
+                )));
+            };
+            let read = named.map_or(&self.study.data.read, |named| &named.read);
+            Ok(load_again(source, file.path(), read)?)
+        };
+        let is_given = field.is_some();
+        let (field, read) = match (field, &known, named) {
+            (Some((field, read)), ..) => ((*field).clone(), read),
+            (None, Some(known), _) => (known.field.clone(), known.read.clone()),
+            (None, None, Some(named)) => (again(&named.field)?, named.read.clone()),
+            (None, None, None) => {
+                return Err(Refused::Said(
+                    "which log does the model fail on?\nhelp: give it in the call".to_owned(),
+                ));
+            }
+        };
+        let quiet = match (quiet, &known, named) {
+            (Some(quiet), ..) => Some((*quiet).clone()),
+            (None, Some(known), _) => known.quiet.clone(),
+            (None, None, Some(named)) => named.quiet.as_ref().map(again).transpose()?,
+            // the study's own log is quiet, unless it is the very log where the model fails
+            (None, None, None) => match &self.study.data.sources[..] {
+                [own] if field.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
+                _ => None,
+            },
+        };
+        let judged = match (judged, &known, named) {
+            (Some(judged), ..) => Some((*judged).clone()),
+            (None, Some(known), _) if !is_given => known.judged.clone(),
+            (None, None, Some(named)) if !is_given => named.judged.as_ref().map(again).transpose()?,
+            _ => None,
+        };
+        Ok(Arc::new(Logs { field, quiet, judged, read }))
+    }
+
+    fn refinement(&self, refiner: &Refiner<'_>, logs: &Logs, column: &str) -> Result<Refinement, Refused> {
+        Ok(match self.study.refinement_of(column) {
+            Some(refinement) => refinement.clone(),
+            None => refiner.begin(&self.study, column, logs.named(refiner.fitted_rows()))?,
+        })
+    }
+
+    fn remember(&mut self, column: &str, logs: Arc<Logs>) {
+        self.logs.retain(|(of, _)| of != column);
+        self.logs.push((column.to_owned(), logs));
+    }
+}
+
+/// `gx` of `gx_rads`.
+fn is_short(axis: &str, column: &str) -> bool {
+    column.split('_').next() == Some(axis)
+}
+
+/// What a comparison has row by row, of one axis: column, measured, innovation, left while coasting.
+type AxisRows<'py> =
+    (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+#[pymethods]
+impl Study {
+    /// The study as its file has it.
+    fn json(&self) -> PyResult<String> {
+        let bytes = self.lock().study.to_bytes();
+        String::from_utf8(bytes)
+            .map_err(|error| pyo3::exceptions::PyUnicodeDecodeError::new_err(error.to_string()))
+    }
+
+    /// Columns of its axes.
+    fn columns(&self) -> Vec<String> {
+        self.lock().study.model.axes.iter().map(|axis| axis.column.clone()).collect()
+    }
+
+    /// What the whole model costs on the device, as JSON.
+    fn cost(&self) -> String {
+        json!(Cost::of(&self.lock().study.model)).to_string()
+    }
+
+    /// Where it lies, if it was loaded or saved.
+    fn path(&self) -> Option<PathBuf> {
+        self.lock().file.as_ref().map(|file| file.path().to_owned())
+    }
+
+    /// The model against a log and against its rivals: the comparison as JSON, the time stamps of the judged rows, what
+    /// is left of each axis, and by how much the lags are off in time.
+    #[expect(clippy::type_complexity, reason = "one tuple, taken apart at once in Python")]
+    fn compare<'py>(
+        &self,
+        py: Python<'py>,
+        log: Option<&Recording>,
+    ) -> PyResult<(String, Bound<'py, PyArray1<f64>>, Vec<AxisRows<'py>>, Option<f64>)> {
+        let state = self.snapshot();
+        let given = log.map(|log| Arc::clone(&log.log));
+        let judged = work::run(py, || -> Result<_, Refused> {
+            let own = match &given {
+                // what the noise is learnt from is welcome, and not needed
+                Some(_) => state.own().ok().flatten(),
+                None => state.own()?,
+            };
+            let Some(log) = given.or_else(|| own.clone()) else {
+                return Err(Refused::Said("the log is not at hand\nhelp: give it in the call".to_owned()));
+            };
+            let judgement = compare_study(&state.study, &log, own.as_deref(), |_| {});
+            Ok((judgement, log))
+        })?;
+        let (judgement, log) = judged.map_err(|refused| refused.raised(py))?;
+        let Judgement { comparison, trace, .. } = judgement.map_err(raised(py))?;
+        let off = lags_off(&state.study.model, &log);
+        let time_s = PyArray1::from_slice(py, &log.time_s[trace.rows.clone()]);
+        let rows = state.study.model.axes.iter().zip(trace.axes).map(|(axis, left)| {
+            let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
+            (axis.column.clone(), array(left.measured), array(left.one_step), array(left.coast))
+        });
+        let rows = rows.collect();
+        Ok((json!(comparison).to_string(), time_s, rows, off))
+    }
+
+    /// What is missing from the model of an axis on a log: the diagnosis as JSON, and for each finding what speaks for
+    /// it and what it costs on the device.
+    fn diagnose(
+        &self,
+        py: Python<'_>,
+        log: Option<&Recording>,
+        axis: Option<&str>,
+        quiet: Option<&Recording>,
+        judged: Option<&Recording>,
+        effects: Vec<PathBuf>,
+    ) -> PyResult<(String, String)> {
+        let library = library(py, &effects)?;
+        let given = GivenLogs::of(log, quiet, judged);
+        let state = self.snapshot();
+        work::run(py, || -> Result<_, Refused> {
+            let column = state.column(axis)?;
+            let logs = state.logs(&column, given)?;
+            let refiner = logs.refiner(&library);
+            let refinement = state.refinement(&refiner, &logs, &column)?;
+            let diagnosis = refiner.diagnose(&refinement)?;
+            let mut speaks = Vec::new();
+            for finding in &diagnosis.findings {
+                let evidence = refiner.evidence(&refinement, &diagnosis.findings, finding)?;
+                speaks.push(json!({
+                    "evidence": evidence.as_ref().map(evidence_json),
+                    "line": line_json(&logs.field, &column, finding)?,
+                    "cost": refiner.price(&refinement, finding)?,
+                }));
+            }
+            Ok((json!(diagnosis).to_string(), json!(speaks).to_string()))
+        })?
+        .map_err(|refused| refused.raised(py))
+    }
+
+    /// Adds an effect, or what the diagnosis finds until nothing is worth adding; the column of the axis.
+    #[expect(clippy::too_many_arguments, reason = "they are the keywords of `Study.add`")]
+    fn add(
+        &self,
+        py: Python<'_>,
+        effect: Option<String>,
+        log: Option<&Recording>,
+        axis: Option<String>,
+        quiet: Option<&Recording>,
+        judged: Option<&Recording>,
+        effects: Vec<PathBuf>,
+    ) -> PyResult<String> {
+        let library: Library = library(py, &effects)?;
+        let given = GivenLogs::of(log, quiet, judged);
+        self.change(py, |state| {
+            let column = state.column(axis.as_deref())?;
+            let logs = state.logs(&column, given)?;
+            let refiner = logs.refiner(&library);
+            let named = logs.named(refiner.fitted_rows());
+            let mut refinement = refiner.go_on(&state.study, &column, named)?;
+            match effect {
+                Some(effect) => {
+                    let effect = library.get(&effect).map_err(RefineError::Effect)?;
+                    refinement.steps.push(refiner.add(&refinement, effect)?);
+                }
+                None => refinement.steps.extend(refiner.add_best(&refinement, |_, _| {})?),
+            }
+            state.study.keep(refinement);
+            // an axis runs alone, and with the others may be too much for a predictor
+            state.study.model.predictor::<f64>().map_err(RefineError::Model)?;
+            state.remember(&column, Arc::clone(&logs));
+            Ok(column)
+        })
+    }
+
+    /// Takes the effect that was added last back; its identifier.
+    fn undo(&self, py: Python<'_>, axis: Option<String>) -> PyResult<String> {
+        self.change(py, |state| {
+            // of several axes the one that has something to take back
+            let grown = state.study.refinements.iter().filter(|refined| refined.added().next().is_some());
+            let grown: Vec<&str> = grown.map(|refined| refined.column.as_str()).collect();
+            let column = match (&axis, &grown[..]) {
+                (None, [only]) => (*only).to_owned(),
+                _ => state.column(axis.as_deref())?,
+            };
+            Ok(state.study.undo(&column).map_err(RefineError::Study)?)
+        })
+    }
+
+    /// Writes the study. Over the file that it was loaded from or saved to only as that then was; over another only if
+    /// `replace`.
+    fn save(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<()> {
+        self.change(py, |state| {
+            let file = match &state.file {
+                Some(file) if file.path() == path => file.clone(),
+                _ => FileVersion::now(&path).map_err(|error| Refused::Said(error.to_string()))?,
+            };
+            let is_own = state.file.as_ref().is_some_and(|known| known.path() == path);
+            if !is_own && !replace && path.exists() {
+                return Err(Refused::Said(format!(
+                    "{}: there is a file already\nhelp: save it with replace=True, or under another name",
+                    path.display()
+                )));
+            }
+            state.study.write(&file).map_err(|error| Refused::Said(error.to_string()))?;
+            state.file = Some(FileVersion::of(&path, &state.study.to_bytes()));
+            Ok(())
+        })
+    }
+
+    /// The image that a device takes.
+    fn export_image<'py>(&self, py: Python<'py>, sensor: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let study = self.snapshot().study;
+        let bytes = image(&study.model, sensor, &study.provenance());
+        let bytes = bytes.map_err(|error| said(py, "ImageError", &error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}

@@ -1,0 +1,110 @@
+"""Long calls: others run meanwhile, Ctrl-C ends them, several at once are safe."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import fos_imu as fos
+import pytest
+from fos_imu import errors
+
+LONG = """
+import time
+import fos_imu as fos
+log = fos.simulate(minutes=25, seed=2)
+print("begun", flush=True)
+begun = time.monotonic()
+try:
+    fos.fit(log, max_lag=60, max_terms=200, stop="never")
+except KeyboardInterrupt:
+    print(f"stopped after {time.monotonic() - begun}", flush=True)
+    print(fos.fit(fos.simulate(minutes=1), axes="gx", max_lag=2).axes)
+else:
+    print("not stopped")
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are sent as POSIX has them")
+def test_ctrl_c_ends_a_long_call_and_the_engine_goes_on_working():
+    running = subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, text=True)
+    assert running.stdout.readline() == "begun\n"
+    time.sleep(1.0)
+    running.send_signal(signal.SIGINT)
+    out, _ = running.communicate(timeout=60)
+    stopped, works = out.splitlines()
+    assert stopped.startswith("stopped after")
+    # a second of work, 50 ms until it is looked for, and the longest stretch that does not check
+    assert float(stopped.split()[-1]) < 4.0
+    assert works == "('gx_rads',)"
+
+
+def test_others_run_while_the_engine_works(case):
+    ticks = []
+    done = threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.005)
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    begun = time.monotonic()
+    fos.fit(case.quiet, axes="gx", max_lag=25)
+    spent = time.monotonic() - begun
+    done.set()
+    ticker.join()
+    # with the interpreter locked there would be none; half of the time is for a busy machine
+    assert len([at for at in ticks if begun < at < begun + spent]) > 0.5 * spent / 0.05
+
+
+def test_threads_see_the_same_and_changes_are_whole(case):
+    study = fos.fit(case.quiet, axes="gx", max_lag=3)
+    expected = study.diagnose(case.field)
+    found, raised = [], []
+
+    def work(change):
+        try:
+            if change:
+                study.add("thermal_lag", case.field)
+            else:
+                found.append(study.diagnose(case.field, quiet=case.quiet))
+        except fos.FosError as error:
+            raised.append(error)
+
+    threads = [threading.Thread(target=work, args=(change,)) for change in (True, False, True, False)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    # of two that add the same one is refused, and a diagnosis is of the study before or after
+    assert [type(error) for error in raised] == [errors.RefineError]
+    assert all(one.findings == () or one.sentence == expected.sentence for one in found)
+    assert [step.name for step in study.history[0].steps] == ["before", "+ thermal_lag"]
+
+
+def test_errors_survive_a_process():
+    error = errors.RecordingError("what", remedy="do", file="a.csv", line=3, column="gx")
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is errors.RecordingError
+    assert vars(again) == vars(error)
+    assert str(again) == "what\nhelp: do"
+
+
+def test_every_error_of_the_engine_has_its_class():
+    kinds = {
+        name for name, kind in vars(errors).items() if isinstance(kind, type) and issubclass(kind, errors.FosError)
+    }
+    assert kinds >= {
+        "RecordingError",
+        "FitError",
+        "CompareError",
+        "DiagnoseError",
+        "RefineError",
+        "StudyError",
+        "NoiseError",
+    }
