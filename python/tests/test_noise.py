@@ -29,7 +29,13 @@ def test_the_program_says_the_same(short, tmp_path, program):
     found = fos.noise(log)
     assert [axis["white"]["value"] for axis in told["axes"]] == [axis.white.value for axis in found]
     assert fos.noise_files(log).imu_yaml == (tmp_path / "imu.yaml").read_text()
-    assert len(found.to_pandas()) == 18 if pytest.importorskip("pandas") else None
+
+
+def test_levels_are_a_table_of_pandas(short):
+    pytest.importorskip("pandas")
+    found = fos.noise(short, axes=["gx", "az"])
+    assert list(found.to_pandas()["level"]) == ["N", "B", "K"] * 2
+    assert len(found["gx"].to_pandas()) == len(found["gx"].allan)
 
 
 def test_what_tells_no_noise_is_refused():

@@ -105,8 +105,12 @@ def test_a_file_is_not_written_over_what_somebody_else_wrote(study, tmp_path):
     path = tmp_path / "unit.json"
     study.save(path)
     study.save(path)
+    other = tmp_path / "other.json"
+    other.write_text("{}")
     with pytest.raises(StudyError, match="there is a file already"):
-        fos.Study.load(path).save(tmp_path / "unit.json") or study.save(_copy(tmp_path))
+        study.save(other)
+    study.save(other, replace=True)
+    study.save(path, replace=True)
     path.write_text(path.read_text() + " ")
     with pytest.raises(StudyError, match="changed meanwhile"):
         study.save()
@@ -118,12 +122,6 @@ def test_a_file_is_not_written_over_what_somebody_else_wrote(study, tmp_path):
     assert (bad.value.file, bad.value.line) == (str(path), 2)
     with pytest.raises(TypeError, match="path"):
         fos.fit(fos.simulate(minutes=1), axes="gx").save()
-
-
-def _copy(folder):
-    path = folder / "other.json"
-    path.write_text("{}")
-    return path
 
 
 def test_several_axes_and_several_logs(short):
@@ -229,11 +227,25 @@ def test_results_are_frozen_and_show_themselves(case, study):
         assert page.count("<div") == page.count("</div>"), type(result)
         assert not re.search(r"\bnan\b", page), type(result)
     for result in (diagnosis, comparison, comparison["gx"], refinement):
-        assert len(result.to_pandas()) > 0
         with pytest.raises(dataclasses.FrozenInstanceError):
             result.unit = "furlong"
     with pytest.raises(TypeError):
         diagnosis.findings[0].params["tau_s"] = 1.0
+
+
+def test_results_are_tables_of_pandas(case, study):
+    pytest.importorskip("pandas")
+    refinement = study.add("thermal_lag", case.field)
+    comparison = study.compare(case.later)
+    steps = refinement.to_pandas()
+    assert list(steps["step"]) == ["before", "+ thermal_lag"]
+    assert steps["slow_left"].is_monotonic_decreasing
+    models = comparison["gx"].to_pandas()
+    assert models["one_step_mse"].iloc[-1] == comparison["gx"].model.one_step_mse
+    assert len(comparison.to_pandas()) == len(models)
+    found = fos.diagnose(case.field, axis="gx", quiet=case.quiet).to_pandas()
+    assert found["effect"].iloc[0] == "thermal_lag"
+    assert found["size_low"].iloc[0] < found["size"].iloc[0] < found["size_high"].iloc[0]
 
 
 def test_text_from_outside_is_escaped(case):
