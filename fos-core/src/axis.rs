@@ -2,7 +2,7 @@
 
 use core::hint::cold_path;
 
-use crate::function::exp_m1;
+use crate::exponential::exp_m1;
 use crate::model::AxisParameters;
 use crate::program::Part;
 use crate::real::scalar;

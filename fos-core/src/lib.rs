@@ -25,8 +25,8 @@ mod axis;
 mod convert;
 mod error;
 mod evaluator;
+mod exponential;
 mod fixed;
-mod function;
 mod history;
 pub mod image;
 mod input;
@@ -44,6 +44,8 @@ mod stillness;
 mod term;
 mod transform;
 mod transformer;
+#[cfg(feature = "transforms")]
+mod turn;
 mod validity;
 
 pub use axis::Correction;

@@ -3,7 +3,7 @@
 use core::hint::cold_path;
 
 use crate::axis::Correction;
-use crate::function::exp_m1;
+use crate::exponential::exp_m1;
 use crate::model::{AxisParameters, InnovationStatistics};
 use crate::real::scalar;
 use crate::{Range, Real, Scalar, Validity, root};

@@ -1,7 +1,8 @@
 //! A transform at work: its coefficients and its state.
 
-use crate::function::{exp_m1, sin_cos_of_cycles};
+use crate::exponential::exp_m1;
 use crate::real::scalar;
+use crate::turn::sin_cos_of_cycles;
 use crate::{Scalar, Transform};
 
 /// A first-order low-pass.

@@ -3,8 +3,6 @@
 #[path = "prediction/twin.rs"]
 mod twin;
 
-// of function.rs, which the twin takes as it is
-use fos_core::Real;
 use fos_core::{AxisParameters, Range, Sample, Term, y};
 use fos_testkit::models::{Draw, OwnedModel, Roomy, cases, models, plain};
 use fos_testkit::reference::{self, number};

@@ -1,15 +1,14 @@
 //! The evaluator as its documentation words it, with everything ever seen kept in plain vectors.
 #![allow(unreachable_pub)] // a module of a test
 
-#[path = "../../src/function.rs"]
-#[allow(dead_code, reason = "the twin needs one of its functions")]
-mod function;
+#[path = "../../src/exponential.rs"]
+mod exponential;
 
-use function::exp_m1;
+use exponential::exp_m1;
 use proptest::prelude::*;
 
 use fos_core::{
-    AxisParameters, Channel, Correction, Input, Range, Sample, Source, Term, Transform, Validity,
+    AxisParameters, Channel, Correction, Input, Range, Real, Sample, Source, Term, Transform, Validity,
 };
 
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy};
