@@ -1,5 +1,6 @@
 //! A fleet: a row for each unit, kept as they come, and the populations of its parts.
 
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -155,8 +156,8 @@ pub fn rows(
         .par_iter()
         .map(|unit| {
             let key = key(unit, asked, library, program);
-            let kept = match known.iter().find(|kept| kept.key == key) {
-                Some(kept) => Kept { key, row: kept.row.clone() },
+            let kept = match known.get(&key) {
+                Some(row) => Kept { key, row: row.clone() },
                 None => {
                     let kept = Kept { key, row: unit_row(unit, asked, library, program) };
                     // whole lines only: another thread may be writing too
@@ -182,14 +183,14 @@ fn line_of(kept: &Kept) -> Vec<u8> {
 }
 
 /// What is kept; a last line that was cut off does not count. None if the file is of something else.
-fn known_rows(kept_in: &Path) -> std::io::Result<Option<Vec<Kept>>> {
+fn known_rows(kept_in: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
     let file = match File::open(kept_in) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(Vec::new())),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(HashMap::new())),
         file => file?,
     };
-    let (mut known, mut lines) = (Vec::new(), 0);
+    let (mut known, mut lines) = (HashMap::new(), 0);
     for line in BufReader::new(file).split(b'\n') {
-        known.extend(serde_json::from_slice::<Kept>(&line?));
+        known.extend(serde_json::from_slice::<Kept>(&line?).map(|kept| (kept.key, kept.row)));
         lines += 1;
     }
     Ok((lines <= 1 || !known.is_empty()).then_some(known))
@@ -208,22 +209,20 @@ fn key(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> String {
 }
 
 impl Fleet {
-    /// What `rows` come to. The same rows in the same order give the same bits.
+    /// What `rows` come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same rows give the same bits.
     pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
-        let mut parts: Vec<&str> = rows.iter().map(|row| row.part.as_str()).collect();
-        parts.sort_unstable();
-        parts.dedup();
-        let summary = |part: &&str| {
-            let rows: Vec<&UnitRow> = rows.iter().filter(|row| row.part == **part).collect();
-            part_summary(part, &rows, asked, library)
-        };
+        let mut rows: Vec<&UnitRow> = rows.iter().collect();
+        // units of one name, which only one log each tells apart
+        rows.sort_by_key(|row| (&row.part, &row.unit, &row.sha256));
+        let parts = rows.chunk_by(|a, b| a.part == b.part);
+        let summary = |rows: &[&UnitRow]| part_summary(&rows[0].part, rows, asked, library);
         let failed = rows.iter().filter(|row| !row.failed.is_empty());
         Self {
             schema: SCHEMA.to_owned(),
             program: program.to_owned(),
             asked: asked.clone(),
             units: rows.len(),
-            parts: parts.iter().map(summary).collect(),
+            parts: parts.map(summary).collect(),
             failed: failed
                 .map(|row| FailedUnit { unit: row.unit.clone(), reasons: row.failed.clone() })
                 .collect(),
