@@ -3,6 +3,7 @@
 //! docs/MODEL_FORMAT.md describes every byte.
 
 mod read;
+mod unit;
 mod write;
 
 use core::fmt;
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::{AxisParameters, FittedOn, ModelError, StillnessLimits};
 
 pub use read::{AxisImage, Image, Terms};
+pub use unit::{UNIT_HEADER_LENGTH, UNIT_MAGIC, UNIT_VERSION, UnitError, UnitRecord, encode_unit, for_unit};
 pub use write::encode;
 
 /// The first four bytes of an image.

@@ -12,10 +12,10 @@ use crate::{
 /// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image<'a> {
-    head: Head,
+    pub(super) head: Head,
     /// The body after its head: quantities, inputs, axes.
-    records: Records<'a>,
-    information: &'a [u8],
+    pub(super) records: Records<'a>,
+    pub(super) information: &'a [u8],
 }
 
 /// One axis of an image.
@@ -273,17 +273,17 @@ impl defmt::Format for Terms<'_> {
 
 /// Bytes that have not been read.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Records<'a>(&'a [u8]);
+pub(super) struct Records<'a>(&'a [u8]);
 
 impl<'a> Records<'a> {
-    fn take<T: Deserialize<'a>>(&mut self) -> Result<T, ImageError> {
+    pub(super) fn take<T: Deserialize<'a>>(&mut self) -> Result<T, ImageError> {
         let (record, rest) = postcard::take_from_bytes(self.0).map_err(|_| ImageError::Malformed)?;
         self.0 = rest;
         Ok(record)
     }
 
     /// A term; none if its factors do not make one.
-    fn term(&mut self) -> Result<Option<Term<f32>>, ImageError> {
+    pub(super) fn term(&mut self) -> Result<Option<Term<f32>>, ImageError> {
         let coefficient = self.take()?;
         let degree = usize::from(self.take::<u8>()?);
         let mut factors = [crate::y(0); MAX_DEGREE];
@@ -309,6 +309,11 @@ impl<'a> Records<'a> {
             let _ = self.term();
         }
         terms
+    }
+
+    /// How many bytes they are.
+    pub(super) fn left(&self) -> usize {
+        self.0.len()
     }
 
     fn end(&self) -> Result<(), ImageError> {
