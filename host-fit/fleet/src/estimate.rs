@@ -213,7 +213,7 @@ pub fn estimate(
 }
 
 /// The log with temperatures from [`REFERENCE_C`] on: a bias is then one that was measured, or nearly.
-fn from_reference(recording: &Recording) -> Recording {
+pub(crate) fn from_reference(recording: &Recording) -> Recording {
     let mut log = recording.clone();
     let temperatures: Vec<(String, Vec<f64>)> = recording
         .channels()

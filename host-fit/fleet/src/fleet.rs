@@ -246,13 +246,8 @@ fn part_summary(part: &str, rows: &[&UnitRow], asked: &Asked, library: &Library)
     let mut furthest: Vec<Option<Furthest<'_>>> = rows.iter().map(|_| None).collect();
     let mut axes = Vec::new();
     for column in columns {
-        let of_rows: Vec<(usize, &AxisRow)> = rows
-            .iter()
-            .enumerate()
-            .filter_map(|(index, row)| {
-                Some((index, row.axes.iter().find(|axis| axis.estimate.column == column)?))
-            })
-            .collect();
+        let of_rows: Vec<(usize, &AxisRow)> =
+            rows.iter().enumerate().filter_map(|(index, row)| Some((index, row.axis(column)?))).collect();
         let members: Vec<Member<'_>> = of_rows
             .iter()
             .map(|(index, axis)| Member {

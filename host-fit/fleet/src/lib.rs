@@ -9,6 +9,7 @@ mod known;
 mod odd;
 mod population;
 mod row;
+mod ship;
 
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
 pub use fleet::{
@@ -18,3 +19,4 @@ pub use folder::{FolderError, UNITS, units_in};
 pub use odd::{Distance, Judged, discoveries, judge};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, unit_row};
+pub use ship::{ShipError, Shipment, ShippedUnit};

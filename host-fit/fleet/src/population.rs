@@ -185,9 +185,31 @@ impl Population {
         }
     }
 
+    /// What is known of a unit that is a member of the population, all coefficients of it: its log counts once, in the mean of its lot and beside
+    /// it, as it does in the steps that found the population. Of a lot that is not among the population's, as [`shrunk`](Self::shrunk).
+    pub fn of_member(&self, estimate: &Estimate, lot: Option<&str>) -> Estimate {
+        let name = lot.unwrap_or_default();
+        let Some(lot) = self.lots.iter().find(|lot| lot.name == name) else {
+            return self.shrunk(estimate, None);
+        };
+        let (mean, of_lot) = (DVector::from_column_slice(&lot.mean), matrix_of(&lot.covariance));
+        let scatter = matrix_of(&self.between_units);
+        let ones = vec![1.0; self.names.len()];
+        let seen = estimate.measured(&self.names, &ones).known.through(&scatter);
+        let values = &mean + &scatter * (&seen.weighted - &seen.information * &mean);
+        let gain = &scatter * &seen.information;
+        let rest = DMatrix::identity(mean.len(), mean.len()) - &gain;
+        let covariance = symmetric(&(&scatter - &gain * &scatter + &rest * of_lot * rest.transpose()));
+        Estimate {
+            names: self.names.clone(),
+            values: values.iter().copied().collect(),
+            covariance: nested(&covariance),
+        }
+    }
+
     /// A unit's own estimate beside what its population says of it (empirical Bayes; Robbins 1956, Efron and Morris 1973): all coefficients of the
-    /// population, those that the estimate does not tell too. For a unit that is not among the members: of one that is, its own log
-    /// counts twice, by as much as it counts in its population.
+    /// population, those that the estimate does not tell too. For a unit that is not among the members; for one
+    /// that is, [`of_member`](Self::of_member).
     pub fn shrunk(&self, estimate: &Estimate, lot: Option<&str>) -> Estimate {
         let (mean, covariance) = self.prior(lot);
         let (mean, prior) = (DVector::from_vec(mean), matrix_of(&covariance));

@@ -1,13 +1,17 @@
 //! A unit in one row: what its log tells, or why it tells nothing.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use fos_core::{StillnessLimits, Transform};
 use fos_data::recording::{LoadOptions, Recording, load};
+use fos_data::stillness;
 use fos_diagnose::detect::{Question, Verdict, diagnose};
-use fos_diagnose::effects::Library;
+use fos_diagnose::effects::{Inputs, Library, Regressor};
+use fos_fit::fit::InputSpec;
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{AxisEstimate, EstimateError, estimate};
+use crate::estimate::{AxisEstimate, EstimateError, estimate, from_reference};
 
 /// What is asked of every unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,6 +72,13 @@ pub struct LogSummary {
     pub rate_hz: f64,
     /// Lowest and highest temperature, °C; none without a thermometer.
     pub temperature_c: Option<[f64; 2]>,
+    /// Lowest and highest of every input of the regressors, and of the column that it is made of, by their texts: temperatures from
+    /// [`REFERENCE_C`](crate::REFERENCE_C) on.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub inputs: BTreeMap<String, [f64; 2]>,
+    /// When the unit counts as still; none without all six axes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stillness: Option<StillnessLimits<f64>>,
 }
 
 /// An axis of a unit.
@@ -99,6 +110,13 @@ pub struct FoundEffect {
     pub predicted_reduction: f64,
 }
 
+impl UnitRow {
+    /// Of a column, if it could be estimated.
+    pub fn axis(&self, column: &str) -> Option<&AxisRow> {
+        self.axes.iter().find(|axis| axis.estimate.column == column)
+    }
+}
+
 /// The row of a unit. It cannot fail: what went wrong is in it.
 pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
     let mut row = UnitRow {
@@ -124,16 +142,13 @@ fn read(log: &Path, options: &LoadOptions) -> Result<Recording, String> {
 
 fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Library) {
     row.sha256 = recording.sources.first().map_or_else(String::new, |source| source.sha256.clone());
-    let temperature = recording.channel("temp_c").ok().map(|channel| {
-        let finite = channel.values.iter().copied().filter(|value| value.is_finite());
-        finite
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
-    });
     row.log = Some(LogSummary {
         rows: recording.n_rows(),
         seconds: recording.duration_s(),
         rate_hz: recording.rate.true_hz,
-        temperature_c: temperature.filter(|[low, high]| low <= high),
+        temperature_c: recording.channel("temp_c").ok().and_then(|channel| range(&channel.values)),
+        inputs: ranges(recording, &asked.regressors),
+        stillness: stillness::limits(recording, &(0..recording.n_rows())),
     });
     let axes = match recording.axes() {
         Ok(axes) => axes,
@@ -155,6 +170,29 @@ fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Libra
             }
         }
     }
+}
+
+/// Lowest and highest; none of nothing.
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let finite = values.iter().copied().filter(|value| value.is_finite()).map(|value| [value; 2]);
+    finite.reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])
+}
+
+/// Of the inputs of those regressors that can be read and are logged.
+fn ranges(recording: &Recording, regressors: &[String]) -> BTreeMap<String, [f64; 2]> {
+    let log = from_reference(recording);
+    let inputs = Inputs::new(&log);
+    let mut ranges = BTreeMap::new();
+    for regressor in regressors.iter().filter_map(|text| Regressor::parse(text).ok()) {
+        for input in regressor.inputs() {
+            let column = InputSpec { column: input.column.clone(), transform: Transform::Identity };
+            for spec in [input, &column].into_iter().filter(|spec| spec.column.is_some() || *spec == input) {
+                let seen = inputs.input(spec).ok().and_then(|values| range(&values));
+                ranges.extend(seen.map(|seen| (spec.to_string(), seen)));
+            }
+        }
+    }
+    ranges
 }
 
 fn diagnosed(recording: &Recording, column: &str, library: &Library) -> Result<AxisDiagnosis, String> {

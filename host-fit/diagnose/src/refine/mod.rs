@@ -11,3 +11,4 @@ pub use error::RefineError;
 pub use evidence::{Against, Evidence, evidence_without_model, line_spectrum};
 pub use logs::Logs;
 pub use refiner::{FITTED_SHARE, Refiner};
+pub use terms::factors;

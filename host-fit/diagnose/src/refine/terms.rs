@@ -40,7 +40,13 @@ pub(super) fn add(
             // what a diagnosis writes can be read
             let Ok(Regressor { products }) = Regressor::parse(regressor) else { continue };
             for product in &products {
-                let factors = factors(model, product, &finding.limits, &inputs)?;
+                let factors = factors(
+                    model,
+                    product,
+                    |_| 0.0,
+                    &finding.limits,
+                    |spec| inputs.input(spec).map(|values| range(&values)),
+                )?;
                 model.axes[0].physical.push(FittedTerm {
                     coefficient: coefficient / scale,
                     standard_error: Some(standard_error / scale),
@@ -53,23 +59,33 @@ pub(super) fn add(
     Ok(places)
 }
 
-fn factors(
+/// The factors of a product of inputs in a physical part; inputs that the model does not have are appended, and the quantities that they
+/// need. They are in the quantity's unit, so that a coefficient is per kelvin, and what is logged counts from the `centre` of its column on.
+///
+/// An input keeps to its `limits`, by its text; where there are none it may go one width further than what was `seen` of it. Both count
+/// from there on.
+///
+/// # Errors
+///
+/// What was seen of an input is not known.
+pub fn factors<E>(
     model: &mut UnitModel,
     product: &Product,
+    centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
-    inputs: &Inputs<'_>,
-) -> Result<Vec<Factor>, RecordingError> {
-    product.inputs.iter().map(|spec| Ok(u(place(model, spec, limits, inputs)?, 0))).collect()
+    seen: impl Fn(&InputSpec) -> Result<[f64; 2], E>,
+) -> Result<Vec<Factor>, E> {
+    product.inputs.iter().map(|spec| Ok(u(place(model, spec, &centre, limits, &seen)?, 0))).collect()
 }
 
-/// The place of an input in the model; appended if it is not there. Inputs are as logged, so that a coefficient is per
-/// kelvin.
-fn place(
+/// The place of an input in the model; appended if it is not there.
+fn place<E>(
     model: &mut UnitModel,
     spec: &InputSpec,
+    centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
-    inputs: &Inputs<'_>,
-) -> Result<u8, RecordingError> {
+    seen: impl Fn(&InputSpec) -> Result<[f64; 2], E>,
+) -> Result<u8, E> {
     let (source, source_range) = match &spec.column {
         None => (Source::Clock, Fitted::new(0.0, 0.0)),
         Some(column) => {
@@ -77,7 +93,7 @@ fn place(
                 LoggedQuantity { column: column.clone(), quantity: Column::named(column).quantity() };
             let index = position(&mut model.quantities, quantity);
             let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
-            (Source::Quantity(index), widened(range(&inputs.input(&identity)?)))
+            (Source::Quantity(index), widened(seen(&identity)?))
         }
     };
     let name = spec.to_string();
@@ -87,9 +103,10 @@ fn place(
         (Transform::Sine { .. } | Transform::Cosine { .. }, _) => Fitted::new(-1.0, 1.0),
         // a device runs for longer than a log
         (Transform::Time, _) => Fitted::new(0.0, LONGEST_S),
-        _ => widened(range(&inputs.input(spec)?)),
+        _ => widened(seen(spec)?),
     };
-    let input = Input { source, transform: spec.transform, centre: 0.0, scale: 1.0, source_range, range };
+    let centre = spec.column.as_deref().map_or(0.0, centre);
+    let input = Input { source, transform: spec.transform, centre, scale: 1.0, source_range, range };
     let named = NamedInput { name, input };
     Ok(position(&mut model.inputs, named))
 }
