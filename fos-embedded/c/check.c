@@ -77,7 +77,7 @@ static void sizes_and_texts(void)
     EXPECT(fos_hub_size() > 0 && fos_hub_size() <= FOS_HUB_BYTES);
     EXPECT(fos_hub_align() > 0 && fos_hub_align() <= FOS_HUB_ALIGN && FOS_HUB_BYTES % FOS_HUB_ALIGN == 0);
     for (int32_t status = -3; status < 100; status++) {
-        int known = status >= FOS_STATUS_OK && status <= FOS_STATUS_NO_MODEL;
+        int known = status >= FOS_STATUS_OK && status <= FOS_STATUS_OTHER_PART;
         EXPECT((strcmp(fos_status_text(status), "unknown status") != 0) == known);
     }
     EXPECT(strcmp(fos_status_text(INT32_MIN), "unknown status") == 0);

@@ -63,6 +63,7 @@ int main(void)
     status |= fos_streams_next(a.streams, a.si_sample, a.stamp_ns);
     status |= fos_streams_flush(a.streams, a.si_sample, a.stamp_ns);
     status |= fos_streams_counts(a.streams, a.counts);
+    status |= fos_image_for_unit(a.buffer, a.size, a.buffer, a.size, a.buffer, a.size, &a.size);
 #ifndef WITHOUT_STORE
     a.k += fos_store_size() + fos_store_align();
     status |= fos_store_init(a.memory, a.size, a.flash, &a.store);

@@ -232,6 +232,8 @@ enum fos_status
     FOS_STATUS_NOT_KEPT = 20,
     // Store: there is no valid image.
     FOS_STATUS_NO_MODEL = 21,
+    // Unit: the record belongs to the image of another part.
+    FOS_STATUS_OTHER_PART = 22,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -739,6 +741,26 @@ fos_status fos_store_load_previous(struct fos_store *store,
                                    uint8_t *buffer,
                                    size_t capacity,
                                    size_t *used);
+
+// Makes the image of a unit of that of its part and the unit's record, as `host-fit fleet export` writes them: `*used` bytes in `buffer`, as many
+// as the image of the part has, for fos_hub_load() and fos_store_save(). Neither overlaps `buffer`. Until the record is there, the image of the part
+// itself serves.
+//
+// - FOS_STATUS_OK: whether the model can be used is found when it is loaded.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record are damaged, or the record has another number of values.
+// - FOS_STATUS_OTHER_PART: the record belongs to another image.
+// - FOS_STATUS_NO_ROOM: `capacity` is less than `part_length`.
+// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`. FOS_STATUS_ARGUMENT: no memory can have
+//   so many bytes.
+//
+// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+fos_status fos_image_for_unit(const uint8_t *part,
+                              size_t part_length,
+                              const uint8_t *record,
+                              size_t record_length,
+                              uint8_t *buffer,
+                              size_t capacity,
+                              size_t *used);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -8,7 +8,7 @@ fn the_header_is_what_the_source_says() {
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("a configuration");
     let mut builder = cbindgen::Builder::new().with_config(config);
     // their order is that of the header
-    for file in ["status", "values", "hub", "telemetry", "streams", "flash", "store"] {
+    for file in ["status", "values", "hub", "telemetry", "streams", "flash", "store", "unit"] {
         builder = builder.with_src(root.join(format!("src/c_api/{file}.rs")));
     }
     let mut generated = Vec::new();

@@ -17,6 +17,7 @@ mod status;
 mod store;
 mod streams;
 mod telemetry;
+mod unit;
 mod values;
 
 pub use flash::fos_flash;
@@ -25,4 +26,5 @@ pub use status::*;
 pub use store::*;
 pub use streams::*;
 pub use telemetry::*;
+pub use unit::*;
 pub use values::*;

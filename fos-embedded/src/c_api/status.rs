@@ -58,13 +58,15 @@ pub enum fos_status {
     NotKept = 20,
     /// Store: there is no valid image.
     NoModel = 21,
+    /// Unit: the record belongs to the image of another part.
+    OtherPart = 22,
 }
 
 // c/layout.c has the same number
 const _: () = assert!(size_of::<fos_status>() == 4);
 
 /// In the order of their numbers.
-const ALL: [fos_status; 22] = [
+const ALL: [fos_status; 23] = [
     fos_status::Ok,
     fos_status::Null,
     fos_status::Misaligned,
@@ -87,6 +89,7 @@ const ALL: [fos_status; 22] = [
     fos_status::Flash,
     fos_status::NotKept,
     fos_status::NoModel,
+    fos_status::OtherPart,
 ];
 
 impl fos_status {
@@ -121,6 +124,7 @@ impl fos_status {
             Self::Flash => c"the flash failed",
             Self::NotKept => c"the flash did not keep the image",
             Self::NoModel => c"no model is stored",
+            Self::OtherPart => c"a record for the image of another part",
         }
     }
 }

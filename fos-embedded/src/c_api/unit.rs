@@ -1,0 +1,56 @@
+//! One image for a part and a record for each unit.
+
+use fos_core::image::{UnitError, for_unit};
+
+use super::fos_status;
+use super::place::{Room, bytes, count_in};
+
+/// Makes the image of a unit of that of its part and the unit's record, as `host-fit fleet export` writes them: `*used` bytes in `buffer`, as many
+/// as the image of the part has, for fos_hub_load() and fos_store_save(). Neither overlaps `buffer`. Until the record is there, the image of the part
+/// itself serves.
+///
+/// - FOS_STATUS_OK: whether the model can be used is found when it is loaded.
+/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record are damaged, or the record has another number of values.
+/// - FOS_STATUS_OTHER_PART: the record belongs to another image.
+/// - FOS_STATUS_NO_ROOM: `capacity` is less than `part_length`.
+/// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`. FOS_STATUS_ARGUMENT: no memory can have
+///   so many bytes.
+///
+/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fos_image_for_unit(
+    part: *const u8,
+    part_length: usize,
+    record: *const u8,
+    record_length: usize,
+    buffer: *mut u8,
+    capacity: usize,
+    used: *mut usize,
+) -> fos_status {
+    let make = || {
+        // SAFETY: `part` leads to `part_length` bytes that are not being changed, as the header asks
+        let part = unsafe { bytes(part, part_length) }?;
+        // SAFETY: `record` leads to `record_length` bytes that are not being changed, as the header asks
+        let record = unsafe { bytes(record, record_length) }?;
+        // SAFETY: `buffer` leads to `capacity` bytes that nobody else uses, as the header asks
+        let mut room = unsafe { Room::new(buffer, capacity) }?;
+        Ok(for_unit(part, record, room.zeroed())?.len())
+    };
+    // SAFETY: `used` leads to a number that nobody else uses, as the header asks
+    unsafe { count_in(used, make) }
+}
+
+impl From<UnitError> for fos_status {
+    fn from(error: UnitError) -> Self {
+        match error {
+            UnitError::Part(error) => error.into(),
+            UnitError::Truncated => Self::Truncated,
+            UnitError::Magic => Self::NotAnImage,
+            UnitError::UnknownVersion(_) => Self::OtherVersion,
+            UnitError::Checksum { .. } => Self::Damaged,
+            UnitError::OtherPart { .. } => Self::OtherPart,
+            UnitError::TooSmall { .. } => Self::NoRoom,
+            _ => Self::Unusable,
+        }
+    }
+}

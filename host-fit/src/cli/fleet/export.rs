@@ -1,0 +1,173 @@
+//! `fleet export`: an image for a part and a record for each of its units.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use fos_core::FittedOn;
+use fos_fleet::{PartSummary, Shipment, ShippedUnit};
+use serde::Serialize;
+
+use crate::cli::arguments::OutputFolder;
+use crate::cli::output::{Failure, Written, print_line, print_warning, print_written};
+use fos_data::file::write_atomically;
+
+/// Write what a part ships with: an image for all its units, and some 100 bytes for each
+///
+/// The image has the means of the population. The record of a unit has what its own log tells beside its population, and a device makes the image of the
+/// unit of both (fos_core::image::for_unit, in C fos_image_for_unit). A unit without a record runs on the image of its part. One that does not belong to its population has
+/// what its own log tells and nothing else.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit fleet export population.json -o shipment --sensor bmi270")]
+pub(super) struct Export {
+    /// The population: what `host-fit fleet` wrote, with its rows beside it
+    population: PathBuf,
+    /// The folder to write: part.fosm, units.csv, and a file for each unit in units/
+    #[arg(short, long, default_value = "shipment")]
+    output: OutputFolder,
+    /// The part, where the population has several
+    #[arg(long, value_name = "NAME")]
+    part: Option<String>,
+    /// Name of the sensor, stored in the image; the name of the part, if it is not given
+    #[arg(long, value_name = "NAME")]
+    sensor: Option<String>,
+    /// The logs were after a factory's or driver's correction, and so is what the image is for
+    #[arg(long)]
+    factory_corrected: bool,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A line of units.csv.
+#[derive(Debug, Serialize)]
+struct Line<'a> {
+    unit: &'a str,
+    lot: &'a str,
+    file: String,
+    bytes: usize,
+    odd: bool,
+}
+
+impl Export {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let (fleet, rows) = fos_fleet::Fleet::read(&self.population)?;
+        let part = self.part_of(&fleet.parts)?;
+        let values = if self.factory_corrected { FittedOn::FactoryCorrected } else { FittedOn::Raw };
+        let sensor = self.sensor.as_deref().unwrap_or(&part.part);
+        let digest = fleet.rows_sha256.get(..16).unwrap_or_default();
+        let provenance = format!("means of {} units, rows {digest}; {}", fleet.units, fleet.program);
+        let shipment = Shipment::of(part, &rows, values, sensor, &provenance)?;
+
+        let folder: &Path = &self.output;
+        let records = folder.join("units");
+        std::fs::create_dir_all(&records).map_err(|error| format!("{}: {error}", records.display()))?;
+        let mut written = Vec::new();
+        let mut write = |path: PathBuf, bytes: &[u8], what: String| -> Result<(), Failure> {
+            write_atomically(&path, bytes)?;
+            written.push(Written { path: path.display().to_string(), what });
+            Ok(())
+        };
+        let terms = shipment.model.n_terms();
+        let about = format!("{} bytes, {terms} terms", shipment.image.len());
+        write(folder.join("part.fosm"), &shipment.image, about)?;
+        let names = file_names(&shipment.units);
+        let mut table = csv::Writer::from_writer(Vec::new());
+        for (unit, name) in shipment.units.iter().zip(&names) {
+            write_atomically(&records.join(name), &unit.record)?;
+            table.serialize(Line {
+                unit: &unit.unit,
+                lot: unit.lot.as_deref().unwrap_or_default(),
+                file: format!("units/{name}"),
+                bytes: unit.record.len(),
+                odd: unit.odd,
+            })?;
+        }
+        let table = table.into_inner().map_err(|error| error.to_string())?;
+        write(folder.join("units.csv"), &table, format!("{} units and their records", names.len()))?;
+        print_written(&written, self.json)?;
+        if !shipment.without.is_empty() {
+            print_warning(&format!(
+                "nothing is known of {} units, which run on the image of their part: {}",
+                shipment.without.len(),
+                some(&shipment.without)
+            ));
+        }
+        let odd: Vec<String> =
+            shipment.units.iter().filter(|unit| unit.odd).map(|unit| unit.unit.clone()).collect();
+        if !odd.is_empty() {
+            print_warning(&format!("{} units do not belong to their population: {}", odd.len(), some(&odd)));
+        }
+        if !self.json {
+            let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);
+            print_line!("{} records in {}, at most {longest} bytes each", names.len(), records.display());
+        }
+        Ok(())
+    }
+
+    fn part_of<'a>(&self, parts: &'a [PartSummary]) -> Result<&'a PartSummary, Failure> {
+        let names = || parts.iter().map(|part| part.part.as_str()).collect::<Vec<_>>().join(", ");
+        match (&self.part, parts) {
+            (Some(name), _) => parts.iter().find(|part| part.part == *name).ok_or_else(|| {
+                format!("the population has no part {name:?}\nhelp: it has {}", names()).into()
+            }),
+            (None, [part]) => Ok(part),
+            (None, _) => {
+                Err(format!("the population has several parts\nhelp: --part, one of {}", names()).into())
+            }
+        }
+    }
+}
+
+/// The first of many.
+fn some(names: &[String]) -> String {
+    const FEW: usize = 5;
+    let more = if names.len() > FEW { ", …" } else { "" };
+    format!("{}{more}", names[..names.len().min(FEW)].join(", "))
+}
+
+/// A file for each unit, named after it: what could be a folder's separator, or mean something to a shell, is `_`.
+fn file_names(units: &[ShippedUnit]) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let mut name = |unit: &ShippedUnit| {
+        let plain = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
+        let safe: String = unit.unit.chars().map(|letter| if plain(letter) { letter } else { '_' }).collect();
+        let stem = if safe.is_empty() || safe.starts_with('.') { format!("_{safe}") } else { safe };
+        let mut file = format!("{stem}.fosu");
+        // letters that are one to some file systems
+        for next in 2.. {
+            if taken.insert(file.to_ascii_lowercase()) {
+                break;
+            }
+            file = format!("{stem}-{next}.fosu");
+        }
+        file
+    };
+    units.iter().map(&mut name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_unit_has_a_file_of_its_own_in_the_folder() {
+        let units = ["w7/01", "w7_01", "W7_01", "../../etc", ".", "", "ü"].map(|unit| ShippedUnit {
+            unit: unit.to_owned(),
+            lot: None,
+            odd: false,
+            record: Vec::new(),
+            bias_error: Vec::new(),
+        });
+        let expected = [
+            "w7_01.fosu",
+            "w7_01-2.fosu",
+            "W7_01-3.fosu",
+            "_.._.._etc.fosu",
+            "_..fosu",
+            "_.fosu",
+            "_-2.fosu",
+        ];
+        assert_eq!(file_names(&units), expected);
+    }
+}
