@@ -7,7 +7,7 @@ mod sources;
 use session::{done, fails};
 use sources::sources;
 
-/// The subcommands that the help lists.
+/// The subcommands that the help lists, and those of them.
 fn subcommands() -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let help = done(folder.path(), &["--help"]);
@@ -17,14 +17,19 @@ fn subcommands() -> Vec<String> {
         listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
     let names: Vec<String> = names.filter(|name| *name != "help").map(str::to_owned).collect();
     assert!(names.len() >= 20, "{names:?}");
-    names
+    let all: Vec<String> = host_fit::cli::subcommands().into_iter().map(|(words, _)| words).collect();
+    assert_eq!(
+        all.iter().filter(|words| !words.contains(' ')).collect::<Vec<_>>(),
+        names.iter().collect::<Vec<_>>()
+    );
+    all
 }
 
 #[test]
 fn every_subcommand_has_an_example_and_speaks_json() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in subcommands() {
-        let help = done(folder.path(), &[&name, "--help"]);
+        let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
         assert!(help.contains("Example: ") && help.contains(&format!("host-fit {name}")), "{name}: {help}");
         // a script for a shell and a server have nothing to say in JSON
         let has_none = ["completions", "serve"].contains(&name.as_str());
@@ -42,11 +47,11 @@ fn every_subcommand_has_a_manual_page_and_is_completed() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let script = done(folder.path(), &["completions", shell]);
         for name in subcommands() {
-            assert!(script.contains(&name), "{shell}: {name}");
+            assert!(name.split(' ').all(|word| script.contains(word)), "{shell}: {name}");
         }
     }
     for name in subcommands() {
-        let page = folder.path().join(format!("pages/host-fit-{name}.1"));
+        let page = folder.path().join(format!("pages/host-fit-{}.1", name.replace(' ', "-")));
         let page = std::fs::read_to_string(page).expect("written");
         assert!(page.contains("Example: host\\-fit"), "{name}: {page}");
     }
@@ -64,11 +69,11 @@ fn nothing_is_coloured_where_no_terminal_is() {
 /// own words, options by the names of their fields.
 #[test]
 fn no_library_names_a_flag_or_a_subcommand() {
-    let command = host_fit::cli::command();
-    let flags = command.get_subcommands().flat_map(|subcommand| subcommand.get_arguments());
+    let all = host_fit::cli::subcommands();
+    let flags = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
     let mut said: Vec<String> =
         flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
-    said.extend(command.get_subcommands().map(|subcommand| format!("host-fit {}", subcommand.get_name())));
+    said.extend(all.iter().map(|(words, _)| format!("host-fit {words}")));
     let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 

@@ -144,8 +144,8 @@ fn with(line: &str, flag: &str, value: &str) -> Vec<String> {
 
 fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
     let (mut lines, mut options) = (Vec::new(), Vec::new());
-    for subcommand in host_fit::cli::command().get_subcommands() {
-        let name = subcommand.get_name();
+    for (name, subcommand) in host_fit::cli::subcommands() {
+        let name = name.as_str();
         for argument in subcommand.get_arguments().filter(|argument| argument.get_action().takes_values()) {
             let kind = argument.get_value_parser().type_id();
             let is = |of: TypeId| kind == of;

@@ -13,8 +13,8 @@ use std::process::{Command, Output};
 use std::sync::Mutex;
 use std::thread;
 
-use host_fit::cli::command;
 use host_fit::cli::files::{Role, role_of};
+use host_fit::cli::subcommands;
 use session::{done, fails};
 use sources::sources;
 
@@ -205,8 +205,11 @@ const LINES: [Line; 27] = [
 ];
 
 impl Line {
-    fn subcommand(&self) -> &'static str {
-        self.words.split(' ').next().unwrap_or_default()
+    /// The longest that its words begin with: `fleet report`, not `fleet`.
+    fn subcommand(&self) -> String {
+        let is_of = |name: &String| format!("{} ", self.words).starts_with(&format!("{name} "));
+        let of_line = subcommands().into_iter().map(|(name, _)| name).filter(is_of);
+        of_line.max_by_key(String::len).expect("a subcommand")
     }
 
     /// With the argument `given` naming a file in this way.
@@ -312,12 +315,10 @@ fn arguments_of(subcommand: &clap::Command, roles: &[Role]) -> BTreeSet<String> 
 /// A new argument that is a path has to come into the table.
 #[test]
 fn the_table_has_every_input_and_every_output() {
-    let all = command();
     let mut outputs = 0;
-    for subcommand in all.get_subcommands() {
-        let name = subcommand.get_name();
-        let read = arguments_of(subcommand, &[Role::Input]);
-        let written = arguments_of(subcommand, &[Role::OutputFile, Role::OutputFolder]);
+    for (name, subcommand) in subcommands() {
+        let read = arguments_of(&subcommand, &[Role::Input]);
+        let written = arguments_of(&subcommand, &[Role::OutputFile, Role::OutputFolder]);
         outputs += written.len();
         // a server goes on for ever; what it writes has names of its own (workbench/folders.rs)
         if name == "serve" || read.is_empty() {

@@ -13,6 +13,7 @@ mod row;
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
 pub use fleet::{
     AxisSummary, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
+    rows_beside,
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use odd::{Distance, Judged, discoveries, judge};

@@ -5,6 +5,7 @@ use clap_mangen::Man as Page;
 
 use super::arguments::OutputFolder;
 use super::output::{Failure, Written, print_written};
+use super::subcommands_of;
 use fos_data::file::{make_folder, write_atomically};
 
 /// Write manual pages, one for each subcommand
@@ -23,11 +24,9 @@ impl Man {
     pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
         make_folder(&self.folder)?;
         program.build();
-        let pages = program.get_subcommands().filter(|command| command.get_name() != "help").cloned();
-        let pages = pages.map(|command| {
-            let name = format!("host-fit-{}", command.get_name());
-            command.name(name)
-        });
+        let pages = subcommands_of(&program).into_iter().filter(|(words, _)| words != "help");
+        let pages =
+            pages.map(|(words, command)| command.name(format!("host-fit-{}", words.replace(' ', "-"))));
         let mut written = Vec::new();
         for command in std::iter::once(program.clone()).chain(pages) {
             let path = self.folder.join(format!("{}.1", command.get_name()));

@@ -87,6 +87,27 @@ pub fn command() -> clap::Command {
     Cli::command()
 }
 
+/// Every subcommand, those of subcommands too, with the words that call it: `fleet`, `fleet report`.
+pub fn subcommands() -> Vec<(String, clap::Command)> {
+    subcommands_of(&command())
+}
+
+fn subcommands_of(program: &clap::Command) -> Vec<(String, clap::Command)> {
+    let below = |words: &str, command: &clap::Command| {
+        let named =
+            |one: &clap::Command| (format!("{words} {}", one.get_name()).trim().to_owned(), one.clone());
+        command.get_subcommands().map(named).collect::<Vec<_>>()
+    };
+    let mut found = below("", program);
+    let mut place = 0;
+    while let Some((words, command)) = found.get(place) {
+        let more = below(words, command);
+        place += 1;
+        found.splice(place..place, more);
+    }
+    found
+}
+
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
 pub fn run() -> ExitCode {
     // what clap has taken by its own description it takes by that of the derived type
@@ -101,8 +122,8 @@ pub fn run() -> ExitCode {
     match run_checked(&matches, command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let program = self::command();
-            let arguments = program.get_subcommands().flat_map(clap::Command::get_arguments);
+            let all = subcommands();
+            let arguments = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
             output::print_error(&output::with_flags(&failure, arguments));
             ExitCode::FAILURE
         }
@@ -111,8 +132,11 @@ pub fn run() -> ExitCode {
 
 fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
     let all = self::command();
-    let named = matches.subcommand().and_then(|(name, given)| Some((all.find_subcommand(name)?, given)));
-    if let Some((subcommand, given)) = named {
+    let (mut subcommand, mut given) = (&all, matches);
+    while let Some((name, below)) = given.subcommand()
+        && let Some(named) = subcommand.find_subcommand(name)
+    {
+        (subcommand, given) = (named, below);
         files::check(subcommand, given)?;
     }
     match command {

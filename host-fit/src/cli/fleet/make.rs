@@ -1,27 +1,25 @@
-//! `fleet`: what the units in a folder have in common, and which do not belong.
+//! `fleet FOLDER`: the population of the units in a folder.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{OutputFile, Reading, library};
-use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
+use crate::cli::arguments::{OutputFile, Reading, library};
+use crate::cli::output::{Failure, number, print_json, print_line, print_warning, progress, table};
 use crate::program::this_build;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::{Regressor, SizeUnit};
-use fos_fleet::{Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PartSummary, rows, units_in};
+use fos_fleet::{
+    Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PartSummary, rows, rows_beside, units_in,
+};
 
-/// What the units in a folder have in common: the mean of the part, how lots and units scatter, which units do not belong
-///
-/// Every unit is a log at rest of some minutes, in which the temperature changes. Its bias and its coefficients are estimated with their errors,
-/// and the scatter of the units is told apart from those. Rows are kept beside the output, and a run that was broken off goes on where it
-/// was. A unit that cannot be read is told and left out.
+/// What is looked at, and where what it comes to goes.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit fleet line3 -o population.json --regressor temp_c")]
-pub(super) struct Fleet {
+pub(super) struct Make {
     /// The folder: a log for each unit, in a folder for each lot; or with a table units.csv: unit,part,lot,log
-    folder: PathBuf,
+    #[arg(required = true)] // unless there is a subcommand
+    folder: Option<PathBuf>,
     /// Where the populations go; the rows of the units are kept beside it, under the same name with .rows behind it
     #[arg(short, long, default_value = "population.json")]
     output: OutputFile,
@@ -42,24 +40,22 @@ pub(super) struct Fleet {
     json: bool,
 }
 
-impl Fleet {
+impl Make {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = library(&self.effects)?;
         for regressor in &self.regressors {
             Regressor::parse(regressor)
                 .map_err(|reason| EstimateError::Regressor { regressor: regressor.clone(), reason })?;
         }
-        let units = units_in(&self.folder)?;
+        let units = units_in(self.folder.as_deref().ok_or("no folder")?)?;
         let asked = Asked {
             regressors: self.regressors.clone(),
             diagnosed: self.diagnose,
             read: self.reading.options()?,
         };
-        let mut kept_in = self.output.to_path_buf().into_os_string();
-        kept_in.push(".rows");
         let program = this_build();
         let bar = progress(units.len() as u64, "looking at the units");
-        let found = rows(&units, &asked, &library, &program, &PathBuf::from(kept_in), |done| {
+        let found = rows(&units, &asked, &library, &program, &rows_beside(&self.output), |done| {
             bar.set_position(done as u64)
         })?;
         bar.finish_and_clear();
