@@ -126,18 +126,11 @@ pub enum FleetError {
     File(#[from] FileError),
 }
 
-/// Where the rows of the population `population` are kept: beside it, under its name with `.rows` behind it.
-pub fn rows_beside(population: &Path) -> PathBuf {
-    let mut path = population.as_os_str().to_owned();
-    path.push(".rows");
-    path.into()
-}
-
 /// A row as it is kept, with what it depends on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Kept {
+pub(crate) struct Kept {
     key: String,
-    row: UnitRow,
+    pub(crate) row: UnitRow,
 }
 
 /// The rows of `units`, in their order, each looked at once: rows go to `kept_in`, a line of JSON each, as they come, and are taken from
