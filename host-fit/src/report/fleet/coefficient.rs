@@ -20,6 +20,7 @@ pub(super) const NINETY: f64 = 1.645;
 
 /// A coefficient over units; every number is in `unit`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CoefficientReport {
     /// `bias`, or the regressor.
     pub name: String,
@@ -48,7 +49,7 @@ pub struct CoefficientReport {
     /// Of the variance of estimates: lots, units, error of a log.
     pub shares: [f64; 3],
     /// What each way of calibrating leaves.
-    pub left: Left,
+    pub left: LeftBy,
     /// When its numbers are not to be trusted, a sentence each.
     pub cautions: Vec<String>,
     /// Units about the population, and lot by lot.
@@ -57,7 +58,8 @@ pub struct CoefficientReport {
 
 /// Standard deviation of the error of a unit's coefficient, by what its model has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Left {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LeftBy {
     /// The mean of the part.
     pub part_mean: f64,
     /// The mean of the unit's lot, over the lots that are known; none where lots cannot be told.
@@ -132,7 +134,7 @@ impl CoefficientReport {
             told((variances.iter().sum::<f64>() / variances.len().max(1) as f64).max(0.0).sqrt())
         };
         let own = population.between_units[place][place];
-        let left = Left {
+        let left = LeftBy {
             part_mean: told(population.prior(None).1[place][place].max(0.0).sqrt()),
             lot_mean: has_lots
                 .then(|| root_mean(&mut named.iter().map(|lot| own + lot.covariance[place][place]))),

@@ -5,16 +5,18 @@ mod odd;
 mod read;
 mod render;
 mod shipped;
+mod unit;
 
 use std::path::Path;
 
 use serde::Serialize;
 
-pub use coefficient::{CoefficientReport, Left};
+pub use coefficient::{CoefficientReport, LeftBy};
 pub use odd::OddReport;
 pub use read::{NotRead, UnitsRead};
 pub use render::html;
 pub use shipped::EffectReport;
+pub use unit::{UnitAxis, UnitCoefficient, UnitReport};
 
 use crate::figures::Figure;
 use crate::figures::population::{OfVariance, of_variance};
@@ -27,6 +29,7 @@ const MANY: f64 = 0.1;
 
 /// What a population says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct FleetReport {
     /// The program that wrote it.
     pub tool: Tool,
@@ -42,6 +45,7 @@ pub struct FleetReport {
 
 /// A part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct PartReport {
     /// Its name; empty if the fleet names none.
     pub part: String,
@@ -59,6 +63,7 @@ pub struct PartReport {
 
 /// An axis of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisReport {
     /// As in the log format, as `gx_rads`.
     pub column: String,

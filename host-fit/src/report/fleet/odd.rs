@@ -8,6 +8,7 @@ use fos_fleet::{OddUnit, PartSummary, UnitRow};
 
 /// A unit that does not belong.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct OddReport {
     /// Its name.
     pub unit: String,

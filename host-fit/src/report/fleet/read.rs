@@ -10,6 +10,7 @@ const LISTED: usize = 100;
 
 /// What was read of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct UnitsRead {
     /// Units that were asked.
     pub units: usize,
@@ -35,6 +36,7 @@ pub struct UnitsRead {
 
 /// A unit of which nothing, or not everything, could be told.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct NotRead {
     /// Its name.
     pub unit: String,

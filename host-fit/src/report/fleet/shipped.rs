@@ -7,6 +7,7 @@ use fos_fleet::EffectShare;
 
 /// An effect on an axis of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct EffectReport {
     /// As in the library.
     pub effect: String,
