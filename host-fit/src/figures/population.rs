@@ -63,10 +63,6 @@ const DOTS: usize = 500;
 /// Bins of a histogram at most.
 const MOST_BINS: f64 = 200.0;
 
-/// Width of a letter under an axis, and of all of them, units of length.
-const LETTER: f64 = 8.5;
-const ALL_LETTERS: f64 = 1080.0;
-
 /// Estimates as a histogram beside the population, and lot by lot.
 pub fn of_coefficient(of: &OfCoefficient) -> Figure {
     let seen = of.scatter.hypot(of.error);
@@ -149,10 +145,10 @@ fn by_lot(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
         shape: Shape::Bars(vec![(place as f64, lot.mean, lot.interval[0], lot.interval[1])]),
     }));
     series.push(mean_of(of));
-    let names: Vec<&str> = of.lots.iter().map(|lot| lot.name.as_str()).collect();
+    let names = of.lots.iter().map(|lot| lot.name.clone()).collect();
     Panel {
         title: "Lot by lot".into(),
-        x: Axis { names: fitting(&names), ..Axis::linear("Lots, in the order of their names") },
+        x: Axis { names, ..Axis::linear("Lots, in the order of their names") },
         y: Axis::linear(of.quantity.clone()),
         series,
         ..Panel::default()
@@ -204,25 +200,16 @@ pub fn of_variance(title: &str, coefficients: &[(String, Vec<OfVariance>)]) -> F
             });
             Series { label: (*label).into(), ink: *ink, shape: Shape::Cells(cells.collect()) }
         });
-        let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+        let names = axes.iter().map(|axis| axis.name.clone()).collect();
         Panel {
             title: name.clone(),
-            x: Axis { names: fitting(&names), ..Axis::linear("") },
+            x: Axis { names, ..Axis::linear("") },
             y: Axis::linear("Share of the variance of estimates (%)"),
             series: series.collect(),
             ..Panel::default()
         }
     };
     Figure { title: title.into(), panels: coefficients.iter().map(panel).collect() }
-}
-
-/// Names under an axis, as many as have room: every so-manieth.
-fn fitting(names: &[&str]) -> Vec<String> {
-    let longest = names.iter().map(|name| name.chars().count() + 2).max().unwrap_or(0);
-    let every = (longest as f64 * LETTER * names.len() as f64 / ALL_LETTERS).ceil().max(1.0) as usize;
-    let named =
-        |(place, name): (usize, &&str)| if place % every == 0 { (*name).to_owned() } else { String::new() };
-    names.iter().enumerate().map(named).collect()
 }
 
 #[cfg(test)]
@@ -269,11 +256,11 @@ mod tests {
     }
 
     #[test]
-    fn of_many_lots_every_so_manieth_is_named() {
-        let names: Vec<String> = (0..90).map(|place| format!("lot {place}")).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let named = fitting(&names);
-        assert_eq!((named.len(), named[0].as_str(), named[1].as_str()), (90, "lot 0", ""));
-        assert_eq!(fitting(&names[..3]), ["lot 0", "lot 1", "lot 2"]);
+    fn of_many_lots_as_many_are_named_as_have_room() {
+        for (lots, named) in [(4, 4..5), (90, 9..16)] {
+            let picture = svg(&of_coefficient(&drawn(&[0.0; 90], lots))).expect("drawn");
+            let found = (0..lots).filter(|lot| picture.contains(&format!("2026-W{lot}\n"))).count();
+            assert!(named.contains(&found), "{lots}: {found}");
+        }
     }
 }

@@ -88,9 +88,9 @@ export class PopulationPage {
 
   /** @param {Part} part @returns {HTMLElement[]} */
   #part(part) {
-    const named = part.part ? `${part.part}: ` : "";
     const { read } = part;
-    const title = (/** @type {string} */ text) => capitalised(named + text);
+    // a part is called as it is: bmi270
+    const title = (/** @type {string} */ text) => (part.part ? `${part.part}: ${text}` : capitalised(text));
     return [
       titled(
         title("which units were read"),
