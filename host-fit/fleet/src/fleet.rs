@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use fos_data::file::{FileError, write_atomically};
+use fos_data::file::{self, FileError, write_atomically};
 use fos_data::statistics::median_of;
 use fos_diagnose::effects::Library;
 use rayon::prelude::*;
@@ -36,6 +36,8 @@ pub struct Fleet {
     pub asked: Asked,
     /// Units that were asked.
     pub units: usize,
+    /// SHA-256 of their rows, a line of JSON each, by part and unit; hexadecimal.
+    pub rows_sha256: String,
     /// Each part, by name.
     pub parts: Vec<PartSummary>,
     /// Units of which nothing, or not everything, could be told.
@@ -117,6 +119,24 @@ pub enum FleetError {
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
+    },
+    /// It is no population, or of another schema.
+    #[error("{}: no population: {reason}\nhelp: what `host-fit fleet` wrote, schema {SCHEMA}", path.display())]
+    NotAPopulation {
+        /// As it was given.
+        path: PathBuf,
+        /// What is wrong, with its line and column.
+        reason: String,
+    },
+    /// The rows beside a population are not those that it was made of.
+    #[error("{}: {found} rows of {units} units\nhelp: the rows of a population lie beside it under its name with .rows behind it; make it anew where they are lost: `host-fit fleet`", path.display())]
+    OtherRows {
+        /// The rows.
+        path: PathBuf,
+        /// Rows that can be read, of units of the population.
+        found: usize,
+        /// Units of the population.
+        units: usize,
     },
     /// Something else is there.
     #[error("{}: there is a file of that name that has no rows of a fleet; it would be lost\nhelp: write to another file, or move that one away", .0.display())]
@@ -205,15 +225,39 @@ fn key(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> String {
     if asked.diagnosed {
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
     }
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(digest)
 }
 
 impl Fleet {
+    /// The population in a file and the rows that it was made of, from beside it.
+    ///
+    /// # Errors
+    ///
+    /// One of them cannot be read, or they do not belong together: the rows come to another population.
+    pub fn read(path: &Path) -> Result<(Self, Vec<UnitRow>), FleetError> {
+        let not = |reason: String| FleetError::NotAPopulation { path: path.to_owned(), reason };
+        let fleet: Self =
+            serde_json::from_slice(&file::read(path)?).map_err(|error| not(error.to_string()))?;
+        if fleet.schema != SCHEMA {
+            return Err(not(format!("its schema is {:?}", fleet.schema)));
+        }
+        let kept_in = rows_beside(path);
+        let text = file::read(&kept_in)?;
+        let lines = text.split(|byte| *byte == b'\n');
+        let rows: Vec<UnitRow> =
+            lines.filter_map(|line| Some(serde_json::from_slice::<Kept>(line).ok()?.row)).collect();
+        let mut sorted: Vec<&UnitRow> = rows.iter().collect();
+        sort(&mut sorted);
+        if digest_of(&sorted) != fleet.rows_sha256 {
+            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: fleet.units });
+        }
+        Ok((fleet, rows))
+    }
+
     /// What `rows` come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same rows give the same bits.
     pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
         let mut rows: Vec<&UnitRow> = rows.iter().collect();
-        // units of one name, which only one log each tells apart
-        rows.sort_by_key(|row| (&row.part, &row.unit, &row.sha256));
+        sort(&mut rows);
         let parts = rows.chunk_by(|a, b| a.part == b.part);
         let summary = |rows: &[&UnitRow]| part_summary(&rows[0].part, rows, asked, library);
         let failed = rows.iter().filter(|row| !row.failed.is_empty());
@@ -222,12 +266,31 @@ impl Fleet {
             program: program.to_owned(),
             asked: asked.clone(),
             units: rows.len(),
+            rows_sha256: digest_of(&rows),
             parts: parts.map(summary).collect(),
             failed: failed
                 .map(|row| FailedUnit { unit: row.unit.clone(), reasons: row.failed.clone() })
                 .collect(),
         }
     }
+}
+
+/// By part and unit; logs tell units of one name apart.
+fn sort(rows: &mut [&UnitRow]) {
+    rows.sort_by_key(|row| (&row.part, &row.unit, &row.sha256));
+}
+
+fn digest_of(rows: &[&UnitRow]) -> String {
+    let mut digest = Sha256::new();
+    for row in rows {
+        digest.update(serde_json::to_vec(row).expect("rows have only string keys"));
+        digest.update(b"\n");
+    }
+    hexadecimal(digest)
+}
+
+fn hexadecimal(digest: Sha256) -> String {
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Of a unit, its axis that is furthest from its population, and the p-value of that.

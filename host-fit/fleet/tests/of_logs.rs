@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fos_data::recording::{LoadOptions, write_columns};
 use fos_diagnose::effects::Library;
-use fos_fleet::{Asked, BIAS, Fleet, rows, units_in};
+use fos_fleet::{Asked, BIAS, Fleet, rows, rows_beside, units_in};
 use fos_simulate::{Simulation, simulate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -99,6 +99,18 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
     let [low, high] = population.scatter[1].units_interval;
     // 14 units: the sample's own scatter is within a third of the truth
     assert!(low < OF_SLOPE && OF_SLOPE < high, "{low} {high}");
-    let text = serde_json::to_string(&fleet).expect("JSON");
-    assert_eq!(serde_json::from_str::<Fleet>(&text).expect("what was written"), fleet);
+
+    // what was written is read with the rows beside it, and not with others
+    let made_again: Vec<_> = found.iter().rev().cloned().collect();
+    assert_eq!(Fleet::of(&made_again, &asked(), &library, "a test"), fleet, "whatever the order of the rows");
+    let path = folder.path().join("population.json");
+    std::fs::write(&path, serde_json::to_string(&fleet).expect("JSON")).expect("a file");
+    assert!(Fleet::read(&path).expect_err("no rows").to_string().contains("population.json.rows"));
+    std::fs::write(rows_beside(&path), &whole).expect("rows");
+    assert_eq!(Fleet::read(&path).expect("what was written"), (fleet, found));
+    std::fs::write(rows_beside(&path), &cut).expect("rows");
+    let error = Fleet::read(&path).expect_err("rows are missing").to_string();
+    assert!(error.contains(" rows of 16 units") && error.contains("help: "), "{error}");
+    std::fs::write(&path, "{}").expect("a file");
+    assert!(Fleet::read(&path).expect_err("no population").to_string().contains("help: "));
 }
