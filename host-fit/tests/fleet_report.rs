@@ -206,13 +206,13 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     // another fleet of as many units; one unit less; another part
     write(folder, &rows("a", 2));
     fs::write(&population, &whole).expect("written");
-    refused("its median noise is not that of the rows");
+    refused("population.json.rows: 40 rows of 40 units");
     write(folder, &rows_of_one[1..]);
     fs::write(&population, &whole).expect("written");
-    refused("39 rows, and a population of 40 units");
+    refused("population.json.rows: 39 rows of 40 units");
     write(folder, &rows("b", 1));
     fs::write(&population, &whole).expect("written");
-    refused("is of the part \"b\"");
+    refused("population.json.rows: 40 rows of 40 units");
     // a number that is none, too large a one, a matrix that is none, a line that was cut off
     let third = sound.lines().nth(2).expect("a row").to_owned();
     let mut row: Value = serde_json::from_str(&third).expect("JSON");

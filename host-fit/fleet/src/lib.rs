@@ -9,14 +9,13 @@ mod known;
 mod odd;
 mod population;
 mod row;
-mod stored;
 
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
 pub use fleet::{
     AxisSummary, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
+    rows_beside,
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use odd::{Distance, Judged, discoveries, judge};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, unit_row};
-pub use stored::{StoredError, rows_beside};

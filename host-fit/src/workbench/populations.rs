@@ -91,13 +91,11 @@ pub(super) async fn unit(
 /// A population and its rows, both in folders that may be read.
 fn read(folders: &Folders, path: &str) -> Result<(Fleet, Vec<UnitRow>), Refused> {
     let population = folders.permitted(path).map_err(forbidden)?;
-    let fleet = Fleet::read(&population).map_err(wrong)?;
     let beside = rows_beside(&population);
     if beside.exists() {
         folders.permitted(&beside.display().to_string()).map_err(forbidden)?;
     }
-    let rows = fleet.read_rows(&population).map_err(wrong)?;
-    Ok((fleet, rows))
+    Fleet::read(&population).map_err(wrong)
 }
 
 /// The log that a row was made of: it has the unit's name, and the digest of the row.

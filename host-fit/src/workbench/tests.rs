@@ -531,8 +531,8 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
 #[tokio::test]
 async fn a_population_is_read_from_where_it_may_be_with_the_rows_that_lie_there() {
     let bench = Bench::new();
-    let fleet = json!({ "schema": fos_fleet::SCHEMA, "program": "a test", "units": 0, "parts": [], "failed": [],
-                        "asked": { "regressors": ["temp_c"], "diagnosed": false, "read": {} } });
+    let asked = fos_fleet::Asked { regressors: Vec::new(), diagnosed: false, read: Default::default() };
+    let fleet = json!(fos_fleet::Fleet::of(&[], &asked, &Library::built_in(), "a test"));
     let within = bench.logs().join("population.json");
     let (elsewhere, path) = (bench.folder.path().join("population.json"), within.display().to_string());
     for place in [&within, &elsewhere] {

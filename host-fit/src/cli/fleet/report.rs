@@ -26,8 +26,7 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let fleet = Fleet::read(&self.population)?;
-        let rows = fleet.read_rows(&self.population)?;
+        let (fleet, rows) = Fleet::read(&self.population)?;
         let content = FleetReport::of(&fleet, &rows, &self.population);
         if self.json {
             return print_json(&content);
