@@ -78,8 +78,10 @@ fn rows(name: &str, seed: u64) -> Vec<UnitRow> {
                 effects: found.into_iter().collect(),
             }),
         };
-        let log =
-            LogSummary { rows: 24_000, seconds: 240.0, rate_hz: 100.0, temperature_c: Some([24.0, 31.0]) };
+        let log: LogSummary = serde_json::from_value(json!({
+            "rows": 24_000, "seconds": 240.0, "rate_hz": 100.0, "temperature_c": [24.0, 31.0],
+        }))
+        .expect("as rows are kept");
         let is_read = place != UNREAD;
         UnitRow {
             unit: format!("{name}{place}"),
