@@ -21,15 +21,20 @@ macro_rules! stored_as_text {
 
 /// A number in four significant digits.
 pub fn number(value: f64) -> String {
-    let magnitude = value.abs();
+    rounded(value, 4)
+}
+
+/// A number in so many significant digits.
+pub fn rounded(value: f64, digits: usize) -> String {
+    let (magnitude, decimals) = (value.abs(), digits.saturating_sub(1));
     if !value.is_finite() {
         "–".to_owned()
     } else if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e5).contains(&magnitude) {
-        let decimals = (3 - magnitude.log10().floor() as i32).clamp(0, 6) as usize;
+        let decimals = (decimals as i32 - magnitude.log10().floor() as i32).clamp(0, 6) as usize;
         format!("{value:.decimals$}")
     } else {
-        format!("{value:.3e}")
+        format!("{value:.decimals$e}")
     }
 }

@@ -10,7 +10,7 @@ use fos_fit::noise::{LevelPrior, NoiseLevels, Regression};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use crate::known::{Known, matrix_of};
+use crate::known::{Known, is_square, matrix_of};
 
 /// Temperatures count from here, °C: a bias is that at it.
 pub const REFERENCE_C: f64 = 25.0;
@@ -103,6 +103,12 @@ pub enum EstimateError {
 }
 
 impl Estimate {
+    /// Every coefficient has its value and its covariances: of what was read that is not said by its type.
+    pub(crate) fn is_whole(&self) -> bool {
+        let n = self.names.len();
+        self.values.len() == n && is_square(&self.covariance, n)
+    }
+
     /// The place of a coefficient, if the log tells it.
     pub fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)

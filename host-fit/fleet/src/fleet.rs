@@ -138,6 +138,16 @@ pub enum FleetError {
         /// Units of the population.
         units: usize,
     },
+    /// A line of the rows beside a population is none.
+    #[error("{}:{line}: no row of a unit: {reason}\nhelp: make the population anew; rows that are whole are taken from there", path.display())]
+    NotARow {
+        /// The rows.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
     /// Something else is there.
     #[error("{}: there is a file of that name that has no rows of a fleet; it would be lost\nhelp: write to another file, or move that one away", .0.display())]
     NotRows(PathBuf),
@@ -248,11 +258,35 @@ impl Fleet {
         if fleet.schema != SCHEMA {
             return Err(not(format!("its schema is {:?}", fleet.schema)));
         }
+        let mut axes = fleet.parts.iter().flat_map(|part| &part.axes);
+        if let Some(axis) = axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_whole()))
+        {
+            return Err(not(format!("{}: not every coefficient has its numbers", axis.column)));
+        }
         let kept_in = rows_beside(path);
         let text = file::read(&kept_in)?;
-        let lines = text.split(|byte| *byte == b'\n');
-        let rows: Vec<UnitRow> =
-            lines.filter_map(|line| Some(serde_json::from_slice::<Kept>(line).ok()?.row)).collect();
+        let lines: Vec<&[u8]> = text.split(|byte| *byte == b'\n').collect();
+        let mut rows = Vec::new();
+        for (index, line) in lines.iter().enumerate() {
+            let wrong =
+                |reason: String| FleetError::NotARow { path: kept_in.clone(), line: index + 1, reason };
+            match serde_json::from_slice::<Kept>(line) {
+                // a last line that was cut off does not count
+                Err(_) if index + 1 == lines.len() => {}
+                Err(error) => return Err(wrong(error.to_string())),
+                Ok(Kept { row, .. }) => {
+                    match row.axes.iter().find(|axis| !axis.estimate.coefficients.is_whole()) {
+                        Some(axis) => {
+                            return Err(wrong(format!(
+                                "{}: not every coefficient has its numbers",
+                                axis.estimate.column
+                            )));
+                        }
+                        None => rows.push(row),
+                    }
+                }
+            }
+        }
         let mut sorted: Vec<&UnitRow> = rows.iter().collect();
         sort(&mut sorted);
         if digest_of(&sorted) != fleet.rows_sha256 {

@@ -59,3 +59,8 @@ pub(crate) fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 pub(crate) fn matrix_of(rows: &[Vec<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column])
 }
+
+/// `n` rows of `n`.
+pub(crate) fn is_square(rows: &[Vec<f64>], n: usize) -> bool {
+    rows.len() == n && rows.iter().all(|row| row.len() == n)
+}

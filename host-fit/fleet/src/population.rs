@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::estimate::{Estimate, Measured};
-use crate::known::{Known, Seen, matrix_of, symmetric};
+use crate::known::{Known, Seen, is_square, matrix_of, symmetric};
 
 /// Ends after so many rounds, of three steps each, or when a round gains less than this in −2 ln L.
 const MOST_ROUNDS: usize = 400;
@@ -170,6 +170,17 @@ impl Population {
             scatter: grouped.scatter(&covariances, &scale),
             lots: lots.collect(),
         })
+    }
+
+    /// Every coefficient has its numbers: of what was read that is not said by its type.
+    pub(crate) fn is_whole(&self) -> bool {
+        let n = self.names.len();
+        let matrices = [&self.mean_covariance, &self.between_lots, &self.between_units];
+        n > 0
+            && self.mean.len() == n
+            && self.scatter.len() == n
+            && matrices.iter().all(|matrix| is_square(matrix, n))
+            && self.lots.iter().all(|lot| lot.mean.len() == n && is_square(&lot.covariance, n))
     }
 
     /// What is known of a unit before it was measured: mean and covariance of its coefficients. Of a lot that the

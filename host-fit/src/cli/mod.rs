@@ -5,6 +5,7 @@ mod arguments;
 mod batch;
 mod bench;
 mod calibrate;
+mod command_tree;
 mod compare;
 mod comparison_summary;
 mod completions;
@@ -89,23 +90,7 @@ pub fn command() -> clap::Command {
 
 /// Every subcommand, those of subcommands too, with the words that call it: `fleet`, `fleet report`.
 pub fn subcommands() -> Vec<(String, clap::Command)> {
-    subcommands_of(&command())
-}
-
-fn subcommands_of(program: &clap::Command) -> Vec<(String, clap::Command)> {
-    let below = |words: &str, command: &clap::Command| {
-        let named =
-            |one: &clap::Command| (format!("{words} {}", one.get_name()).trim().to_owned(), one.clone());
-        command.get_subcommands().map(named).collect::<Vec<_>>()
-    };
-    let mut found = below("", program);
-    let mut place = 0;
-    while let Some((words, command)) = found.get(place) {
-        let more = below(words, command);
-        place += 1;
-        found.splice(place..place, more);
-    }
-    found
+    command_tree::subcommands_of(&command())
 }
 
 /// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.

@@ -35,6 +35,9 @@ const TEXT_SIZE: f64 = 14.0;
 /// Room for what stands before a text in the legend, with a gap on its left.
 const KEY_WIDTH: f64 = 56.0;
 
+/// Room between names under an axis.
+const GAP_OF_NAMES: f64 = 12.0;
+
 const LINE_WIDTH: f64 = 1.5;
 const HAIRLINE: f64 = 0.75;
 
@@ -176,12 +179,26 @@ impl<'a> Plot<'a> {
         canvas.text(&self.panel.y.label, (self.left, self.top - 17.0), Align::Left, TEXT_SIZE, TEXT)
     }
 
+    /// The named values of the x axis; where not all names have room, every so-manieth has its own.
+    fn named<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Vec<Tick> {
+        let names = &self.panel.x.names;
+        let widest = names.iter().map(|name| canvas.text_width(name, TEXT_SIZE)).fold(0.0, f64::max);
+        let apart = match (self.across(0.0), self.across(1.0)) {
+            (Some(first), Some(second)) if second > first => second - first,
+            _ => f64::INFINITY,
+        };
+        let every = ((widest + GAP_OF_NAMES) / apart).ceil().max(1.0) as usize;
+        let label = |place: usize, name: &String| place.is_multiple_of(every).then(|| name.clone());
+        let tick = |(place, name)| Tick { value: place as f64, label: label(place, name) };
+        let mut ticks: Vec<Tick> = names.iter().enumerate().map(tick).collect();
+        ticks.sort_by_key(|tick| tick.label.is_some());
+        ticks
+    }
+
     fn grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn<DB> {
         let shade = |tick: &Tick| if tick.label.is_some() { GRID } else { SUBGRID };
         // subdivisions come first, so that no grid line is cut by a fainter one
-        let named = self.panel.x.names.iter().enumerate();
-        let named: Vec<Tick> =
-            named.map(|(value, name)| Tick { value: value as f64, label: Some(name.clone()) }).collect();
+        let named = self.named(canvas);
         let numbered = || self.x.ticks(((self.right - self.left) / 100.0) as usize);
         for tick in if named.is_empty() { numbered() } else { named } {
             let Some(x) = self.across(tick.value) else { continue };

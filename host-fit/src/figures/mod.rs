@@ -18,6 +18,7 @@ mod draw;
 pub mod evidence;
 mod file;
 pub mod noise;
+pub mod population;
 mod round_joins;
 mod scale;
 mod shading;

@@ -2,17 +2,20 @@
 
 mod axis_section;
 mod evidence;
+pub mod fleet;
 mod log_summary;
 mod markdown_text;
 mod offer;
 mod render;
+mod template;
 
 use serde::Serialize;
 
 pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};
-pub use render::{RenderError, html, markdown};
+pub use render::{html, markdown};
+pub use template::RenderError;
 
 use crate::command_lines::command_lines;
 use crate::examine::examine;

@@ -1,24 +1,10 @@
 //! A report as a page, and as Markdown. Nothing is computed here.
 
-use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context, escape_formatter};
+use minijinja::{AutoEscape, ErrorKind, Value, context};
 
+use super::template::{RenderError, drawn, environment, of_pages, style};
 use super::{Report, markdown_text};
-use crate::figures::{Figure, svg};
-use fos_data::text::number;
-use fos_data::visible::visible_lines;
-
-/// Why a report cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    /// A figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] crate::figures::FigureError),
-    /// The template.
-    #[error("the report cannot be rendered: {0}")]
-    Template(#[from] Error),
-}
 
 /// One file that needs nothing else: styles and figures are in it.
 ///
@@ -26,11 +12,7 @@ pub enum RenderError {
 ///
 /// A figure cannot be drawn.
 pub fn html(report: &Report) -> Result<String, RenderError> {
-    // every figure is drawn before it is rendered: (picture, title)
-    let drawn = |figure: &Figure| -> Result<Value, RenderError> {
-        let picture = svg(figure)?;
-        Ok(context! { title => figure.title.as_str(), svg => Value::from_safe_string(picture) })
-    };
+    // every figure is drawn before it is rendered
     let mut axes = Vec::new();
     for axis in &report.axes {
         let figures = axis.figures.iter().map(drawn).collect::<Result<Vec<_>, _>>()?;
@@ -39,14 +21,9 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
         let staircase = axis.section.staircase.as_ref().map(drawn).transpose()?;
         axes.push(context! { section => Serde(&axis.section), figures, evidence, staircase });
     }
-    let mut environment = environment(AutoEscape::Html)?;
-    environment.set_formatter(|out, state, value| match value.as_str() {
-        Some(text) if !value.is_safe() => escape_formatter(out, state, &visible_lines(text).into()),
-        _ => escape_formatter(out, state, value),
-    });
+    let environment = of_pages()?;
     let template = environment.template_from_str(include_str!("report.html"))?;
-    let style = Value::from_safe_string(include_str!("report.css").to_owned());
-    Ok(template.render(context! { report => Serde(report), axes, style })?)
+    Ok(template.render(context! { report => Serde(report), axes, style => style() })?)
 }
 
 /// The same numbers as text; figures are those of `host-fit compare --figures`.
@@ -67,23 +44,4 @@ pub fn markdown(report: &Report) -> Result<String, RenderError> {
         .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
     let template = environment.template_from_str(include_str!("report.md"))?;
     Ok(template.render(context! { report => Serde(report) })?)
-}
-
-fn environment(escape: AutoEscape) -> Result<Environment<'static>, Error> {
-    let mut environment = Environment::new();
-    environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
-    environment.set_auto_escape_callback(move |_| escape.clone());
-    environment.add_filter("number", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
-    environment.add_filter("root", |value: Option<f64>| {
-        value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
-    });
-    environment.add_filter("percent", |value: Option<f64>| {
-        value.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
-    });
-    environment.add_filter("seconds", |value: f64| format!("{value:.1} s"));
-    Ok(environment)
-}
-
-fn shown(value: f64) -> String {
-    number(value).replace('-', "−")
 }

@@ -44,22 +44,26 @@ impl IntoResponse for Refused {
     }
 }
 
-type Answer<T> = Result<Json<T>, Refused>;
+pub(super) type Answer<T> = Result<Json<T>, Refused>;
 
-fn not_found(what: String) -> Refused {
+pub(super) fn not_found(what: String) -> Refused {
     Refused(StatusCode::NOT_FOUND, what)
+}
+
+pub(super) fn forbidden(what: String) -> Refused {
+    Refused(StatusCode::FORBIDDEN, what)
 }
 
 fn not_now(what: String) -> Refused {
     Refused(StatusCode::CONFLICT, what)
 }
 
-fn wrong(what: impl ToString) -> Refused {
+pub(super) fn wrong(what: impl ToString) -> Refused {
     Refused(StatusCode::UNPROCESSABLE_ENTITY, what.to_string())
 }
 
 /// Does what takes a while beside the requests of others.
-async fn beside<T: Send + 'static>(
+pub(super) async fn beside<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
 ) -> Result<T, Refused> {
     let failed = |_| {
@@ -96,7 +100,7 @@ pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wante
     } else {
         let field = wanted.field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
         for path in [Some(&field), wanted.quiet.as_ref(), wanted.judged.as_ref()].into_iter().flatten() {
-            desk.folders.permitted(path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
+            desk.folders.permitted(path).map_err(forbidden)?;
         }
         let columns = ColumnMap::from_specs(wanted.columns).map_err(|why| wrong(why.to_string()))?;
         let read = LoadOptions { columns, rate_hz: wanted.rate_hz, ..LoadOptions::default() };
@@ -410,7 +414,7 @@ pub(super) struct Previewed {
 }
 
 pub(super) async fn preview(State(desk): State<Arc<Desk>>, Json(wanted): Json<Previewed>) -> Answer<Preview> {
-    let path = desk.folders.permitted(&wanted.path).map_err(|why| Refused(StatusCode::FORBIDDEN, why))?;
+    let path = desk.folders.permitted(&wanted.path).map_err(forbidden)?;
     Ok(Json(beside(move || preview_of(&path).map_err(wrong)).await?))
 }
 

@@ -1,4 +1,4 @@
-//! Which files may be opened: logs below the folders that were named at start, and what was dropped on the page.
+//! Which files may be opened: logs and populations below the folders that were named at start, and what was dropped on the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use fos_data::file::{FileError, make_folder};
 use fos_data::recording::may_be_log;
+use fos_fleet::rows_beside;
 
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;
@@ -26,7 +27,7 @@ pub struct Folders {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Listed {
     /// As it is opened.
-    path: String,
+    pub(super) path: String,
     /// Size.
     bytes: u64,
 }
@@ -59,7 +60,7 @@ impl Folders {
             let folders: Vec<String> =
                 self.readable.iter().map(|folder| folder.display().to_string()).collect();
             format!(
-                "{path}: not a log in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `host-fit serve FOLDER`",
+                "{path}: not a file in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `host-fit serve FOLDER`",
                 folders.join(", ")
             )
         };
@@ -73,13 +74,29 @@ impl Folders {
 
     /// Logs that may be opened, by their endings.
     pub(super) fn logs(&self) -> Vec<Listed> {
+        self.listed(&|path| path.file_name().is_some_and(|name| may_be_log(&name.to_string_lossy())))
+    }
+
+    /// Logs of that name, folders before it included, whatever its ending: `2026-W9/013`.
+    pub(super) fn logs_named(&self, name: &str) -> Vec<Listed> {
+        let mut logs = self.listed(&|path| path.with_extension("").ends_with(name));
+        logs.retain(|log| may_be_log(&log.path));
+        logs
+    }
+
+    /// Populations that may be opened: those beside which their rows lie.
+    pub(super) fn populations(&self) -> Vec<Listed> {
+        self.listed(&|path| rows_beside(path).is_file())
+    }
+
+    fn listed(&self, is_wanted: &dyn Fn(&Path) -> bool) -> Vec<Listed> {
         let mut found = Vec::new();
         let current = fs::canonicalize(".").unwrap_or_default();
         for folder in &self.readable {
             // shown as one would type it
             let shown = folder.strip_prefix(&current).unwrap_or(folder);
             let shown = if shown.as_os_str().is_empty() { Path::new(".") } else { shown };
-            list(shown, 0, &mut found);
+            list(shown, 0, is_wanted, &mut found);
         }
         found.sort_by(|a: &Listed, b| a.path.cmp(&b.path));
         found.dedup();
@@ -117,7 +134,7 @@ impl Folders {
     }
 }
 
-fn list(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
+fn list(folder: &Path, depth: usize, is_wanted: &dyn Fn(&Path) -> bool, found: &mut Vec<Listed>) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
@@ -126,8 +143,8 @@ fn list(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
             continue;
         }
         if kind.is_dir() && depth < DEEPEST && name != "target" && name != "node_modules" {
-            list(&path, depth + 1, found);
-        } else if kind.is_file() && may_be_log(&name) {
+            list(&path, depth + 1, is_wanted, found);
+        } else if kind.is_file() && is_wanted(&path) {
             let bytes = entry.metadata().map_or(0, |metadata| metadata.len());
             let path = path.strip_prefix(".").unwrap_or(&path).display().to_string();
             found.push(Listed { path, bytes });

@@ -5,6 +5,7 @@
 //! | `server` | which request goes where |
 //! | `guard` | who may ask: this page, from this machine |
 //! | `api` | what is asked and answered |
+//! | `populations` | the same of populations |
 //! | `assets` | the page, in the binary |
 //! | `desk` | all studies that are open |
 //! | `study` | one study and its thread |
@@ -27,6 +28,7 @@ mod folders;
 mod guard;
 mod job;
 mod known;
+mod populations;
 mod queue;
 mod series;
 mod server;

@@ -8,6 +8,7 @@ use ts_rs::{Config, TS, TypeVisitor};
 
 use super::api::{AxisSeries, Hubs, NamedFigure, Replayed, Wanted};
 use super::folders::Listed;
+use super::populations::{PopulationPage, UnitPage};
 use super::series::ViewKind;
 use super::told::{Beat, Entry, Page};
 use crate::report::Card;
@@ -58,6 +59,8 @@ fn declared() -> String {
     all.visit::<Listed>();
     all.visit::<Preview>();
     all.visit::<Card>();
+    all.visit::<PopulationPage>();
+    all.visit::<UnitPage>();
     let declarations = all.known.values().map(|(_, declaration)| format!("\n{declaration}"));
     HEAD.to_owned() + &declarations.collect::<String>()
 }

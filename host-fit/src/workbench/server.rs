@@ -21,7 +21,7 @@ use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, guard};
 use super::task::Open;
-use super::{api, assets};
+use super::{api, assets, populations};
 use fos_data::recording::LoadOptions;
 use fos_diagnose::effects::Library;
 
@@ -157,6 +157,9 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/hubs", get(api::hubs))
         .route("/api/studies/{id}/replay", get(api::replay))
         .route("/api/logs", get(api::logs))
+        .route("/api/populations", get(populations::listed))
+        .route("/api/population", get(populations::population))
+        .route("/api/population/unit", get(populations::unit))
         .route("/api/preview", post(api::preview))
         .route("/api/effects", get(api::effects))
         // before the limit of all others: a dropped file is large, and goes to the disk as it comes

@@ -527,3 +527,33 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
     assert!(axes.iter().find(|axis| axis["column"] == "gx_rads").unwrap()["diagnosis"].is_object());
     assert!(axes.iter().all(|axis| axis["model"].is_object()), "and so do the others, in the background");
 }
+
+#[tokio::test]
+async fn a_population_is_read_from_where_it_may_be_with_the_rows_that_lie_there() {
+    let bench = Bench::new();
+    let asked = fos_fleet::Asked { regressors: Vec::new(), diagnosed: false, read: Default::default() };
+    let fleet = json!(fos_fleet::Fleet::of(&[], &asked, &Library::built_in(), "a test"));
+    let within = bench.logs().join("population.json");
+    let (elsewhere, path) = (bench.folder.path().join("population.json"), within.display().to_string());
+    for place in [&within, &elsewhere] {
+        std::fs::write(place, fleet.to_string()).unwrap();
+        std::fs::write(fos_fleet::rows_beside(place), "").unwrap();
+    }
+    let (status, listed) = bench.get("/api/populations").await;
+    assert_eq!((status, listed.as_array().map(Vec::len)), (StatusCode::OK, Some(1)), "{listed}");
+    let (status, page) = bench.get(&format!("/api/population?path={path}")).await;
+    assert_eq!((status, &page["units"]), (StatusCode::OK, &json!([])), "{page}");
+    let (status, _) = bench.get(&format!("/api/population/unit?path={path}&part=&unit=none")).await;
+    assert_eq!(status, StatusCode::NOT_FOUND);
+    let (status, _) = bench.get(&format!("/api/population?path={}", elsewhere.display())).await;
+    assert_eq!(status, StatusCode::FORBIDDEN);
+    // rows to which a link leads out of the folder
+    #[cfg(unix)]
+    {
+        std::fs::remove_file(fos_fleet::rows_beside(&within)).unwrap();
+        std::os::unix::fs::symlink(fos_fleet::rows_beside(&elsewhere), fos_fleet::rows_beside(&within))
+            .unwrap();
+        let (status, said) = bench.get(&format!("/api/population?path={path}")).await;
+        assert_eq!(status, StatusCode::FORBIDDEN, "{said}");
+    }
+}

@@ -50,6 +50,7 @@ pub struct Study {
 
 /// The program that wrote a study.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Tool {
     /// As on the command line.
     pub name: String,

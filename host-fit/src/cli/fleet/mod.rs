@@ -1,7 +1,7 @@
 //! `fleet`: what the units in a folder have in common, which do not belong, and what follows from it. Each subcommand in a file of its own.
 
-mod export;
 mod make;
+mod report;
 
 use clap::{Args, Subcommand};
 
@@ -29,13 +29,13 @@ pub(super) struct Fleet {
 /// What is done with a population that was made.
 #[derive(Debug, Subcommand)]
 enum OfPopulation {
-    Export(export::Export),
+    Report(report::Report),
 }
 
 impl Fleet {
     pub(super) fn run(&self) -> Result<(), Failure> {
         match &self.of_population {
-            Some(OfPopulation::Export(export)) => export.run(),
+            Some(OfPopulation::Report(command)) => command.run(),
             None => self.make.run(),
         }
     }

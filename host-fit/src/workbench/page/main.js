@@ -1,11 +1,12 @@
 // @ts-check
-// The workbench: a top bar, and below it one study or the panel that opens one. The address says which.
+// The workbench: a top bar, and below it one study, one population, or the panel that opens them. The address says which.
 
 import { get, messageOf, remove } from "./api.js";
 import { el, icon, replace } from "./dom.js";
 import { JobStatus } from "./jobstatus.js";
 import { Notices } from "./notices.js";
 import { OpenPanel } from "./openpanel.js";
+import { PopulationPage, addressedPopulation } from "./populationpage.js";
 import { sideBySide } from "./sidebyside.js";
 import { StudyPage } from "./studypage.js";
 import { themeSwitch } from "./theme.js";
@@ -32,6 +33,8 @@ let studies = [];
 let page = null;
 /** @type {OpenPanel | null} */
 let opening = null;
+/** @type {PopulationPage | null} */
+let population = null;
 
 /** @param {Event} event */
 function skip(event) {
@@ -70,7 +73,7 @@ function drawTabs() {
       ),
       el("button", { type: "button", class: "quiet", "aria-label": `Close ${name}`, "data-key": `close:${id}`, onclick: () => void close(id) }, icon("close")),
     );
-  const isOpening = current === null;
+  const isOpening = current === null && !addressedPopulation(location.hash);
   replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
   tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
 }
@@ -97,7 +100,18 @@ function route() {
     page?.close();
     page = null;
   }
-  if (id === null) {
+  const named = addressedPopulation(location.hash);
+  if (!named) population = null;
+  if (named) {
+    if (population?.path !== named.path) {
+      notices.clear();
+      population = new PopulationPage(named.path, { notices, opened });
+      main.replaceChildren(population.element);
+      document.title = `${named.path} – fos workbench`;
+      scrollTo(0, 0);
+    }
+    population.show(named);
+  } else if (id === null) {
     opening ??= new OpenPanel(opened);
     opening.refresh();
     main.replaceChildren(opening.element, beside);

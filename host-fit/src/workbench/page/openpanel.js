@@ -1,11 +1,12 @@
 // @ts-check
-// Opens logs: dropped, chosen, by path, or the built-in example.
+// Opens logs: dropped, chosen, by path, or the built-in example; and populations, by path.
 
 import { get, messageOf, post, upload } from "./api.js";
 import { el, replace, uniqueId } from "./dom.js";
 import { bytes, fileName } from "./format.js";
 import { MappingTable } from "./mapping.js";
 import { alertElement } from "./notices.js";
+import { populationAddress } from "./populationpage.js";
 
 /** @typedef {import("./types.js").Preview} Preview */
 /** @typedef {import("./types.js").Listed} LogEntry */
@@ -27,6 +28,7 @@ export class OpenPanel {
   #progress = el("p", { class: "loading", role: "status", "aria-live": "polite" });
   #files = el("div", { class: "picked" });
   #paths = el("div", { class: "by-path" });
+  #populations = el("div", { class: "by-path" });
   #mapping = new MappingTable();
   #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.tsv,.txt,.gz,.parquet,.ulg,.bin,.mcap,.bag,.zip", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
@@ -56,7 +58,7 @@ export class OpenPanel {
       el("h1", { id: "opening-title" }, "What does your sensor do that no model knows?"),
       el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where that fails, and names the physical effect that is missing."),
       this.#problems,
-      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and something happens to gyro x that no model has."), this.#example, this.#paths)),
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and something happens to gyro x that no model has."), this.#example, this.#paths, this.#populations)),
       this.#progress,
       this.#files,
       this.#mapping.element,
@@ -68,6 +70,10 @@ export class OpenPanel {
   refresh() {
     get("/api/logs").then(
       (logs) => this.#drawPaths(logs),
+      (error) => this.#problem(messageOf(error)),
+    );
+    get("/api/populations").then(
+      (populations) => this.#drawPopulations(populations),
       (error) => this.#problem(messageOf(error)),
     );
   }
@@ -118,6 +124,15 @@ export class OpenPanel {
     const select = el("select", { id, "data-key": "path" }, logs.map(({ path, bytes: size }) => el("option", { value: path }, `${path} (${bytes(size)})`)));
     const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Take this log");
     replace(this.#paths, el("h2", {}, el("label", { for: id }, "A log on this machine")), el("div", { class: "row" }, select, open));
+  }
+
+  /** @param {LogEntry[]} populations */
+  #drawPopulations(populations) {
+    if (populations.length === 0) return replace(this.#populations);
+    const id = uniqueId("population");
+    const select = el("select", { id, "data-key": "population" }, populations.map(({ path }) => el("option", { value: path }, path)));
+    const open = () => (location.hash = populationAddress(select.value));
+    replace(this.#populations, el("h2", {}, el("label", { for: id }, "A population on this machine")), el("div", { class: "row" }, select, el("button", { type: "button", "data-key": "open-population", onclick: open }, "Open it")));
   }
 
   #draw() {

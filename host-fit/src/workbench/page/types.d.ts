@@ -53,6 +53,19 @@ added: Array<string>,
  * unit. */
 slow_before: number | null, slow_now: number | null, };
 
+/** An axis of a part. */
+export type AxisReport = {
+/** As in the log format, as `gx_rads`. */
+column: string,
+/** As in `gyro x`. */
+label: string,
+/** Why there is no population. */
+without: string | null,
+/** Its coefficients. */
+coefficients: Array<CoefficientReport>,
+/** The effects that units were found to have. */
+effects: Array<EffectReport>, };
+
 /** One axis. */
 export type AxisSection = {
 /** As in the log format, as `gx_rads`. */
@@ -205,6 +218,41 @@ standard_error: number,
 /** Coasts that it is the mean of. */
 origins: number, };
 
+/** A coefficient over units; every number is in `unit`. */
+export type CoefficientReport = {
+/** `bias`, or the regressor. */
+name: string,
+/** As in `dps/K`. */
+unit: string,
+/** Units that the population is of. */
+units: number,
+/** Lots with a name. */
+lots: number,
+/** Mean of the part. */
+mean: number,
+/** Its 90 % interval. */
+mean_interval: [number, number],
+/** Standard deviation between units of a lot. */
+between_units: number,
+/** Its 90 % interval. */
+between_units_interval: [number, number],
+/** Standard deviation between lots; none where they cannot be told. */
+between_lots: number | null,
+/** Its 90 % interval. */
+between_lots_interval: [number, number],
+/** How often lots that do not differ would look so different. */
+lots_alike: number | null,
+/** Standard deviation of an estimate about its unit. */
+error_of_log: number,
+/** Of the variance of estimates: lots, units, error of a log. */
+shares: [number, number, number],
+/** What each way of calibrating leaves. */
+left: LeftBy,
+/** When its numbers are not to be trusted, a sentence each. */
+cautions: Array<string>,
+/** Units about the population, and lot by lot. */
+figure: Figure, };
+
 /** A column of a file, and what it may be. */
 export type ColumnPreview = {
 /** As the file has it. */
@@ -351,6 +399,19 @@ parameter: Parameter | null,
 /** What it is confused with, the most similar first. */
 confused_with: Array<ConfusedWith>, };
 
+/** An effect on an axis of a part. */
+export type EffectReport = {
+/** As in the library. */
+effect: string,
+/** Units that have it, and units that were asked. */
+units: [number, number],
+/** The 90 % interval of the share of all units of the part that have it. */
+share_interval: [number, number],
+/** By how much the error should fall if every unit's model had it, in the mean over all units. */
+mean_reduction: number,
+/** What it costs on the device. */
+device: string, };
+
 /** One regressor of an effect. */
 export type EffectTerm = {
 /** Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`. */
@@ -416,6 +477,19 @@ shows_from_to_s: [number, number] | null,
 correction: Array<CorrectionTerm>,
 /** Limits that inputs are kept inside, by their text: how far a curve may be followed. */
 limits: { [key in string]: [number, number] }, };
+
+/** What a population says. */
+export type FleetReport = {
+/** The program that wrote it. */
+tool: Tool,
+/** Where the population was read. */
+path: string,
+/** What the error may depend on, as it was asked. */
+regressors: Array<string>,
+/** Units were diagnosed too. */
+diagnosed: boolean,
+/** Each part. */
+parts: Array<PartReport>, };
 
 /** A first-order Gauss-Markov process. */
 export type GaussMarkov = {
@@ -501,6 +575,17 @@ wide: number,
 /** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
  * model's bias is off by. Absent where the log does not tell, and in studies from before it was kept. */
 bias?: number | null, };
+
+/** Standard deviation of the error of a unit's coefficient, by what its model has. */
+export type LeftBy = {
+/** The mean of the part. */
+part_mean: number,
+/** The mean of the unit's lot, over the lots that are known; none where lots cannot be told. */
+lot_mean: number | null,
+/** The estimate of a log as these are. */
+own_log: number,
+/** The same beside the population, for a unit of a lot that is not known. */
+with_population: number, };
 
 /** A log that may be opened. */
 export type Listed = {
@@ -633,6 +718,40 @@ block_s: number,
 /** How many blocks there are. */
 blocks: number, };
 
+/** A unit of which nothing, or not everything, could be told. */
+export type NotRead = {
+/** Its name. */
+unit: string,
+/** Its lot. */
+lot: string | null,
+/** Some axes could be told. */
+is_partly: boolean,
+/** Why, a line each. */
+reasons: Array<string>,
+/** What helps, each once. */
+help: Array<string>, };
+
+/** A unit that does not belong. */
+export type OddReport = {
+/** Its name. */
+unit: string,
+/** Its lot. */
+lot: string | null,
+/** The axis that shows it best, as in `gyro x`. */
+label: string,
+/** The coefficient that is furthest there. */
+coefficient: string,
+/** By how many standard deviations of what a unit may be and its log may err. */
+by: number,
+/** How often a unit that belongs would be so far in any of its axes. */
+p_value: number,
+/** The unit of the numbers below. */
+unit_of_size: string,
+/** Its own estimate, and half of its 90 % interval. */
+estimate: [number, number] | null,
+/** Where nine of ten units of its lot lie. */
+expected: [number, number] | null, };
+
 /** An effect that was found, to be added or not. */
 export type Offer = {
 /** As in the library, as `thermal_lag`. */
@@ -677,12 +796,32 @@ low: number,
 /** Largest value looked for. */
 high: number, };
 
+/** A part. */
+export type PartReport = {
+/** Its name; empty if the fleet names none. */
+part: string,
+/** What was read, and what was not. */
+read: UnitsRead,
+/** When its numbers are not to be trusted, a sentence each. */
+cautions: Array<string>,
+/** Of what the differences of units are made; none where no axis has a population. */
+variance: Figure | null,
+/** Its axes. */
+axes: Array<AxisReport>,
+/** Units that do not belong, the furthest first. */
+odd: Array<OddReport>, };
+
 /** A term of the physical part. */
 export type PhysicalTerm = {
 /** The product of inputs. */
 term: string,
 /** Coefficient, unit of the axis per unit of the product. */
 coefficient: number, };
+
+/** A population, as `host-fit fleet report --json` prints it, and its units. */
+export type PopulationPage = { report: FleetReport,
+/** In the order of parts and names. */
+units: Array<UnitEntry>, };
 
 /** Power over time and frequency. */
 export type PowerMap = {
@@ -874,6 +1013,87 @@ p: number, };
 
 /** Why a range is set apart. */
 export type Tone = "Apart" | "LeftOut";
+
+/** The program that wrote a study. */
+export type Tool = {
+/** As on the command line. */
+name: string,
+/** Its version. */
+version: string, };
+
+/** An axis of a unit. */
+export type UnitAxis = {
+/** As in `gyro x`. */
+label: string,
+/** The coefficients of its population. */
+coefficients: Array<UnitCoefficient>,
+/** The effects that a diagnosis found. */
+effects: Array<string>, };
+
+/** A coefficient of a unit: values in `unit`, each with half of its 90 % interval. */
+export type UnitCoefficient = {
+/** `bias`, or the regressor. */
+name: string,
+/** As in `dps/K`. */
+unit: string,
+/** What its log says; none where it does not tell. */
+own: [number, number] | null,
+/** What its lot lets expect: nine of ten units lie there. */
+expected: [number, number],
+/** Both together; of a unit that the population is of, its own log counts in both. */
+together: [number, number],
+/** By how many standard deviations its log is off what is expected. */
+by: number | null, };
+
+/** A unit in a list. */
+export type UnitEntry = { part: string, unit: string, lot: string | null, };
+
+/** A unit, and its log. */
+export type UnitPage = { report: UnitReport,
+/** Its log, as it is opened; none where it is not in a folder that may be read. */
+log: string | null, };
+
+/** A unit. */
+export type UnitReport = {
+/** Its name. */
+unit: string,
+/** Its part. */
+part: string,
+/** Its lot. */
+lot: string | null,
+/** It does not belong. */
+is_odd: boolean,
+/** Length of its log, s. */
+seconds: number | null,
+/** Lowest and highest temperature of its log, °C. */
+temperature_c: [number, number] | null,
+/** Why it, or an axis of it, tells nothing. */
+failed: Array<string>,
+/** The axes of its part. */
+axes: Array<UnitAxis>, };
+
+/** What was read of a part. */
+export type UnitsRead = {
+/** Units that were asked. */
+units: number,
+/** Those that told all. */
+whole: number,
+/** Those of which an axis could not be told. */
+partly: number,
+/** Those that told nothing. */
+nothing: number,
+/** Lots that are named. */
+lots: number,
+/** Length of the logs: the shortest, the median, the longest, s. */
+seconds: [number, number, number] | null,
+/** Lowest and highest temperature of all logs, °C. */
+temperature_c: [number, number] | null,
+/** By how much the temperature changes in the median log, K. */
+warming_k: number | null,
+/** The units of which something could not be told. */
+not_read: Array<NotRead>,
+/** How many more there are. */
+more: number, };
 
 /** An effect that could not be tried. */
 export type Untested = {

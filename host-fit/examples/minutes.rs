@@ -1,19 +1,20 @@
 //! A short calibration made long: what a unit's own minutes leave of its error, alone and beside its population.
 //!
 //! ```text
-//! cargo run --release -p fos-fleet --example minutes [UNITS [SEED]]
+//! cargo run --release -p host-fit --example minutes [UNITS [SEED [SVG]]]
 //! ```
 //!
 //! Units of a simulated part: bias and slope of a gyro's temperature drawn, lots apart, white noise, flicker and random walk of a phone-class part,
 //! the room warming by 4 K and back in half an hour; once calibrated from power-on, while the die warms by 3 K, and once when it is warm. A fifth of the units is measured for half an hour each and makes the population; the others are
 //! calibrated in their first minutes, alone and with it. What is left is measured against the truth at 10 to 45 °C: root mean square, with the
-//! 90 % interval of that over the units.
+//! 90 % interval of that over the units. With a third argument the table is drawn there, too.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::statistics::median_of;
 use fos_fit::noise::NoiseLevels;
 use fos_fleet::{AxisEstimate, BIAS, Estimate, Member, Population, estimate};
 use fos_simulate::{Simulation, simulate};
+use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, write_svg};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -78,16 +79,39 @@ fn main() {
             scatter.units, scatter.lots, scatter.measurement
         );
     }
+    let mut panels = Vec::new();
     for (warming_k, of) in WARMING_K.into_iter().zip(["from power-on", "warm already"]) {
         println!("\n{of}:");
         let others: Vec<Unit> =
             others.par_iter().map(|unit| measured(*unit, seed, warming_k, Some(&noise))).collect();
-        compare(&others, &population);
+        panels.push(panel(of, compare(&others, &population)));
+    }
+    if let Some(path) = std::env::args().nth(3) {
+        let title = "What minutes of calibration leave of the error at 10 to 45 °C".to_owned();
+        write_svg(&Figure { title, panels }, path.as_ref()).expect("a picture");
     }
 }
 
-/// A line for each length of calibration.
-fn compare(others: &[Unit], population: &Population) {
+/// Minutes, what is left and its interval, mdps.
+type Left = Vec<(f64, f64, f64, f64)>;
+
+fn panel(title: &str, [alone, with]: [Left; 2]) -> Panel {
+    let series = |label: &str, ink, left| Series { label: label.to_owned(), ink, shape: Shape::Bars(left) };
+    Panel {
+        title: title.to_owned(),
+        x: Axis::log("Minutes of calibration (min)"),
+        y: Axis::log("Root mean square over units, with its 90 % interval (mdps)"),
+        series: vec![
+            series("a unit's own log", Ink::Measured, alone),
+            series("with the population", Ink::Predicted, with),
+        ],
+        ..Panel::default()
+    }
+}
+
+/// A line for each length of calibration; what is left alone, and with the population.
+fn compare(others: &[Unit], population: &Population) -> [Left; 2] {
+    let mut left_behind = [Left::new(), Left::new()];
     println!(
         "\n| minutes | left alone, mdps | with the population | intervals of 90 % that hold, of bias and slope: alone | with the population |"
     );
@@ -99,14 +123,19 @@ fn compare(others: &[Unit], population: &Population) {
         let left_of = |estimates: &[Estimate]| -> Vec<f64> {
             estimates.iter().zip(others).map(|(estimate, unit)| left(estimate, unit)).collect()
         };
+        let left = [&alone, &with].map(|estimates| root_mean(&left_of(estimates)));
+        for (kept, [mean, low, high]) in left_behind.iter_mut().zip(left) {
+            kept.push((*minutes, mean, low, high));
+        }
+        let [alone_left, with_left] =
+            left.map(|[mean, low, high]| format!("{mean:.1} ({low:.1} to {high:.1})"));
         println!(
-            "| {minutes} | {} | {} | {} | {} |",
-            root_mean(&left_of(&alone)),
-            root_mean(&left_of(&with)),
+            "| {minutes} | {alone_left} | {with_left} | {} | {} |",
             held(&alone, others),
             held(&with, others)
         );
     }
+    left_behind
 }
 
 /// How often the intervals of bias and slope hold the truth.
@@ -176,10 +205,10 @@ fn left(estimate: &Estimate, unit: &Unit) -> f64 {
     temperatures.clone().map(|t| (bias + slope * t).powi(2)).sum::<f64>() / temperatures.count() as f64
 }
 
-fn root_mean(squares: &[f64]) -> String {
+/// Root mean square, and the ends of its 90 % interval.
+fn root_mean(squares: &[f64]) -> [f64; 3] {
     let n = squares.len() as f64;
     let mean = squares.iter().sum::<f64>() / n;
     let error = (squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / n / n).sqrt();
-    let [low, high] = [mean - 1.645 * error, mean + 1.645 * error].map(|square| square.max(0.0).sqrt());
-    format!("{:.1} ({low:.1} to {high:.1})", mean.sqrt())
+    [mean, mean - 1.645 * error, mean + 1.645 * error].map(|square| square.max(0.0).sqrt())
 }

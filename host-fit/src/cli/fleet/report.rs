@@ -1,0 +1,39 @@
+//! `fleet report`: a population in one page for people.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::arguments::OutputFile;
+use crate::cli::output::{Failure, print_json, print_line};
+use crate::report::fleet::{FleetReport, html};
+use fos_data::file::write_atomically;
+use fos_fleet::Fleet;
+
+/// Write a population into one page: how units and lots scatter, which units do not belong, what to ship
+#[derive(Debug, Args)]
+#[command(after_help = "Example: host-fit fleet report population.json -o fleet.html")]
+pub(super) struct Report {
+    /// The population; the rows of its units lie beside it, under the same name with .rows behind it
+    population: PathBuf,
+    /// The page to write
+    #[arg(short, long, default_value = "fleet.html")]
+    output: OutputFile,
+    /// Print the content as JSON and write nothing
+    #[arg(long)]
+    json: bool,
+}
+
+impl Report {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let (fleet, rows) = Fleet::read(&self.population)?;
+        let content = FleetReport::of(&fleet, &rows, &self.population);
+        if self.json {
+            return print_json(&content);
+        }
+        let text = html(&content)?;
+        write_atomically(&self.output, text.as_bytes())?;
+        print_line!("{}: {} units, {} kB", self.output.display(), fleet.units, text.len().div_ceil(1000));
+        Ok(())
+    }
+}

@@ -1,0 +1,245 @@
+//! A coefficient of an axis over the units of a part, in data-sheet units.
+
+use serde::Serialize;
+
+use crate::figures::Figure;
+use crate::figures::population::{LotMean, OfCoefficient, UnitDot, of_coefficient};
+use fos_data::column::Column;
+use fos_data::text::number;
+use fos_diagnose::effects::SizeUnit;
+use fos_fleet::{BIAS, PartSummary, Population, REFERENCE_C, UnitRow};
+
+/// A standard deviation whose interval spans more than this factor is hardly known.
+const WIDE: f64 = 2.0;
+
+/// The scatter between fewer lots is hardly known.
+const FEW_LOTS: usize = 6;
+
+/// Half of a 90 % interval of a normal distribution, in standard deviations.
+pub(super) const NINETY: f64 = 1.645;
+
+/// A coefficient over units; every number is in `unit`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct CoefficientReport {
+    /// `bias`, or the regressor.
+    pub name: String,
+    /// As in `dps/K`.
+    pub unit: String,
+    /// Units that the population is of.
+    pub units: usize,
+    /// Lots with a name.
+    pub lots: usize,
+    /// Mean of the part.
+    pub mean: f64,
+    /// Its 90 % interval.
+    pub mean_interval: [f64; 2],
+    /// Standard deviation between units of a lot.
+    pub between_units: f64,
+    /// Its 90 % interval.
+    pub between_units_interval: [f64; 2],
+    /// Standard deviation between lots; none where they cannot be told.
+    pub between_lots: Option<f64>,
+    /// Its 90 % interval.
+    pub between_lots_interval: [f64; 2],
+    /// How often lots that do not differ would look so different.
+    pub lots_alike: Option<f64>,
+    /// Standard deviation of an estimate about its unit.
+    pub error_of_log: f64,
+    /// Of the variance of estimates: lots, units, error of a log.
+    pub shares: [f64; 3],
+    /// What each way of calibrating leaves.
+    pub left: LeftBy,
+    /// When its numbers are not to be trusted, a sentence each.
+    pub cautions: Vec<String>,
+    /// Units about the population, and lot by lot.
+    pub figure: Figure,
+}
+
+/// Standard deviation of the error of a unit's coefficient, by what its model has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LeftBy {
+    /// The mean of the part.
+    pub part_mean: f64,
+    /// The mean of the unit's lot, over the lots that are known; none where lots cannot be told.
+    pub lot_mean: Option<f64>,
+    /// The estimate of a log as these are.
+    pub own_log: f64,
+    /// The same beside the population, for a unit of a lot that is not known.
+    pub with_population: f64,
+}
+
+/// The unit of a coefficient, and how much one of it is in SI.
+pub(super) fn unit_of(column: &str, name: &str) -> (String, f64) {
+    let unit = SizeUnit::of_axis(Column::named(column));
+    let text = match name {
+        BIAS => unit.to_string(),
+        "temp_c" => format!("{unit}/K"),
+        "temp_c * temp_c" => format!("{unit}/K²"),
+        _ => format!("{unit} per {name}"),
+    };
+    (text, unit.si)
+}
+
+impl CoefficientReport {
+    pub(super) fn of(
+        column: &str,
+        population: &Population,
+        place: usize,
+        rows: &[&UnitRow],
+        part: &PartSummary,
+    ) -> Self {
+        let name = &population.names[place];
+        let (unit, si) = unit_of(column, name);
+        let scatter = &population.scatter[place];
+        let told = |value: f64| value / si;
+        let deviation = |matrix: &[Vec<f64>]| told(matrix[place][place].max(0.0).sqrt());
+        let about = |value: f64, deviation: f64| [value - NINETY * deviation, value + NINETY * deviation];
+        let mean = told(population.mean[place]);
+        let mean_interval = about(mean, deviation(&population.mean_covariance));
+        let (units, lots, error) = (told(scatter.units), told(scatter.lots), told(scatter.measurement));
+        let variances = [lots, units, error].map(|deviation| deviation * deviation);
+        let whole: f64 = variances.iter().sum();
+
+        let mut named: Vec<_> = population.lots.iter().filter(|lot| !lot.name.is_empty()).collect();
+        named.sort_by_cached_key(|lot| in_order(&lot.name));
+        let has_lots = scatter.lots_alike.is_some();
+        let lot_means = named.iter().map(|lot| {
+            let mean = told(lot.mean[place]);
+            LotMean { name: lot.name.clone(), mean, interval: about(mean, deviation(&lot.covariance)) }
+        });
+        let lot_means: Vec<LotMean> = if has_lots { lot_means.collect() } else { Vec::new() };
+
+        let mut rows: Vec<&&UnitRow> = rows.iter().collect();
+        rows.sort_by_cached_key(|row| (row.lot.as_deref().map(in_order), in_order(&row.unit)));
+        let estimates: Vec<_> = rows
+            .iter()
+            .filter_map(|row| {
+                let axis = row.axes.iter().find(|axis| axis.estimate.column == column)?;
+                Some((row, &axis.estimate.coefficients))
+            })
+            .collect();
+        let units_drawn = estimates.iter().filter_map(|(row, estimate)| {
+            Some(UnitDot {
+                value: told(estimate.values[estimate.place(name)?]),
+                lot: row.lot.as_ref().and_then(|lot| lot_means.iter().position(|mean| mean.name == *lot)),
+                is_odd: part.odd.iter().any(|odd| odd.unit == row.unit && odd.column == column),
+            })
+        });
+        let units_drawn: Vec<UnitDot> = units_drawn.collect();
+
+        let root_mean = |variances: &mut dyn Iterator<Item = f64>| {
+            let variances: Vec<f64> = variances.collect();
+            told((variances.iter().sum::<f64>() / variances.len().max(1) as f64).max(0.0).sqrt())
+        };
+        let own = population.between_units[place][place];
+        let left = LeftBy {
+            part_mean: told(population.prior(None).1[place][place].max(0.0).sqrt()),
+            lot_mean: has_lots
+                .then(|| root_mean(&mut named.iter().map(|lot| own + lot.covariance[place][place]))),
+            own_log: error,
+            with_population: root_mean(
+                &mut estimates
+                    .iter()
+                    .filter(|(_, estimate)| estimate.place(name).is_some())
+                    .map(|(_, estimate)| population.shrunk(estimate, None).covariance[place][place]),
+            ),
+        };
+        let quantity = match name.as_str() {
+            BIAS => format!("Bias at {REFERENCE_C} °C ({unit})"),
+            _ => format!("Coefficient of {name} ({unit})"),
+        };
+        let mut report = Self {
+            name: name.clone(),
+            units: population.units,
+            lots: named.len(),
+            mean,
+            mean_interval,
+            between_units: units,
+            between_units_interval: scatter.units_interval.map(told),
+            between_lots: has_lots.then_some(lots),
+            between_lots_interval: scatter.lots_interval.map(told),
+            lots_alike: scatter.lots_alike,
+            error_of_log: error,
+            shares: variances.map(|variance| if whole > 0.0 { variance / whole } else { 0.0 }),
+            left,
+            cautions: Vec::new(),
+            figure: of_coefficient(&OfCoefficient {
+                title: format!("{}: {name}", Column::named(column).label()),
+                quantity,
+                units: units_drawn,
+                lots: lot_means,
+                mean,
+                scatter: units.hypot(lots),
+                error,
+            }),
+            unit,
+        };
+        report.cautions = report.doubts();
+        report
+    }
+
+    /// When its numbers are not to be trusted.
+    fn doubts(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let [low, high] = self.between_units_interval;
+        let unit = &self.unit;
+        if low <= 0.0 {
+            found.push(format!(
+                "The scatter between units is not told from the error of the logs, {} {unit}: it may be none, and is at most {} {unit}. Longer logs tell it.",
+                number(self.error_of_log),
+                number(high)
+            ));
+        } else if high > WIDE * low {
+            found.push(format!(
+                "The scatter between units is only known to lie between {} and {} {unit}. More units, or longer logs, tell it better.",
+                number(low),
+                number(high)
+            ));
+        }
+        if low > 0.0 && self.error_of_log > self.between_units {
+            found.push("A log errs by more than units differ: a unit's own estimate says less of it than the mean of its part.".to_owned());
+        }
+        if self.between_lots.is_some() && self.lots < FEW_LOTS {
+            found.push(format!(
+                "The scatter between lots rests on {} lots: it may be anything up to {} {unit}.",
+                self.lots,
+                number(self.between_lots_interval[1])
+            ));
+        }
+        found
+    }
+}
+
+/// The order of people: numbers in a name by their size, `W9` before `W10`.
+fn in_order(name: &str) -> Vec<(String, u64)> {
+    let mut pieces = vec![(String::new(), 0_u64)];
+    let mut was_digit = false;
+    for letter in name.chars() {
+        let digit = letter.to_digit(10);
+        if was_digit && digit.is_none() {
+            pieces.push((String::new(), 0));
+        }
+        if let Some((text, number)) = pieces.last_mut() {
+            match digit {
+                Some(digit) => *number = number.saturating_mul(10).saturating_add(u64::from(digit)),
+                None => text.push(letter),
+            }
+        }
+        was_digit = digit.is_some();
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_order;
+
+    #[test]
+    fn numbers_in_names_go_by_their_size() {
+        let mut names = ["2026-W10", "2026-W9", "2025-W51", "w", "", "99999999999999999999999"];
+        names.sort_by_key(|name| in_order(name));
+        assert_eq!(names, ["", "2025-W51", "2026-W9", "2026-W10", "99999999999999999999999", "w"]);
+    }
+}

@@ -1,0 +1,65 @@
+//! What the templates of reports have in common: how they are read, how numbers and figures stand in them.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{AutoEscape, Environment, Error, Value, context, escape_formatter};
+
+use crate::figures::{Figure, svg};
+use fos_data::text::{number, rounded};
+use fos_data::visible::visible_lines;
+
+/// Why a report cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] crate::figures::FigureError),
+    /// The template.
+    #[error("the report cannot be rendered: {0}")]
+    Template(#[from] Error),
+}
+
+/// For pages: what is not markup is escaped.
+pub(super) fn of_pages() -> Result<Environment<'static>, Error> {
+    let mut environment = environment(AutoEscape::Html)?;
+    environment.set_formatter(|out, state, value| match value.as_str() {
+        Some(text) if !value.is_safe() => escape_formatter(out, state, &visible_lines(text).into()),
+        _ => escape_formatter(out, state, value),
+    });
+    Ok(environment)
+}
+
+/// A figure as a template takes it: picture and title.
+pub(super) fn drawn(figure: &Figure) -> Result<Value, RenderError> {
+    let picture = svg(figure)?;
+    Ok(context! { title => figure.title.as_str(), svg => Value::from_safe_string(picture) })
+}
+
+/// How every page looks.
+pub(super) fn style() -> Value {
+    Value::from_safe_string(include_str!("report.css").to_owned())
+}
+
+pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Error> {
+    let mut environment = Environment::new();
+    environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
+    environment.set_auto_escape_callback(move |_| escape.clone());
+    environment.add_filter("number", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
+    environment.add_filter("three", |value: Option<f64>| {
+        value.map_or_else(|| "–".to_owned(), |value| rounded(value, 3).replace('-', "−"))
+    });
+    environment.add_filter("root", |value: Option<f64>| {
+        value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
+    });
+    environment.add_filter("percent", |value: Option<f64>| {
+        value.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
+    });
+    environment.add_filter("hundredths", |shares: Vec<f64>| {
+        shares.iter().map(|share| format!("{:.0}", 100.0 * share)).collect::<Vec<_>>().join(" : ")
+    });
+    environment.add_filter("seconds", |value: f64| format!("{value:.1} s"));
+    Ok(environment)
+}
+
+fn shown(value: f64) -> String {
+    number(value).replace('-', "−")
+}
