@@ -121,7 +121,7 @@ pub enum FleetError {
         source: std::io::Error,
     },
     /// It is no population, or of another schema.
-    #[error("{}: no population: {reason}\nhelp: what `host-fit fleet` wrote, schema {SCHEMA}", path.display())]
+    #[error("{}: no population: {reason}\nhelp: a population of schema {SCHEMA}, made of the units anew", path.display())]
     NotAPopulation {
         /// As it was given.
         path: PathBuf,
@@ -129,7 +129,7 @@ pub enum FleetError {
         reason: String,
     },
     /// The rows beside a population are not those that it was made of.
-    #[error("{}: {found} rows of {units} units\nhelp: the rows of a population lie beside it under its name with .rows behind it; make it anew where they are lost: `host-fit fleet`", path.display())]
+    #[error("{}: {found} rows of {units} units\nhelp: the rows of a population lie beside it under its name with .rows behind it; where they are lost, make the population anew", path.display())]
     OtherRows {
         /// The rows.
         path: PathBuf,

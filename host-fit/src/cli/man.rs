@@ -6,7 +6,6 @@ use clap_mangen::Man as Page;
 use super::arguments::OutputFolder;
 use super::command_tree::subcommands_of;
 use super::output::{Failure, Written, print_written};
-use super::subcommands_of;
 use fos_data::file::{make_folder, write_atomically};
 
 /// Write manual pages, one for each subcommand

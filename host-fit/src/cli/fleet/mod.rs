@@ -1,5 +1,6 @@
 //! `fleet`: what the units in a folder have in common, which do not belong, and what follows from it. Each subcommand in a file of its own.
 
+mod export;
 mod make;
 mod report;
 
@@ -29,12 +30,14 @@ pub(super) struct Fleet {
 /// What is done with a population that was made.
 #[derive(Debug, Subcommand)]
 enum OfPopulation {
+    Export(export::Export),
     Report(report::Report),
 }
 
 impl Fleet {
     pub(super) fn run(&self) -> Result<(), Failure> {
         match &self.of_population {
+            Some(OfPopulation::Export(command)) => command.run(),
             Some(OfPopulation::Report(command)) => command.run(),
             None => self.make.run(),
         }
