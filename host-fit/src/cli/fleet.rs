@@ -10,7 +10,7 @@ use crate::program::this_build;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::{Regressor, SizeUnit};
-use fos_fleet::{Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PartSummary, rows, units_in};
+use fos_fleet::{Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PROGRAM, PartSummary, rows, units_in};
 
 /// What the units in a folder have in common: the mean of the part, how lots and units scatter, which units do not belong
 ///
@@ -57,21 +57,19 @@ impl Fleet {
         };
         let mut kept_in = self.output.to_path_buf().into_os_string();
         kept_in.push(".rows");
-        let program = this_build();
         let bar = progress(units.len() as u64, "looking at the units");
-        let found = rows(&units, &asked, &library, &program, &PathBuf::from(kept_in), |done| {
-            bar.set_position(done as u64)
-        })?;
+        let found =
+            rows(&units, &asked, &library, PROGRAM, &this_build(), &PathBuf::from(kept_in), |done| {
+                bar.set_position(done as u64)
+            })?;
         bar.finish_and_clear();
-        let fleet = fos_fleet::Fleet::of(&found, &asked, &library, &program);
+        let fleet = fos_fleet::Fleet::of(&found, &asked, &library, PROGRAM);
         if fleet.parts.iter().all(|part| part.axes.is_empty()) {
             let first = fleet.failed.first().and_then(|failed| Some((&failed.unit, failed.reasons.first()?)));
             let (unit, reason) = first.ok_or("the fleet has no unit")?;
             return Err(format!("none of {} units tells anything; {unit}: {reason}", fleet.units).into());
         }
-        let mut text = serde_json::to_vec_pretty(&fleet)?;
-        text.push(b'\n');
-        write_atomically(&self.output, &text)?;
+        write_atomically(&self.output, &fleet.to_bytes())?;
         for failed in &fleet.failed {
             for reason in &failed.reasons {
                 print_warning(&format!("{}: {reason}", failed.unit));
