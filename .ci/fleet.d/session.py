@@ -16,6 +16,7 @@ def session(master: str, **more) -> SparkSession:
         "spark.ui.enabled": "false",
         "spark.ui.showConsoleProgress": "false",
         "spark.sql.execution.arrow.maxRecordsPerBatch": "1",
+        "spark.sql.shuffle.partitions": "8",
         "spark.sql.adaptive.enabled": "false",
         "spark.log.level": "ERROR",
         **more,

@@ -24,6 +24,9 @@ from .fleet import Fleet, UnitRow
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame
 
+AT_ONCE = 20_000
+"""Rows that the driver holds as text: 60 MB of six axes."""
+
 SCHEMA = StructType(
     [
         StructField("unit", StringType(), nullable=False),
@@ -97,11 +100,12 @@ def population(rows: DataFrame, *, effects: Sequence[str] = ()) -> Fleet:
     Raises:
         FleetError: As of `fos_imu.population`.
     """
-    # an iterator asks for one partition after the other: they are made before, all at once
+    # an iterator asks for one partition after the other: rows are made before, all at once, and asked for in few
     made = rows.select("row").persist(StorageLevel.DISK_ONLY)
     try:
-        made.count()
-        return fleet.population((row[0] for row in made.toLocalIterator()), effects=effects)
+        partitions = max(1, -(-made.count() // AT_ONCE))
+        fetched = made.coalesce(partitions).toLocalIterator()
+        return fleet.population((row[0] for row in fetched), effects=effects)
     finally:
         made.unpersist()
 
