@@ -8,6 +8,7 @@
 //! | `arrays` | columns of NumPy as columns of a log, and back |
 //! | `recording`, `simulation` | logs |
 //! | `options`, `study`, `diagnosis`, `noise` | what is fitted, added, found and told |
+//! | `fleet` | a row for each unit, the populations behind the rows |
 //! | `predictor` | an image on fos-core in f32 |
 //! | `series` | a model of any output and inputs, for the regressor |
 
@@ -17,6 +18,7 @@
 mod arrays;
 mod diagnosis;
 mod error;
+mod fleet;
 mod noise;
 mod options;
 mod predictor;
@@ -36,6 +38,8 @@ mod _engine {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::diagnosis::{diagnose, effects};
+    #[pymodule_export]
+    use crate::fleet::{Fleet, Rows, recording_row, unit_row};
     #[pymodule_export]
     use crate::noise::{imu_yaml, noise};
     #[pymodule_export]

@@ -27,7 +27,7 @@ pub(crate) struct Recording {
 }
 
 /// How a log is read.
-fn options(
+pub(crate) fn options(
     py: Python<'_>,
     map: &[String],
     rate_hz: Option<f64>,

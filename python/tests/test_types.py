@@ -21,3 +21,11 @@ def test_what_is_handed_over_has_the_types_that_are_said() -> None:
     assert (type(rate), type(image), corrected.dtype) == (float, bytes, np.float32)
     assert slow is None or slow > 0
     assert columns["gx_rads"].dtype == np.float64
+
+
+def test_rows_of_units_have_the_types_that_are_said() -> None:
+    row: fos.UnitRow = fos.unit_row(fos.simulate(minutes=3.0, seed=4, motion=False), unit="u4")
+    text: str = row.to_json()
+    fleet: fos.Fleet = fos.population([text])
+    units: int = fleet.units
+    assert (units, row.unit) == (1, "u4")

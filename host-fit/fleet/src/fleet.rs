@@ -171,7 +171,7 @@ struct Kept {
 }
 
 /// The rows of `units`, in their order, each looked at once: rows go to `kept_in`, a line of JSON each, as they come, and are taken from
-/// there if neither log nor program has changed. `progress` is told how many are done.
+/// there if neither log nor program has changed: `build` tells one program of a version from another. `progress` is told how many are done.
 ///
 /// # Errors
 ///
@@ -181,6 +181,7 @@ pub fn rows(
     asked: &Asked,
     library: &Library,
     program: &str,
+    build: &str,
     kept_in: &Path,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Vec<UnitRow>, FleetError> {
@@ -192,7 +193,7 @@ pub fn rows(
     let kept: Vec<Kept> = units
         .par_iter()
         .map(|unit| {
-            let key = key(unit, asked, library, program);
+            let key = key(unit, asked, library, build);
             let kept = match known.get(&key) {
                 Some(row) => Kept { key, row: row.clone() },
                 None => {
@@ -234,10 +235,10 @@ fn known_rows(kept_in: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>
 }
 
 /// What a row depends on: name, size and time of change of its log, what is asked, the program, the library.
-fn key(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> String {
+fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
     let about = std::fs::metadata(&unit.log).ok().map(|about| (about.len(), about.modified().ok()));
     let mut digest = Sha256::new();
-    digest.update(format!("{program} {unit:?} {about:?}"));
+    digest.update(format!("{build} {unit:?} {about:?}"));
     digest.update(serde_json::to_vec(asked).unwrap_or_default());
     if asked.diagnosed {
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
@@ -293,6 +294,13 @@ impl Fleet {
             return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: fleet.units });
         }
         Ok((fleet, rows))
+    }
+
+    /// The text of its file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut text = serde_json::to_vec_pretty(self).expect("populations have only string keys");
+        text.push(b'\n');
+        text
     }
 
     /// What `rows` come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same rows give the same bits.

@@ -1,7 +1,6 @@
 //! A unit in one row: what its log tells, or why it tells nothing.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use fos_core::{StillnessLimits, Transform};
 use fos_data::recording::{LoadOptions, Recording, load};
@@ -49,6 +48,8 @@ pub struct UnitRow {
     pub lot: Option<String>,
     /// The program that made the row.
     pub program: String,
+    /// What was asked: rows that were asked different things are no fleet.
+    pub asked: Asked,
     /// SHA-256 of the log, hexadecimal; empty where it could not be read.
     pub sha256: String,
     /// What was read; none where the log could not be.
@@ -119,25 +120,34 @@ impl UnitRow {
 
 /// The row of a unit. It cannot fail: what went wrong is in it.
 pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
+    let read = load(&unit.log, &asked.read).map_err(|error| error.to_string());
+    row_of(unit, read.as_ref().map_err(String::as_str), asked, library, program)
+}
+
+/// The same of a log that was read, or of why it cannot be; `unit.log` is not looked at.
+pub fn row_of(
+    unit: &Unit,
+    read: Result<&Recording, &str>,
+    asked: &Asked,
+    library: &Library,
+    program: &str,
+) -> UnitRow {
     let mut row = UnitRow {
         unit: unit.name.clone(),
         part: unit.part.clone(),
         lot: unit.lot.clone(),
         program: program.to_owned(),
+        asked: asked.clone(),
         sha256: String::new(),
         log: None,
         axes: Vec::new(),
         failed: Vec::new(),
     };
-    match read(&unit.log, &asked.read) {
-        Ok(recording) => fill(&mut row, &recording, asked, library),
-        Err(error) => row.failed.push(error),
+    match read {
+        Ok(recording) => fill(&mut row, recording, asked, library),
+        Err(error) => row.failed.push(error.to_owned()),
     }
     row
-}
-
-fn read(log: &Path, options: &LoadOptions) -> Result<Recording, String> {
-    load(log, options).map_err(|error| error.to_string())
 }
 
 fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Library) {

@@ -54,7 +54,7 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
 
     let (units, library, kept) =
         (units_in(&logs).expect("units"), Library::built_in(), folder.path().join("rows"));
-    let found = rows(&units, &asked(), &library, "a test", &kept, |_| {}).expect("rows");
+    let found = rows(&units, &asked(), &library, "a test", "a build", &kept, |_| {}).expect("rows");
     assert_eq!(found.len(), UNITS as usize + 2);
     for row in &found {
         let Some((_, bias, slope)) = truth.iter().find(|(name, _, _)| *name == row.unit) else {
@@ -83,11 +83,11 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
     let whole = std::fs::read_to_string(&kept).expect("rows");
     let cut: String = whole.chars().take(whole.len() * 2 / 5).collect();
     std::fs::write(&kept, &cut).expect("rows");
-    let again = rows(&units, &asked(), &library, "a test", &kept, |_| {}).expect("rows");
+    let again = rows(&units, &asked(), &library, "a test", "a build", &kept, |_| {}).expect("rows");
     assert_eq!(again, found);
     assert_eq!(std::fs::read_to_string(&kept).expect("rows"), whole, "the same bytes");
     // another program makes its own
-    let other = rows(&units, &asked(), &library, "another", &kept, |_| {}).expect("rows");
+    let other = rows(&units, &asked(), &library, "another", "another build", &kept, |_| {}).expect("rows");
     assert!(other.iter().all(|row| row.program == "another"));
 
     let fleet = Fleet::of(&found, &asked(), &library, "a test");

@@ -90,6 +90,7 @@ fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part()
         &asked,
         &library,
         "a test",
+        "a build",
         &folder.path().join("rows"),
         |_| {},
     )
@@ -130,8 +131,17 @@ fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part()
 #[test]
 fn what_cannot_be_shipped_is_said() {
     let (asked, library) = (asked(&["temp_c"]), Library::built_in());
-    let row = |text: &str| -> UnitRow { serde_json::from_str(text).expect("a row") };
-    let failed = row(r#"{"unit":"7","part":"p","program":"","sha256":"","axes":[],"failed":["no log"]}"#);
+    let failed = UnitRow {
+        unit: "7".to_owned(),
+        part: "p".to_owned(),
+        lot: None,
+        program: String::new(),
+        asked: asked.clone(),
+        sha256: String::new(),
+        log: None,
+        axes: vec![],
+        failed: vec!["no log".to_owned()],
+    };
     let fleet = Fleet::of(std::slice::from_ref(&failed), &asked, &library, "");
     let error = Shipment::of(&fleet.parts[0], &[failed], FittedOn::Raw, "", "").expect_err("no population");
     assert!(matches!(&error, ShipError::NoPopulation(part) if part == "p"), "{error}");

@@ -22,6 +22,7 @@ from ._engine import __version__
 from .comparison import AxisComparison, Comparison, ModelErrors
 from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
 from .errors import FosError, FosWarning
+from .fleet import Fleet, UnitRow, population, unit_row
 from .noise import AxisNoise, Noise, NoiseFiles, noise, noise_files
 from .page import page, write_page
 from .predictor import Corrections, Predictor, Validity
@@ -39,6 +40,7 @@ __all__ = [
     "Diagnosis",
     "Effect",
     "Finding",
+    "Fleet",
     "FosError",
     "FosRegressor",
     "FosWarning",
@@ -50,6 +52,7 @@ __all__ = [
     "Recording",
     "Refinement",
     "Study",
+    "UnitRow",
     "Validity",
     "__version__",
     "diagnose",
@@ -59,8 +62,10 @@ __all__ = [
     "noise",
     "noise_files",
     "page",
+    "population",
     "read",
     "simulate",
     "simulate_case",
+    "unit_row",
     "write_page",
 ]

@@ -79,6 +79,10 @@ class NoiseError(FosError, ValueError):
     """A log that does not tell its noise."""
 
 
+class FleetError(FosError, ValueError):
+    """Rows of units that are no fleet, or a regressor that cannot be read."""
+
+
 class ImageError(FosError, ValueError):
     """An image that cannot be written or run."""
 

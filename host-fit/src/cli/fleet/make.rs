@@ -11,7 +11,7 @@ use fos_data::column::Column;
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::{Regressor, SizeUnit};
 use fos_fleet::{
-    Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PartSummary, rows, rows_beside, units_in,
+    Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PROGRAM, PartSummary, rows, rows_beside, units_in,
 };
 
 /// What is looked at, and where what it comes to goes.
@@ -53,21 +53,19 @@ impl Make {
             diagnosed: self.diagnose,
             read: self.reading.options()?,
         };
-        let program = this_build();
+        let kept_in = rows_beside(&self.output);
         let bar = progress(units.len() as u64, "looking at the units");
-        let found = rows(&units, &asked, &library, &program, &rows_beside(&self.output), |done| {
+        let found = rows(&units, &asked, &library, PROGRAM, &this_build(), &kept_in, |done| {
             bar.set_position(done as u64)
         })?;
         bar.finish_and_clear();
-        let fleet = fos_fleet::Fleet::of(&found, &asked, &library, &program);
+        let fleet = fos_fleet::Fleet::of(&found, &asked, &library, PROGRAM);
         if fleet.parts.iter().all(|part| part.axes.is_empty()) {
             let first = fleet.failed.first().and_then(|failed| Some((&failed.unit, failed.reasons.first()?)));
             let (unit, reason) = first.ok_or("the fleet has no unit")?;
             return Err(format!("none of {} units tells anything; {unit}: {reason}", fleet.units).into());
         }
-        let mut text = serde_json::to_vec_pretty(&fleet)?;
-        text.push(b'\n');
-        write_atomically(&self.output, &text)?;
+        write_atomically(&self.output, &fleet.to_bytes())?;
         for failed in &fleet.failed {
             for reason in &failed.reasons {
                 print_warning(&format!("{}: {reason}", failed.unit));
