@@ -107,6 +107,8 @@ fn loggable() -> BTreeSet<String> {
         named::<Image<'_>>("fos-core/image/read.rs"),
         named::<image::Terms<'_>>("fos-core/image/read.rs"),
         named::<ImageError>("fos-core/image/mod.rs"),
+        named::<image::UnitError>("fos-core/image/unit.rs"),
+        named::<image::UnitRecord<'_>>("fos-core/image/unit.rs"),
         named::<Fixed>("fos-core/fixed.rs"),
         named_gain::<Fixed>("fos-core/fixed.rs"),
         named_slow::<f32>("fos-core/arithmetic.rs"),

@@ -2,6 +2,7 @@
 //! finite.
 #![no_main]
 
+use fos_core::image::{UNIT_HEADER_LENGTH, encode_unit, for_unit};
 use fos_core::{Image, Monitor, Predictor, Sample};
 use fos_fuzz::{sealed_image, split};
 use libfuzzer_sys::fuzz_target;
@@ -9,7 +10,21 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     run(bytes);
     let (information, body) = split(bytes);
-    run(&sealed_image(body, information));
+    let image = sealed_image(body, information);
+    run(&image);
+    // what one half says of a unit, to the image of a part in the other
+    let mut unit = vec![0; image.len()];
+    if let Ok(unit) = for_unit(&image, bytes, &mut unit) {
+        run(unit);
+    }
+    let Ok(part) = Image::parse(&image) else { return };
+    let values: Vec<f32> = part
+        .axes()
+        .flat_map(|axis| std::iter::repeat_n(axis.parameters.reference, 1 + axis.physical.count()))
+        .collect();
+    let mut record = vec![0; UNIT_HEADER_LENGTH + 4 * values.len()];
+    let record = encode_unit(&image, "", values.into_iter(), &mut record).expect("as many values as it has");
+    run(for_unit(&image, record, &mut unit).expect("its own record"));
 });
 
 fn run(bytes: &[u8]) {

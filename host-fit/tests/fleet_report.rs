@@ -88,6 +88,7 @@ fn rows(name: &str, seed: u64) -> Vec<UnitRow> {
             part: name.to_owned(),
             lot: Some(format!("{name}W{}", lot + 8)),
             program: "a test".to_owned(),
+            asked: asked(),
             sha256: String::new(),
             log: is_read.then_some(log),
             axes: is_read.then_some(axis).into_iter().collect(),

@@ -20,7 +20,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("fos-data", &["fos-core"]),
     ("fos-fit", &["fos-core", "fos-data"]),
     ("fos-diagnose", &["fos-core", "fos-data", "fos-fit"]),
-    ("fos-fleet", &["fos-data", "fos-fit", "fos-diagnose"]),
+    ("fos-fleet", &["fos-core", "fos-data", "fos-fit", "fos-diagnose"]),
     ("fos-simulate", &["fos-core", "fos-data"]),
     (
         "host-fit",
