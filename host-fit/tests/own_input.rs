@@ -39,7 +39,7 @@ const JUDGE: (&str, &str) = ("judge", "later.parquet");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
 
-const LINES: [Line; 28] = [
+const LINES: [Line; 29] = [
     Line {
         output: "output",
         at: "out.csv",
@@ -93,6 +93,12 @@ const LINES: [Line; 28] = [
         at: "out.json",
         words: "fleet cases --effect {effects} --map-file {map_file} -o out.json",
         inputs: &[EFFECTS, MAP, ("folder", "cases/one/field.parquet")],
+    },
+    Line {
+        output: "output",
+        at: "shipment/part.fosm",
+        words: "fleet export {population} -o shipment",
+        inputs: &[("population", "population.json"), ("", "population.json.rows")],
     },
     Line {
         output: "output",
@@ -285,7 +291,11 @@ fn prepare(folder: &Path) {
     fs::copy(folder.join("field.parquet"), folder.join("cases/one/field.parquet")).expect("copied");
     let meta = r#"{"case": "one", "target": "gx_rads", "nominal_rate_hz": 200, "files": {"field": "field"}}"#;
     write("cases/one/meta.json", meta.as_bytes());
-    done(folder, &["fleet", "cases", "-o", "population.json"]);
+    fs::create_dir_all(folder.join("line")).expect("made");
+    for log in ["log.parquet", "field.parquet", "later.parquet"] {
+        fs::copy(folder.join(log), folder.join("line").join(log)).expect("copied");
+    }
+    done(folder, &["fleet", "line", "-o", "population.json"]);
 }
 
 fn copy_all(from: &Path, to: &Path) {

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::cli::arguments::OutputFolder;
 use crate::cli::output::{Failure, Written, print_line, print_warning, print_written};
+use fos_data::file::process_reads::Identity;
 use fos_data::file::write_atomically;
 
 /// Write what a part ships with: an image for all its units, and some 100 bytes for each
@@ -39,7 +40,11 @@ pub(super) struct Export {
     json: bool,
 }
 
-/// A line of units.csv.
+const IMAGE: &str = "part.fosm";
+
+const UNITS: &str = "units.csv";
+
+/// A line of [`UNITS`].
 #[derive(Debug, Serialize)]
 struct Line<'a> {
     unit: &'a str,
@@ -51,6 +56,18 @@ struct Line<'a> {
 
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        // before anything is said of rows that are not beside it
+        let population = Identity::of(&self.population);
+        let is_population = |path: &PathBuf| population.is_some() && Identity::of(path) == population;
+        if let Some(path) =
+            [IMAGE, UNITS].map(|name| self.output.join(name)).iter().find(|path| is_population(path))
+        {
+            return Err(format!(
+                "{}: it is the population, and would be lost\nhelp: another folder to write to, or the population in another file",
+                path.display()
+            )
+            .into());
+        }
         let (fleet, rows) = fos_fleet::Fleet::read(&self.population)?;
         let part = self.part_of(&fleet.parts)?;
         let values = if self.factory_corrected { FittedOn::FactoryCorrected } else { FittedOn::Raw };
@@ -70,7 +87,7 @@ impl Export {
         };
         let terms = shipment.model.n_terms();
         let about = format!("{} bytes, {terms} terms", shipment.image.len());
-        write(folder.join("part.fosm"), &shipment.image, about)?;
+        write(folder.join(IMAGE), &shipment.image, about)?;
         let names = file_names(&shipment.units);
         let mut table = csv::Writer::from_writer(Vec::new());
         for (unit, name) in shipment.units.iter().zip(&names) {
@@ -84,7 +101,7 @@ impl Export {
             })?;
         }
         let table = table.into_inner().map_err(|error| error.to_string())?;
-        write(folder.join("units.csv"), &table, format!("{} units and their records", names.len()))?;
+        write(folder.join(UNITS), &table, format!("{} units and their records", names.len()))?;
         print_written(&written, self.json)?;
         if !shipment.without.is_empty() {
             print_warning(&format!(
