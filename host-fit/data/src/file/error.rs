@@ -21,7 +21,7 @@ pub(super) const WRITE: &str = "write it";
 pub(super) const COPY: &str = "copy what comes through it to a temporary file";
 pub(super) const MAKE: &str = "make the folder";
 
-/// What to do about it, where that is known.
+/// What to do about it.
 fn help(action: &str, error: &io::Error) -> &'static str {
     let reads = [OPEN, READ].contains(&action);
     match error.kind() {
@@ -34,12 +34,12 @@ fn help(action: &str, error: &io::Error) -> &'static str {
         ErrorKind::NotFound if reads => "\nhelp: is the path right?",
         ErrorKind::PermissionDenied if reads => "\nhelp: you may not read it: ask its owner",
         ErrorKind::IsADirectory if reads => "\nhelp: it is a folder: name a file in it",
-        _ if reads => "",
+        _ if reads => "\nhelp: copy it to a disk of this machine, and read it there",
         ErrorKind::ReadOnlyFilesystem | ErrorKind::PermissionDenied => {
             "\nhelp: nothing can be written there: name another folder"
         }
         ErrorKind::NotFound => "\nhelp: is the folder there?",
-        _ => "",
+        _ => "\nhelp: write elsewhere; what was there before is as it was",
     }
 }
 

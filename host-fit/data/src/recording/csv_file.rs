@@ -159,7 +159,8 @@ impl<'a, R: BufRead> Lines<'a, R> {
 /// Whether what is packed is damaged; else the system did not deliver it.
 pub(super) fn is_damage(error: &io::Error) -> bool {
     use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
-    matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof)
+    // what unpacks has no number of the system's for what it cannot unpack
+    error.raw_os_error().is_none() || matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof)
 }
 
 /// What is done with the cells of a column.

@@ -9,6 +9,7 @@ use super::super::{csv_file, other_format};
 use super::gnss_logger;
 use super::names::Format;
 use super::opened::{Extent, Opened};
+use crate::file::FileError;
 
 /// What is read of a file to see what is in it.
 const BEGIN_BYTES: u64 = 1 << 18;
@@ -27,7 +28,7 @@ pub(super) fn unpacked(
     extent: Extent,
     is_packed: bool,
 ) -> Result<Opened, RecordingError> {
-    let begin = input.fill_buf().unwrap_or_default();
+    let begin = input.fill_buf().map_err(FileError::reading(path))?;
     let is_bag = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("db3"));
     let in_sqlite = (is_bag && begin.starts_with(b"SQLite")).then_some(BAG_IN_SQLITE);
     if let Some((is, help)) = in_sqlite.or_else(|| other_format::known(begin)) {

@@ -150,4 +150,20 @@ mod tests {
             assert_eq!((source.bytes, source.sha256), (bytes.len() as u64, digest), "{}", path.display());
         }
     }
+
+    #[test]
+    fn what_is_packed_in_a_way_that_is_not_known_says_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bytes = zip(&[("a.csv", b"t_s,gx_rads\n0,1\n1,2\n")]);
+        // PKWARE's APPNOTE, 4.4.5: Deflate64, in the header of the file and in the directory
+        let directory = bytes.windows(4).position(|four| four == b"PK\x01\x02").unwrap();
+        (bytes[8], bytes[directory + 10]) = (9, 9);
+        let path = folder.path().join("a.zip");
+        std::fs::write(&path, bytes).unwrap();
+        for extent in [Extent::Begin, Extent::Whole] {
+            let said = open(&path, &LoadOptions::default(), extent).map(drop).unwrap_err().to_string();
+            assert!(said.contains("a.zip/a.csv: it cannot be unpacked: ") && said.contains(": 9"), "{said}");
+            assert!(said.ends_with("\nhelp: unpack it, and name the log itself"), "{said}");
+        }
+    }
 }
