@@ -5,15 +5,15 @@
 use core::fmt::Debug;
 
 /// The arithmetic of a scalar. Nobody else can implement it.
-pub trait Arithmetic: Copy {
+pub trait Arithmetic: Copy + Send + Sync {
     /// A constant factor that need not be a value: 1/scale, or the gain of a slow low-pass.
-    type Gain: Copy + Debug;
+    type Gain: Copy + Debug + Send + Sync;
     /// A sum of products.
-    type Sum: Copy + PartialOrd + Debug;
+    type Sum: Copy + PartialOrd + Debug + Send + Sync;
     /// The value of a low-pass, which changes by less than its last place.
-    type Slow: Copy + Debug;
+    type Slow: Copy + Debug + Send + Sync;
     /// The same of a running mean, which may miss changes in its last place.
-    type Mean: Copy + Debug;
+    type Mean: Copy + Debug + Send + Sync;
 
     /// No sum yet.
     const NOTHING: Self::Sum;

@@ -232,14 +232,15 @@ fn run(
     let mut digest = PredictorDigest::default();
     let mut rests = Rests::of(&model, &playback);
     let mut tracked = 0;
+    let (mut in_f32, mut in_f64, mut in_fixed) = (playback.feed(), playback.feed(), playback.feed());
     for row in 0..n_rows {
-        let singles = playback.step(&mut single, row);
+        let singles = in_f32.step(&mut single, row);
         digest.update(singles);
-        let doubles = playback.step(&mut double, row);
-        let fixed = fixed.as_mut().map(|fixed| playback.step(fixed, row));
+        let doubles = in_f64.step(&mut double, row);
+        let fixed = fixed.as_mut().map(|fixed| in_fixed.step(fixed, row));
         tracked += usize::from(playback.is_still(row));
         if let Some(rests) = &mut rests {
-            rests.add(&playback, row, singles);
+            rests.add(in_f32.sample(row).measured, row, singles);
         }
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
             take(axis, single);
@@ -317,13 +318,12 @@ impl Rests {
         Some(Self { accelerometers, rests, at: 0 })
     }
 
-    fn add(&mut self, playback: &Playback<'_>, row: usize, corrections: &[Correction<f32>]) {
+    fn add(&mut self, measured: &[f32], row: usize, corrections: &[Correction<f32>]) {
         while self.rests.get(self.at).is_some_and(|rest| rest.rows.end <= row) {
             self.at += 1;
         }
         let Some(rest) = self.rests.get_mut(self.at).filter(|rest| rest.rows.contains(&row)) else { return };
-        let sample = playback.sample::<f32>(row);
-        let measured = self.accelerometers.map(|axis| sample.sample().measured[axis]);
+        let measured = self.accelerometers.map(|axis| measured[axis]);
         let corrected = self.accelerometers.map(|axis| corrections[axis].corrected);
         rest.away += usize::from(leads_away(&measured, &corrected));
         for (valid, axis) in rest.valid.iter_mut().zip(self.accelerometers) {
@@ -417,10 +417,10 @@ pub fn device_log(
         PredictorLogHeader { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
+    let mut feed = playback.feed::<f32>();
     for row in 0..recording.n_rows() {
-        let sample = playback.sample::<f32>(row);
         let motion = if playback.is_still(row) { Motion::Still } else { Motion::Moving };
-        let Sample { measured, quantities } = sample.sample();
+        let Sample { measured, quantities } = feed.sample(row);
         let record =
             PredictorLogRecord { skipped: playback.missing_before(row), motion, measured, quantities };
         bytes.extend(record.encode());

@@ -5,7 +5,8 @@ use fos_core::{Range, Validity};
 use fos_data::column::AXES;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
-use fos_diagnose::compare::{Comparison, MODEL, study_of};
+use fos_diagnose::compare::{MODEL, study_of};
+use fos_diagnose::study::Study;
 use fos_fit::evaluate::Rival;
 use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis, rest};
 use fos_fit::model::UnitModel;
@@ -127,8 +128,9 @@ fn the_range_of_p_is_that_over_the_fitted_rows() {
     let p = |model: &UnitModel| -> Vec<(f64, Validity)> {
         let playback = Playback::new(&recording, model, &stillness.still).expect("a playback");
         let mut predictor = model.predictor::<f64>().expect("a model");
+        let mut feed = playback.feed();
         let said = (0..ROWS).map(|row| {
-            let said = playback.coast(&mut predictor, row)[0];
+            let said = feed.coast(&mut predictor, row)[0];
             ((said.predicted - parameters.offset) / parameters.scale, said.validity)
         });
         said.collect()
@@ -153,16 +155,14 @@ fn the_range_of_p_is_that_over_the_fitted_rows() {
     assert!(limited[after].iter().all(|(_, validity)| validity.contains(Validity::INPUT_OUT_OF_RANGE)));
 }
 
-/// The comparison of a fit, on the rows after it.
-fn compared(columns: Columns, options: &FitOptions) -> (Comparison, AxisFit) {
+/// The study of a fit, judged on the rows after it.
+fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     let recording = recording(columns);
     let stillness = rest(&recording, options.train);
     let fit = fit_axis(&recording, &stillness, "gx", options).expect("a fit");
     let read = LoadOptions::default();
-    let (_, comparison, _) =
-        study_of(&recording, &stillness, vec![fit.clone()], options.clone(), read, |_| {})
-            .expect("a comparison");
-    (comparison, fit)
+    let study = study_of(&recording, &stillness, vec![fit.clone()], options.clone(), read, |_| {});
+    (study.expect("a study"), fit)
 }
 
 /// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models coasted
@@ -173,10 +173,10 @@ fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean()
     let (mut left_out, mut worst) = (0, 0.0_f64);
     for seed in 0..24 {
         let way = options(&["temp_c"], &[]);
-        let (comparison, fit) = compared(log(ROWS, ROWS / 2, 100 + seed), &way);
+        let (study, fit) = judged(log(ROWS, ROWS / 2, 100 + seed), &way);
         let coast = |name: &str| {
-            let errors = comparison.axes[0].errors.iter().find(|errors| errors.model == name);
-            errors.expect("errors").coast_whole_mse
+            let errors = study.steps.iter().find(|step| step.name == name);
+            errors.expect("errors").errors[0].coast_whole_mse
         };
         left_out += fit.report.left_out.len();
         worst = worst.max(coast(MODEL) / coast(Rival::Mean.name()));
@@ -195,12 +195,12 @@ fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
     let clock: Vec<f64> = (0..ROWS).map(|row| 30.0 * (-(row as f64) / 3000.0).exp()).collect();
     columns[3].1.iter_mut().zip(&clock).for_each(|(rate, warm)| *rate += warm);
     let rate = columns[3].1.clone();
-    let (comparison, fit) = compared(columns, &options(&["clock:decay(30)"], &[]));
+    let (study, fit) = judged(columns, &options(&["clock:decay(30)"], &[]));
     assert_eq!(fit.model.axes[0].physical.len(), 1);
     let (fitted, judged) = rate.split_at(ROWS / 2);
     let mean = fitted.iter().sum::<f64>() / fitted.len() as f64;
     let of = |name: &str| {
-        comparison.axes[0].errors.iter().find(|errors| errors.model == name).expect("errors").one_step_mse
+        study.steps.iter().find(|step| step.name == name).expect("errors").errors[0].one_step_mse
     };
     let by_hand = judged.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / judged.len() as f64;
     assert!((of(Rival::Mean.name()) / by_hand - 1.0).abs() < 1e-9, "{} {by_hand}", of(Rival::Mean.name()));

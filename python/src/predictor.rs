@@ -134,12 +134,13 @@ impl Predictor {
             let stillness = stillness::find(&log);
             let playback = Playback::new(&log, &self.model, &stillness.still)?;
             let mut predictor = self.fresh.clone();
+            let mut feed = playback.feed();
             let mut found = Rows::default();
             for row in 0..log.n_rows() {
                 if row.is_multiple_of(1024) {
                     fos_data::interrupt::check();
                 }
-                found.push(playback.step(&mut predictor, row));
+                found.push(feed.step(&mut predictor, row));
             }
             Ok((found, stillness.still))
         })?
@@ -164,6 +165,7 @@ impl Predictor {
         }
         let found = work::run(py, || {
             let mut state = self.lock();
+            let mut feed = playback.feed();
             let mut found = Rows::default();
             for (row, still) in still.into_iter().enumerate() {
                 let sample = Sample {
@@ -191,6 +193,7 @@ impl Predictor {
         }
         let found = work::run(py, || {
             let mut state = self.lock();
+            let mut feed = playback.feed();
             let mut found = Rows::default();
             for row in 0..steps {
                 found.push(state.forecast(&quantities[row * n_quantities..(row + 1) * n_quantities]));

@@ -11,7 +11,7 @@ use fos_diagnose::refine::{Logs, RefineError, Refiner};
 use fos_diagnose::study::{Refinement, Study as StudyFile, load_again};
 use fos_fit::cost::Cost;
 use fos_fit::export::image;
-use fos_fit::fit::{fit_axis, rest};
+use fos_fit::fit::{fit_axes, rest};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -122,12 +122,11 @@ pub(crate) fn fit(
     }
     let (stillness, fits) = work::run(py, || {
         let stillness = rest(&log, options.train);
-        let fits: Result<Vec<_>, _> =
-            columns.iter().map(|column| fit_axis(&log, &stillness, column, &options)).collect();
+        let fits = fit_axes(&log, &stillness, &columns, &options, || {});
         (stillness, fits)
     })?;
     let fits = fits.map_err(raised(py))?;
-    let (study, ..) =
+    let study =
         work::run(py, || study_of(&log, &stillness, fits, options, read, |_| {}))?.map_err(raised(py))?;
     Ok(Study::of(State { study, own: Some(log), file: None, logs: Vec::new() }))
 }

@@ -115,20 +115,20 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
         "white noise has no terms: {:?}",
         fits[0].report.steps
     );
-    let (study, comparison, _) =
+    let study =
         study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
             .expect("judged");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {
-        let errors = comparison.axes[axis].errors.iter().find(|errors| errors.model == model);
-        errors.expect("it was judged").one_step_mse
+        let step = study.steps.iter().find(|step| step.name == model);
+        step.expect("it was judged").errors[axis].one_step_mse
     };
     assert!((mse(0, MODEL) / mse(0, "constant mean") - 1.0).abs() < 0.01);
     // innovation variance 1 of a process of variance 1/((1−φ₂²)…): four times less
     assert!(mse(1, MODEL) < 0.35 * mse(1, "constant mean"));
     assert!(mse(1, MODEL) < 0.8 * mse(1, "Gauss-Markov"));
     assert!((mse(1, MODEL) / 1e-6 - 1.0).abs() < 0.05, "the innovation variance is 1e-6: {}", mse(1, MODEL));
-    assert!(!comparison.axes[1].errors.iter().any(|errors| errors.below_noise_floor));
+    assert!(!study.steps.iter().any(|step| step.errors[1].below_noise_floor));
 }
 
 /// A short log of a simulated unit and the image of a model of all its axes.

@@ -10,6 +10,8 @@ use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use rayon::prelude::*;
+
 /// A wish to stop, asked from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct StopRequest(Arc<AtomicBool>);
@@ -68,6 +70,33 @@ pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<
     })
 }
 
+/// What `work` makes of each item, in their order; on all cores, and where the computation that this thread is in is to
+/// stop, these stop too.
+pub fn in_parallel<I, T, U>(items: I, work: impl Fn(T) -> U + Sync) -> Vec<U>
+where
+    I: IntoParallelIterator<Item = T, Iter: IndexedParallelIterator>,
+    T: Send,
+    U: Send,
+{
+    let wish = WISH.with_borrow(Clone::clone);
+    let work = |item| {
+        let outer = WISH.replace(wish.clone());
+        // also where it unwinds: the thread goes on to other computations
+        let _restored = Restored(outer);
+        work(item)
+    };
+    items.into_par_iter().map(work).collect()
+}
+
+/// Puts back the wish of the computation that a thread was in before.
+struct Restored(Option<StopRequest>);
+
+impl Drop for Restored {
+    fn drop(&mut self) {
+        WISH.set(self.0.take());
+    }
+}
+
 pub use counting::counted;
 
 mod counting {
@@ -124,6 +153,30 @@ mod tests {
         // asked but outside: nothing happens
         check();
         assert_eq!(interruptible(&StopRequest::default(), || 7), Ok(7));
+    }
+
+    #[test]
+    fn what_runs_beside_one_another_stops_too_and_its_threads_go_on() {
+        let stop = StopRequest::default();
+        let squares = interruptible(&stop, || in_parallel(0..100, |n| n * n));
+        assert_eq!(squares, Ok((0..100).map(|n| n * n).collect()));
+        let asked = interruptible(&stop, || {
+            in_parallel(0..100, |n| {
+                if n == 50 {
+                    stop.ask();
+                }
+                // ends only if it is told
+                while n >= 50 {
+                    check();
+                }
+            })
+        });
+        assert_eq!(asked, Err(Interrupted::Stopped));
+        assert_eq!(
+            interruptible(&StopRequest::default(), || in_parallel(0..100, |_| check()).len()),
+            Ok(100)
+        );
+        in_parallel(0..100, |_| check());
     }
 
     #[test]

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::dependence::{Dependence, DependenceError, Trained, dependence};
 use crate::physical::{PhysicalError, in_known_pose};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
+use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
@@ -75,6 +76,54 @@ pub struct AxisComparison {
     pub dependence: Option<Dependence>,
 }
 
+/// A model and its plain rivals on rows of a log.
+struct Judged {
+    /// Of each axis, what no causal predictor can beat.
+    floors: Vec<Option<NoiseFloor>>,
+    /// Of each axis: the rivals, then the model.
+    errors: Vec<Vec<ModelErrors>>,
+    /// The model's own.
+    trace: Trace,
+}
+
+/// Judges `model` and its rivals on `rows` of a log in which the pose is known.
+fn judge(
+    model: &UnitModel,
+    lag_1: &[f64],
+    recording: &Recording,
+    stillness: &Stillness,
+    rows: Range<usize>,
+    mut progress: impl FnMut(&str),
+) -> Result<Judged, CompareError> {
+    let playback = Playback::new(recording, model, &stillness.still)?;
+    if !rows.clone().any(|row| playback.is_still(row)) {
+        return Err(CompareError::NothingLeft { trained: rows.start });
+    }
+    Rival::ALL.iter().for_each(|kind| progress(kind.name()));
+    let n_axes = model.axes.len();
+    let floors: Vec<Option<NoiseFloor>> = in_parallel(0..n_axes, |axis| {
+        let errors = playback.errors_at_rest(axis, rows.clone());
+        noise_floor(&errors.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    });
+    let of = |name: &str, trace: &Trace| -> Vec<ModelErrors> {
+        in_parallel(0..n_axes, |axis| {
+            ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
+        })
+    };
+    // a trace may be as large as the log: as many at a time as there are cores
+    let rivals = in_parallel(Rival::ALL, |kind| -> Result<Vec<ModelErrors>, CompareError> {
+        let trace = trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?;
+        Ok(of(kind.name(), &trace))
+    });
+    progress(MODEL);
+    let trace = trace::<f64>(model, &playback, rows, |_| {})?;
+    let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
+    for of_model in rivals.into_iter().chain([Ok(of(MODEL, &trace))]) {
+        errors.iter_mut().zip(of_model?).for_each(|(errors, of_axis)| errors.push(of_axis));
+    }
+    Ok(Judged { floors, errors, trace })
+}
+
 /// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data. `trained`
 /// is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
 /// trace, for the figures.
@@ -89,7 +138,7 @@ pub fn compare(
     stillness: &Stillness,
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
-    mut progress: impl FnMut(&str),
+    progress: impl FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
     let is_same = trained.is_some_and(|trained| std::ptr::eq(trained.recording, recording));
     let known_pose = in_known_pose(model, recording, stillness)?;
@@ -102,56 +151,37 @@ pub fn compare(
         recording: if is_same { recording } else { other_pose.as_ref().unwrap_or(trained.recording) },
         ..trained.clone()
     });
-    let playback = Playback::new(recording, model, &stillness.still)?;
-    if !rows.clone().any(|row| playback.is_still(row)) {
-        return Err(CompareError::NothingLeft { trained: rows.start });
-    }
-    let mut floors: Vec<Option<NoiseFloor>> = Vec::new();
-    let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); model.axes.len()];
-    let mut add = |name: &str, trace: &Trace| {
-        // what is measured is the same with every model
-        if floors.is_empty() {
-            floors = trace.axes.iter().map(|axis| noise_floor(&trace.stretches_of(&axis.measured))).collect();
-        }
-        for (axis, errors) in errors.iter_mut().enumerate() {
-            errors.push(ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref()));
-        }
-    };
-    // a trace may be as large as the log, and so may be what is looked at for dependences: one at a time
-    for kind in Rival::ALL {
-        progress(kind.name());
-        add(kind.name(), &trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?);
-    }
-    progress(MODEL);
-    let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
-    let mut own = trace::<f64>(model, &playback, rows.clone(), |_| {})?;
-    add(MODEL, &own);
-    for axis in &mut own.axes {
+    let Judged { floors, errors, mut trace } =
+        judge(model, lag_1, recording, stillness, rows.clone(), progress)?;
+    for axis in &mut trace.axes {
         // its error is in the comparison; nothing shows it row by row
         axis.coast_whole = Vec::new();
     }
+    let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
+    let worst = in_parallel(0..model.axes.len(), |axis| worst_stretches(&trace, axis, recording));
     let axes = model
         .axes
         .iter()
-        .enumerate()
+        .zip(&trace.axes)
+        .zip(floors)
         .zip(errors)
-        .zip(dependences)
-        .map(|(((axis, fitted), errors), dependence)| AxisComparison {
+        .zip(dependences.into_iter().zip(worst))
+        .map(|((((fitted, left), floor), errors), (dependence, worst))| AxisComparison {
             column: fitted.column.clone(),
             unit: Column::named(&fitted.column).unit().label().to_owned(),
-            rows: own.axes[axis].measured.iter().filter(|value| value.is_finite()).count(),
-            noise_floor: floors[axis].as_ref().map(|floor| (floor.variance, floor.interval)),
-            floor_cautions: floors[axis]
+            rows: left.measured.iter().filter(|value| value.is_finite()).count(),
+            noise_floor: floor.as_ref().map(|floor| (floor.variance, floor.interval)),
+            floor_cautions: floor
                 .iter()
                 .flat_map(|floor| floor.cautions.iter().map(ToString::to_string))
                 .collect(),
             errors,
-            worst: worst_stretches(&own, axis, recording),
+            worst,
             dependence,
         })
         .collect();
     let judged_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
-    Ok((Comparison { judged_s, axes }, own))
+    Ok((Comparison { judged_s, axes }, trace))
 }
 
 /// What a study says of a log, and what it rests on.
@@ -212,7 +242,7 @@ pub fn study_of(
     settings: FitOptions,
     read: LoadOptions,
     progress: impl FnMut(&str),
-) -> Result<(Study, Comparison, Trace), CompareError> {
+) -> Result<Study, CompareError> {
     let trained_rows = fos_fit::fit::training_rows(recording, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
@@ -220,10 +250,11 @@ pub fn study_of(
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
     let rows = trained_rows..recording.n_rows();
-    let trained = Trained { recording, stillness, rows: 0..trained_rows };
-    let (comparison, trace) = compare(&model, &lag_1, recording, stillness, rows, Some(&trained), progress)?;
+    let known_pose = in_known_pose(&model, recording, stillness)?;
+    let posed = known_pose.as_ref().unwrap_or(recording);
+    let judged = judge(&model, &lag_1, posed, stillness, rows, progress)?;
     let still = stillness.still.iter().filter(|still| **still).count();
-    let study = Study {
+    Ok(Study {
         schema: SCHEMA.to_owned(),
         tool: Tool::this(),
         data: Data {
@@ -239,19 +270,18 @@ pub fn study_of(
         settings,
         model,
         axes: reports,
-        steps: steps_of(&comparison),
+        steps: steps_of(&judged.errors),
         refinements: Vec::new(),
-    };
-    Ok((study, comparison, trace))
+    })
 }
 
 /// The rivals and the model as the steps of a study.
-fn steps_of(comparison: &Comparison) -> Vec<StudyStep> {
-    let n_models = comparison.axes.first().map_or(0, |axis| axis.errors.len());
+fn steps_of(errors: &[Vec<ModelErrors>]) -> Vec<StudyStep> {
+    let n_models = errors.first().map_or(0, Vec::len);
     (0..n_models)
         .map(|step| StudyStep {
-            name: comparison.axes[0].errors[step].model.clone(),
-            errors: comparison.axes.iter().map(|axis| axis.errors[step].clone()).collect(),
+            name: errors[0][step].model.clone(),
+            errors: errors.iter().map(|of_axis| of_axis[step].clone()).collect(),
         })
         .collect()
 }

@@ -33,9 +33,10 @@ pub(crate) fn physical(
     }
     let mut predictor = alone.predictor::<f64>()?;
     let mut predicted = vec![Vec::with_capacity(log.n_rows()); model.axes.len()];
+    let mut feed = playback.feed();
     for row in 0..log.n_rows() {
         playback.catch_up(&mut predictor, row);
-        let corrections = playback.coast(&mut predictor, row);
+        let corrections = feed.coast(&mut predictor, row);
         for ((predicted, correction), axis) in predicted.iter_mut().zip(corrections).zip(&alone.axes) {
             predicted.push(correction.predicted - axis.parameters.offset);
         }

@@ -9,8 +9,17 @@ use serde::{Deserialize, Serialize};
 use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
-/// The evaluator with the capacities of the host: 6 axes, 32 inputs, 512 terms, 4096 values of history.
-pub type HostPredictor<R> = Predictor<R, 6, 32, 512, 4096>;
+/// Most axes of a model on the host.
+pub const AXES: usize = 6;
+
+/// Most inputs of a model on the host.
+pub const INPUTS: usize = 32;
+
+/// The evaluator with the capacities of the host: 512 terms, 4096 values of history.
+pub type HostPredictor<R> = Predictor<R, AXES, INPUTS, 512, 4096>;
+
+/// One that is copied in no time, and that most models fit into.
+pub type SmallPredictor<R> = Predictor<R, AXES, INPUTS, 64, 256>;
 
 /// The model of one sensor unit: axes over shared inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,12 @@
 //! Feeds the rows of a recording to a predictor, as the device would see them.
 
 use fos_data::column::Column;
-use std::collections::HashMap;
 use std::ops::Range;
 
-use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Sample, Scalar};
+use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Predictor, Sample, Scalar};
 
-use crate::model::{FittedAxis, HostPredictor, UnitModel};
-use fos_data::recording::{Boundary, Recording, RecordingError};
+use crate::model::{AXES, FittedAxis, INPUTS, UnitModel};
+use fos_data::recording::{Boundary, Recording, RecordingError, runs};
 
 /// A recording seen through the columns that a model needs. Rows are those of the recording.
 pub struct Playback<'a> {
@@ -19,8 +18,8 @@ pub struct Playback<'a> {
     has_reference: bool,
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
-    /// Rows that do not follow the row before them.
-    breaks: HashMap<usize, Break>,
+    /// Rows that do not follow the row before them, in their order.
+    breaks: Vec<(usize, Break)>,
 }
 
 enum Reference<'a> {
@@ -152,94 +151,67 @@ impl<'a> Playback<'a> {
         self.still[row]
     }
 
+    /// Whether every axis has a value in all of these rows.
+    pub fn is_measured(&self, rows: Range<usize>) -> bool {
+        self.measured.iter().all(|values| values[rows.clone()].iter().all(|value| value.is_finite()))
+    }
+
     /// Whether every quantity has had a value since the unit was switched on.
     pub fn knows_inputs(&self, row: usize) -> bool {
         self.quantities.iter().all(|values| !values[row].is_nan())
     }
 
+    fn break_before(&self, row: usize) -> Option<Break> {
+        let found = self.breaks.binary_search_by_key(&row, |(row, _)| *row).ok()?;
+        Some(self.breaks[found].1)
+    }
+
     /// Ticks missing just before `row`; 0 if it follows the row before it. A new recording counts as so many that
     /// histories restart.
     pub fn missing_before(&self, row: usize) -> u32 {
-        match self.breaks.get(&row) {
+        match self.break_before(row) {
             None => 0,
-            Some(Break::Missing(ticks)) => *ticks,
+            Some(Break::Missing(ticks)) => ticks,
             Some(Break::Recording) => UNKNOWN_TICKS as u32,
         }
     }
 
     /// Takes `predictor` over what lies before `row`.
-    pub fn catch_up<R: Scalar>(&self, predictor: &mut HostPredictor<R>, row: usize) {
-        match self.breaks.get(&row) {
+    #[inline]
+    pub fn catch_up<R: Scalar, const TERMS: usize, const HISTORY: usize>(
+        &self,
+        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        row: usize,
+    ) {
+        match self.break_before(row) {
             None => {}
             Some(Break::Missing(ticks)) => {
-                let _ = predictor.skip(*ticks);
+                let _ = predictor.skip(ticks);
             }
             Some(Break::Recording) => predictor.reset(),
         }
     }
 
-    /// The row as a device gets it: measured values, reference values, quantities.
-    pub fn sample<R: Scalar>(&self, row: usize) -> RowSample<R> {
-        let scalar = |value: f64| R::from_f64(value);
-        let mut sample = RowSample {
-            n_axes: self.measured.len(),
-            n_quantities: self.quantities.len(),
-            ..RowSample::EMPTY
-        };
-        for (value, column) in sample.measured.iter_mut().zip(&self.measured) {
-            *value = scalar(column[row]);
-        }
-        for (value, reference) in sample.reference.iter_mut().zip(&self.reference) {
-            *value = scalar(reference.at(row));
-        }
-        for (value, column) in sample.quantities.iter_mut().zip(&self.quantities) {
-            *value = scalar(column[row]);
-        }
-        sample
-    }
-
-    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does,
-    /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
-    /// if all of them were in the pose of the fit in the sample before; the first sample after power-on is told by itself.
-    #[must_use = "carries whether the corrected values can be trusted"]
-    pub fn step<'p, R: Scalar>(
-        &self,
-        predictor: &'p mut HostPredictor<R>,
-        row: usize,
-    ) -> &'p [Correction<R>] {
-        self.catch_up(predictor, row);
-        let mut row_sample = self.sample(row);
-        if !self.still[row] {
-            return predictor.coast(&row_sample.sample());
-        }
-        let is_first = row == 0 || matches!(self.breaks.get(&row), Some(Break::Recording));
-        let mut is_in_pose = true;
-        for (axis, parameters) in self.gated.iter().enumerate() {
-            let Some(parameters) = parameters else { continue };
+    /// Its rows in the scalar of a predictor.
+    pub fn feed<R: Scalar>(&self) -> Feed<'_, 'a, R> {
+        let gate = |parameters: &AxisParameters<f64>| {
             let of_device: AxisParameters<R::Stored> = parameters.convert();
-            let before = match predictor.corrections().get(axis).filter(|_| !is_first) {
-                Some(correction) => correction.corrected,
-                None => row_sample.measured[axis] - R::of(of_device.offset),
-            };
-            is_in_pose &= PoseGate::new(&of_device).convert::<R>().is_open_after(before);
-            row_sample.reference[axis] = R::of(of_device.reference);
+            Gate {
+                pose: PoseGate::new(&of_device).convert(),
+                offset: R::of(of_device.offset),
+                reference: R::of(of_device.reference),
+            }
+        };
+        let gates: Vec<Option<Gate<R>>> =
+            self.gated.iter().map(|parameters| parameters.as_ref().map(gate)).collect();
+        Feed {
+            playback: self,
+            is_gated: gates.iter().any(Option::is_some),
+            gates,
+            measured: vec![R::ZERO; self.measured.len()],
+            reference: vec![R::ZERO; self.measured.len()],
+            quantities: vec![R::ZERO; self.quantities.len()],
         }
-        if !is_in_pose {
-            let gated = self.gated.iter().zip(&mut row_sample.reference).filter(|(gated, _)| gated.is_some());
-            gated.for_each(|(_, reference)| *reference = R::NAN);
-        }
-        let sample = row_sample.sample();
-        predictor.track_against(&sample, &row_sample.reference[..row_sample.n_axes])
-    }
-
-    /// One row from the model's own history, though it may be still: how a coast is judged.
-    #[must_use = "carries whether the corrected values can be trusted"]
-    pub fn coast<'p, R: Scalar>(
-        &self,
-        predictor: &'p mut HostPredictor<R>,
-        row: usize,
-    ) -> &'p [Correction<R>] {
-        predictor.coast(&self.sample(row).sample())
     }
 
     /// Measured error of an axis, offset included, in its unit: measured − reference; NaN where that is not known.
@@ -247,12 +219,19 @@ impl<'a> Playback<'a> {
         self.measured[axis][row] - self.reference[axis].at(row)
     }
 
+    /// Measured errors of an axis at rest, stretch by stretch, where they are known.
+    pub fn errors_at_rest(&self, axis: usize, rows: Range<usize>) -> Vec<Vec<f64>> {
+        let errors = |rows: Range<usize>| rows.map(|row| self.error(axis, row)).collect();
+        let known = |stretch| runs(stretch, |row| self.error(axis, row).is_finite());
+        self.still_stretches(rows).into_iter().flat_map(known).map(errors).collect()
+    }
+
     /// The stretches of `rows` that are still throughout and have no break inside.
     pub fn still_stretches(&self, rows: Range<usize>) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for row in rows.filter(|row| self.still[*row]) {
             match stretches.last_mut() {
-                Some(last) if last.end == row && !self.breaks.contains_key(&row) => last.end += 1,
+                Some(last) if last.end == row && self.break_before(row).is_none() => last.end += 1,
                 _ => stretches.push(row..row + 1),
             }
         }
@@ -260,27 +239,95 @@ impl<'a> Playback<'a> {
     }
 }
 
-/// The values of one row, at most as many as a predictor of the host takes.
-#[derive(Debug, Clone, Copy)]
-pub struct RowSample<R> {
-    n_axes: usize,
-    measured: [R; 6],
-    reference: [R; 6],
-    n_quantities: usize,
-    quantities: [R; 16],
+/// The rows of a playback, one at a time, as fos-core takes them.
+#[derive(Clone)]
+pub struct Feed<'p, 'a, R: Scalar> {
+    playback: &'p Playback<'a>,
+    /// Of each axis that a device tracks only in the pose of its fit.
+    gates: Vec<Option<Gate<R>>>,
+    is_gated: bool,
+    // the values of one row
+    measured: Vec<R>,
+    reference: Vec<R>,
+    quantities: Vec<R>,
 }
 
-impl<R: Scalar> RowSample<R> {
-    const EMPTY: Self = Self {
-        n_axes: 0,
-        measured: [R::ZERO; 6],
-        reference: [R::ZERO; 6],
-        n_quantities: 0,
-        quantities: [R::ZERO; 16],
-    };
+#[derive(Clone)]
+struct Gate<R> {
+    pose: PoseGate<R>,
+    offset: R,
+    reference: R,
+}
 
-    /// As fos-core takes it.
-    pub fn sample(&self) -> Sample<'_, R> {
-        Sample { measured: &self.measured[..self.n_axes], quantities: &self.quantities[..self.n_quantities] }
+impl<R: Scalar> Feed<'_, '_, R> {
+    /// The row as a device gets it: measured values and quantities.
+    #[inline]
+    pub fn sample(&mut self, row: usize) -> Sample<'_, R> {
+        self.read(row);
+        Sample { measured: &self.measured, quantities: &self.quantities }
+    }
+
+    #[inline]
+    fn read(&mut self, row: usize) {
+        for (value, column) in self.measured.iter_mut().zip(&self.playback.measured) {
+            *value = R::from_f64(column[row]);
+        }
+        for (value, column) in self.quantities.iter_mut().zip(&self.playback.quantities) {
+            *value = R::from_f64(column[row]);
+        }
+    }
+
+    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does,
+    /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
+    /// if all of them were in the pose of the fit in the sample before; the first sample after power-on is told by itself.
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn step<'r, const TERMS: usize, const HISTORY: usize>(
+        &mut self,
+        predictor: &'r mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        row: usize,
+    ) -> &'r [Correction<R>] {
+        self.playback.catch_up(predictor, row);
+        if !self.playback.still[row] {
+            return self.coast(predictor, row);
+        }
+        self.read(row);
+        for (value, reference) in self.reference.iter_mut().zip(&self.playback.reference) {
+            *value = R::from_f64(reference.at(row));
+        }
+        if self.is_gated {
+            self.hold_gates(predictor.corrections(), row);
+        }
+        let sample = Sample { measured: &self.measured, quantities: &self.quantities };
+        predictor.track_against(&sample, &self.reference)
+    }
+
+    /// One row from the model's own history, though it may be still: how a coast is judged.
+    #[inline]
+    #[must_use = "carries whether the corrected values can be trusted"]
+    pub fn coast<'r, const TERMS: usize, const HISTORY: usize>(
+        &mut self,
+        predictor: &'r mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        row: usize,
+    ) -> &'r [Correction<R>] {
+        predictor.coast(&self.sample(row))
+    }
+
+    /// The references of the axes with a gate: the model's own if all of them were in the pose of the fit, else none.
+    fn hold_gates(&mut self, before: &[Correction<R>], row: usize) {
+        let is_first = row == 0 || matches!(self.playback.break_before(row), Some(Break::Recording));
+        let mut is_in_pose = true;
+        for (axis, gate) in self.gates.iter().enumerate() {
+            let Some(gate) = gate else { continue };
+            let before = match before.get(axis).filter(|_| !is_first) {
+                Some(correction) => correction.corrected,
+                None => self.measured[axis] - gate.offset,
+            };
+            is_in_pose &= gate.pose.is_open_after(before);
+        }
+        for (reference, gate) in self.reference.iter_mut().zip(&self.gates) {
+            if let Some(gate) = gate {
+                *reference = if is_in_pose { gate.reference } else { R::NAN };
+            }
+        }
     }
 }

@@ -22,7 +22,7 @@ use fos_diagnose::compare::{compare, study_of};
 use fos_diagnose::dependence::Trained;
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
-use fos_fit::fit::{FitOptions, fit_axis, rest};
+use fos_fit::fit::{FitOptions, fit_axes, rest};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
@@ -63,12 +63,8 @@ impl Demo {
         let quiet_stillness = rest(&quiet, options.train);
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
-        let mut fits = Vec::new();
-        for axis in axes {
-            fits.push(fit_axis(&quiet, &quiet_stillness, axis, &options)?);
-            bar.inc(1);
-        }
-        let (mut study, ..) =
+        let fits = fit_axes(&quiet, &quiet_stillness, &axes, &options, || bar.inc(1))?;
+        let mut study =
             study_of(&quiet, &quiet_stillness, fits, options, LoadOptions::default(), |_| bar.inc(1))?;
         bar.finish_and_clear();
         say!(
@@ -191,8 +187,9 @@ fn largest_difference(
 ) -> Result<f64, Failure> {
     let playback = Playback::new(log, model, still)?;
     let mut predictor = model.predictor::<f64>()?;
+    let mut feed = playback.feed();
     let differences = (0..log.n_rows()).map(|row| {
-        let own = playback.step(&mut predictor, row)[axis].corrected;
+        let own = feed.step(&mut predictor, row)[axis].corrected;
         (own - corrected[row]).abs()
     });
     Ok(differences.fold(0.0, f64::max))

@@ -16,7 +16,7 @@ use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
 use fos_fit::evaluate::ModelErrors;
 use fos_fit::fit::{
-    AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axis, rest,
+    AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axes, rest,
 };
 use fos_fit::signal::wavelet::Denoising;
 
@@ -138,14 +138,9 @@ impl Fit {
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
-        let mut fits = Vec::new();
-        for axis in &axes {
-            bar.set_message(&format!("fitting {axis}"));
-            fits.push(fit_axis(&recording, &stillness, axis, &options)?);
-            bar.inc(1);
-        }
+        let fits = fit_axes(&recording, &stillness, &axes, &options, || bar.inc(1))?;
         bar.finish_and_clear();
-        let (mut study, ..) = study_of(&recording, &stillness, fits, options, read, |_| {})?;
+        let mut study = study_of(&recording, &stillness, fits, options, read, |_| {})?;
         study.write(&file)?;
         if self.json {
             return print_json(&study);

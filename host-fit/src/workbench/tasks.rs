@@ -77,7 +77,7 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
     let options = FitOptions::default();
     let stillness = rest(own, options.train);
     let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
-    let (study, ..) =
+    let study =
         study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
     let refiner = logs.refiner(library);
     let refinement = refiner.begin(&study, column, logs.named(refiner.fitted_rows())).map_err(in_text)?;

@@ -213,7 +213,7 @@ fn written_study() -> Study {
     let stillness = stillness::find(&quiet);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
     let fit = fit_axis(&quiet, &stillness, "gx", &options).expect("fits");
-    let (mut study, ..) =
+    let mut study =
         study_of(&quiet, &stillness, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
     let library = Library::built_in();
     let refiner = Refiner::new(&field, Some(&quiet), None, &library);

@@ -7,6 +7,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::{FailedReads, Recording};
+use crate::interrupt::in_parallel;
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
 use crate::stuck::stuck;
@@ -153,61 +154,64 @@ impl Recording {
 
     /// The same of these axes, and of the log as a whole.
     pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
-        let mut found = Vec::new();
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
-        let logs: Vec<Range<usize>> = self.power_ons();
-        for (place, axis) in axes.iter().enumerate() {
-            let values = self.values(axis);
-            for other in &axes[place + 1..] {
-                let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
-                if (wanted.contains(axis) || wanted.contains(other))
-                    && values.iter().zip(self.values(other)).all(same)
-                    && values.iter().any(|v| *v != values[0])
-                {
-                    found.push(Oddity::Same { columns: [(*axis).to_owned(), (*other).to_owned()] });
-                }
-            }
-            if !wanted.contains(axis) {
-                continue;
-            }
-            found.extend(self.stuck(axis));
-            if let Some(Spikes { rows, worst: (row, value, times) }) =
-                self.spikes(axis, 0..self.n_rows(), still)
-            {
-                let (column, worst) = ((*axis).to_owned(), [self.time_s[row], value, times]);
-                found.push(Oddity::Spikes { column, count: rows.len(), worst });
-            }
-            let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
-            if !stuck.is_empty() {
-                let seconds = stuck.iter().map(Range::len).sum::<usize>() as f64 * self.rate.period_s;
-                found.push(Oddity::Held { column: (*axis).to_owned(), times: stuck.len(), seconds });
-            }
-            let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
-            let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();
-            let no_reference = self.channel(&Column::named(axis).reference()).is_err();
-            if axis.starts_with('g')
-                && no_reference
-                && !rates.is_empty()
-                && median(&mut rates).abs() > RATE_AT_REST
-            {
-                found.push(Oddity::TurnsAtRest { column: (*axis).to_owned(), rate: median(&mut rates) });
-            }
-            let mut noise: Vec<f64> =
-                logs.iter().filter_map(|rows| fast_noise(&values[rows.clone()])).collect();
-            noise.sort_by(f64::total_cmp);
-            if let [quietest, .., loudest] = noise[..]
-                && loudest > NOISE_RATIO * quietest
-            {
-                found.push(Oddity::NoiseDiffers { column: (*axis).to_owned(), ratio: loudest / quietest });
-            }
-        }
+        let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
+        let mut found = in_parallel(0..axes.len(), of_axis).concat();
         found.extend(self.quality.failed_reads.iter().cloned().map(Oddity::FailedReads));
         found.extend(self.channels().iter().filter_map(|channel| {
             let step = self.coarse_step(channel)?;
             Some(Oddity::CoarseSteps { column: channel.name.clone(), step })
         }));
         found.extend(self.not_gravity(still));
-        found.extend(self.rates_differ(&logs));
+        found.extend(self.rates_differ(&self.power_ons()));
+        found
+    }
+
+    /// Those of one axis: alone, if it is wanted, and beside those after it.
+    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
+        let mut found = Vec::new();
+        let logs: Vec<Range<usize>> = self.power_ons();
+        let values = self.values(axis);
+        for other in others {
+            let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+            if (wanted.contains(&axis) || wanted.contains(other))
+                && values.iter().zip(self.values(other)).all(same)
+                && values.iter().any(|v| *v != values[0])
+            {
+                found.push(Oddity::Same { columns: [axis.to_owned(), (*other).to_owned()] });
+            }
+        }
+        if !wanted.contains(&axis) {
+            return found;
+        }
+        found.extend(self.stuck(axis));
+        if let Some(Spikes { rows, worst: (row, value, times) }) = self.spikes(axis, 0..self.n_rows(), still)
+        {
+            let (column, worst) = (axis.to_owned(), [self.time_s[row], value, times]);
+            found.push(Oddity::Spikes { column, count: rows.len(), worst });
+        }
+        let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
+        if !stuck.is_empty() {
+            let seconds = stuck.iter().map(Range::len).sum::<usize>() as f64 * self.rate.period_s;
+            found.push(Oddity::Held { column: axis.to_owned(), times: stuck.len(), seconds });
+        }
+        let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
+        let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();
+        let no_reference = self.channel(&Column::named(axis).reference()).is_err();
+        if axis.starts_with('g')
+            && no_reference
+            && !rates.is_empty()
+            && median(&mut rates).abs() > RATE_AT_REST
+        {
+            found.push(Oddity::TurnsAtRest { column: axis.to_owned(), rate: median(&mut rates) });
+        }
+        let mut noise: Vec<f64> = logs.iter().filter_map(|rows| fast_noise(&values[rows.clone()])).collect();
+        noise.sort_by(f64::total_cmp);
+        if let [quietest, .., loudest] = noise[..]
+            && loudest > NOISE_RATIO * quietest
+        {
+            found.push(Oddity::NoiseDiffers { column: axis.to_owned(), ratio: loudest / quietest });
+        }
         found
     }
 

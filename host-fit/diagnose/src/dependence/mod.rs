@@ -14,10 +14,10 @@ mod likelihood;
 mod tests;
 
 use fos_data::column::Column;
+use fos_data::interrupt::in_parallel;
 use fos_data::unit::Unit;
 use std::ops::Range;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use bands::{Cell, PowerMap};
@@ -121,14 +121,13 @@ pub fn dependence(
     let of_another = trained.filter(|trained| !is_same(trained));
     let of_another =
         of_another.map(|trained| remainders(model, trained.recording, trained.stillness)).transpose()?;
-    let axes = model.axes.iter().enumerate().map(|(axis, fitted)| {
+    Ok(in_parallel(0..model.axes.len(), |axis| {
         let learnt_from = trained.map(|trained| {
             let left = of_another.as_ref().unwrap_or(&left);
             (trained.recording, trained.rows.clone(), left[axis].as_slice())
         });
-        of_axis(recording, &fitted.column, rows.clone(), &left[axis], learnt_from)
-    });
-    Ok(axes.collect())
+        of_axis(recording, &model.axes[axis].column, rows.clone(), &left[axis], learnt_from)
+    }))
 }
 
 /// Why there is no answer.
@@ -158,9 +157,10 @@ fn remainders(
     let playback = Playback::new(recording, &physical, &stillness.still)?;
     let mut predictor: HostPredictor<f64> = physical.predictor()?;
     let mut left = vec![Vec::with_capacity(recording.n_rows()); physical.axes.len()];
+    let mut feed = playback.feed();
     for row in 0..recording.n_rows() {
         // without a stochastic part the innovation is the remainder
-        for (left, correction) in left.iter_mut().zip(playback.step(&mut predictor, row)) {
+        for (left, correction) in left.iter_mut().zip(feed.step(&mut predictor, row)) {
             left.push(correction.innovation.unwrap_or(f64::NAN));
         }
     }
@@ -223,7 +223,8 @@ fn of_axis(
         .iter()
         .filter(|channel| channel.name != column && !channel.column().is_of_model())
         .collect();
-    let mut channels: Vec<ChannelDependence> = others.into_par_iter().filter_map(of_channel).collect();
+    let mut channels: Vec<ChannelDependence> =
+        in_parallel(others, of_channel).into_iter().flatten().collect();
     let tried = channels.len() as f64;
     channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));
     channels.sort_by(|a, b| a.curve.p.total_cmp(&b.curve.p).then(b.curve.score.total_cmp(&a.curve.score)));

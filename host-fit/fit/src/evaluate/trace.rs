@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use fos_core::{ModelError, Real};
+use fos_core::{Correction, ModelError, Predictor, Real, y};
+use rayon::prelude::*;
 
-use crate::model::{HostPredictor, UnitModel};
-use crate::playback::Playback;
+use crate::model::{AXES, FittedAxis, FittedTerm, INPUTS, SmallPredictor, UnitModel};
+use crate::playback::{Feed, Playback};
 use fos_data::interrupt;
 use fos_data::recording::pieces;
 
@@ -61,71 +62,158 @@ pub fn trace<R: Real>(
     model: &UnitModel,
     playback: &Playback<'_>,
     rows: Range<usize>,
-    mut progress: impl FnMut(usize),
+    progress: impl FnMut(usize),
 ) -> Result<Trace, ModelError> {
-    let mut predictor: HostPredictor<R> = model.predictor()?;
-    let stretches = playback.still_stretches(rows.clone());
-    let origins = Origins::new(&stretches, model.period_s);
-    let mut axes = vec![AxisTrace::with_rows(rows.len()); model.axes.len()];
-    for row in 0..rows.start {
-        let _ = playback.step(&mut predictor, row);
+    // a predictor is copied for every coast
+    match model.with(SmallPredictor::<R>::new) {
+        Ok(small) => Ok(Run::new(small, model, playback, rows).trace(progress)),
+        Err(_) => Ok(Run::new(model.predictor::<R>()?, model, playback, rows).trace(progress)),
     }
-    let mut whole = predictor.clone();
-    let mut block: Option<(HostPredictor<R>, Range<usize>)> = None;
-    for row in rows.clone() {
-        let at = row - rows.start;
-        if row.is_multiple_of(1024) {
-            interrupt::check();
+}
+
+/// One way through a recording.
+struct Run<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> {
+    playback: &'p Playback<'a>,
+    feed: Feed<'p, 'a, R>,
+    origins: Origins,
+    predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+    /// A coast goes on as it begins.
+    is_held: bool,
+    trace: Trace,
+}
+
+/// A coast that is to begin in `row` and goes on for `reach` samples, and the predictor that has seen all rows before.
+struct Coast<P> {
+    predictor: P,
+    row: usize,
+    reach: usize,
+}
+
+/// Coasts that are run at once, beside one another: some megabytes of predictors at most.
+const AT_ONCE: usize = 256;
+
+impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, TERMS, HISTORY> {
+    fn new(
+        predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        model: &UnitModel,
+        playback: &'p Playback<'a>,
+        rows: Range<usize>,
+    ) -> Self {
+        let stretches = playback.still_stretches(rows.clone());
+        let origins = Origins::new(&stretches, model.period_s);
+        let axes = vec![AxisTrace::with_rows(rows.len()); model.axes.len()];
+        let trace = Trace { rows, period_s: model.period_s, stretches, axes };
+        let is_held = is_held(model);
+        Self { playback, feed: playback.feed(), origins, predictor, is_held, trace }
+    }
+
+    fn trace(mut self, mut progress: impl FnMut(usize)) -> Trace {
+        let rows = self.trace.rows.clone();
+        for row in 0..rows.start {
+            let _ = self.feed.step(&mut self.predictor, row);
         }
-        if row % 65_536 == 0 {
-            progress(row);
-        }
-        // from here on `predictor` has seen all rows before this one, and none after
-        if let Some(reach) = origins.reach(row) {
-            let mut coasting = predictor.clone();
-            for ahead in 0..reach {
-                let corrections = playback.coast(&mut coasting, row + ahead);
-                if let Some(horizon) = origins.horizon_of(ahead + 1) {
-                    for (axis, correction) in corrections.iter().enumerate() {
-                        let left = playback.error(axis, row + ahead) - correction.predicted.to_f64();
-                        if left.is_finite() {
-                            axes[axis].horizons[horizon].push(left * left);
-                        }
-                    }
+        let mut whole = self.predictor.clone();
+        let mut block: Option<(Predictor<R, AXES, INPUTS, TERMS, HISTORY>, Range<usize>)> = None;
+        let (mut reaches, mut blocks) = (
+            std::mem::take(&mut self.origins.reaches).into_iter().peekable(),
+            std::mem::take(&mut self.origins.blocks).into_iter().peekable(),
+        );
+        let mut waiting = Vec::with_capacity(AT_ONCE);
+        for row in rows {
+            if row.is_multiple_of(1024) {
+                interrupt::check();
+            }
+            if row % 65_536 == 0 {
+                progress(row);
+            }
+            // from here on the predictor has seen all rows before this one, and none after
+            if let Some((row, reach)) = reaches.next_if(|(begin, _)| *begin == row) {
+                waiting.push(Coast { predictor: self.predictor.clone(), row, reach });
+                if waiting.len() == AT_ONCE {
+                    self.coast(&mut waiting);
                 }
             }
-        }
-        if let Some(span) = origins.block_at(row) {
-            block = Some((predictor.clone(), span));
-        }
-        if let Some((coasting, span)) = &mut block
-            && span.contains(&row)
-        {
-            for (axis, correction) in playback.coast(coasting, row).iter().enumerate() {
-                axes[axis].coast[at] = playback.error(axis, row) - correction.predicted.to_f64();
+            if let Some(span) = blocks.next_if(|block| block.start == row) {
+                block = Some((self.predictor.clone(), span));
             }
-        }
-        playback.catch_up(&mut whole, row);
-        for (axis, correction) in playback.coast(&mut whole, row).iter().enumerate() {
-            if playback.is_still(row) {
-                axes[axis].coast_whole[at] = playback.error(axis, row) - correction.predicted.to_f64();
-                axes[axis].measured[at] = playback.error(axis, row);
+            if let Some((coasting, span)) = &mut block
+                && span.contains(&row)
+            {
+                let corrections = self.feed.coast(coasting, row);
+                self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast);
             }
+            self.playback.catch_up(&mut whole, row);
+            let corrections = self.feed.coast(&mut whole, row);
+            if self.playback.is_still(row) {
+                self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
+            }
+            self.step(row);
         }
-        for (axis, correction) in playback.step(&mut predictor, row).iter().enumerate() {
-            use fos_core::Validity;
+        self.coast(&mut waiting);
+        self.trace
+    }
+
+    /// One row from measured history.
+    fn step(&mut self, row: usize) {
+        use fos_core::Validity;
+        let at = row - self.trace.rows.start;
+        let is_still = self.playback.is_still(row);
+        let corrections = self.feed.step(&mut self.predictor, row);
+        for ((number, axis), correction) in self.trace.axes.iter_mut().enumerate().zip(corrections) {
+            if is_still {
+                axis.measured[at] = self.playback.error(number, row);
+            }
             let harmless = Validity::WARMING_UP | Validity::OWN_HISTORY | Validity::COASTING_TOO_LONG;
             if correction.validity | harmless != harmless {
-                axes[axis].cautions += 1;
+                axis.cautions += 1;
             }
             if let Some(innovation) = correction.innovation
                 && !correction.validity.intersects(Validity::OWN_HISTORY)
             {
-                axes[axis].one_step[at] = innovation.to_f64();
+                axis.one_step[at] = innovation.to_f64();
             }
         }
     }
-    Ok(Trace { rows, period_s: model.period_s, stretches, axes })
+
+    /// Runs the coasts that wait, on all cores, and keeps what they leave at the horizons in the order of their rows.
+    fn coast(&mut self, waiting: &mut Vec<Coast<Predictor<R, AXES, INPUTS, TERMS, HISTORY>>>) {
+        let left_by = |mut coast: Coast<Predictor<R, AXES, INPUTS, TERMS, HISTORY>>| {
+            let mut feed = self.feed.clone();
+            let mut left = Vec::new();
+            let is_held = self.is_held && self.playback.is_measured(coast.row..coast.row + coast.reach);
+            for ahead in 0..coast.reach {
+                let row = coast.row + ahead;
+                if ahead == 0 || !is_held {
+                    let _ = feed.coast(&mut coast.predictor, row);
+                }
+                if let Some(horizon) = self.origins.horizon_of(ahead + 1) {
+                    let corrections = coast.predictor.corrections();
+                    left.extend(corrections.iter().enumerate().map(|(axis, correction)| {
+                        (horizon, axis, self.playback.error(axis, row) - correction.predicted.to_f64())
+                    }));
+                }
+            }
+            left
+        };
+        let left: Vec<Vec<(usize, usize, f64)>> = waiting.par_drain(..).map(left_by).collect();
+        for (horizon, axis, left) in left.into_iter().flatten().filter(|(.., left)| left.is_finite()) {
+            self.trace.axes[axis].horizons[horizon].push(left * left);
+        }
+    }
+}
+
+/// Whether a coast of the model goes on as it begins, while there are samples: a constant, or the last value.
+fn is_held(model: &UnitModel) -> bool {
+    let is_last = |term: &FittedTerm| term.coefficient == 1.0 && term.factors == [y(1)];
+    model.inputs.is_empty()
+        && model.axes.iter().all(|FittedAxis { parameters, physical, stochastic, .. }| {
+            physical.is_empty()
+                && parameters.constant == 0.0
+                && stochastic.len() <= 1
+                && stochastic.iter().all(is_last)
+                // what fades, changes
+                && parameters.coast_limit_s > f64::from(u32::MAX) * model.period_s
+        })
 }
 
 impl AxisTrace {
@@ -142,6 +230,21 @@ impl AxisTrace {
 }
 
 impl Trace {
+    /// What `corrections` leave of the error in `row`, in one series of each axis.
+    #[inline]
+    fn keep<R: Real>(
+        &mut self,
+        playback: &Playback<'_>,
+        row: usize,
+        corrections: &[Correction<R>],
+        series: impl Fn(&mut AxisTrace) -> &mut Vec<f64>,
+    ) {
+        let at = row - self.rows.start;
+        for ((number, axis), correction) in self.axes.iter_mut().enumerate().zip(corrections) {
+            series(axis)[at] = playback.error(number, row) - correction.predicted.to_f64();
+        }
+    }
+
     /// The part of it in `rows` of the recording, but for what is only looked at as a whole.
     pub fn within(&self, rows: Range<usize>) -> Self {
         let start = rows.start.clamp(self.rows.start, self.rows.end);
@@ -217,17 +320,7 @@ impl Origins {
         Self { ticks, reaches, blocks }
     }
 
-    fn reach(&self, row: usize) -> Option<usize> {
-        let found = self.reaches.binary_search_by_key(&row, |(row, _)| *row).ok()?;
-        Some(self.reaches[found].1)
-    }
-
     fn horizon_of(&self, ticks: usize) -> Option<usize> {
         self.ticks.iter().position(|horizon| *horizon == ticks)
-    }
-
-    fn block_at(&self, row: usize) -> Option<Range<usize>> {
-        let found = self.blocks.binary_search_by_key(&row, |block| block.start).ok()?;
-        Some(self.blocks[found].clone())
     }
 }

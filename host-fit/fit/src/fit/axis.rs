@@ -19,6 +19,7 @@ use crate::evaluate;
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
+use fos_data::interrupt::in_parallel;
 use fos_data::recording::{Recording, Reference};
 use fos_data::stillness::{self, Stillness};
 
@@ -151,6 +152,26 @@ pub fn fit_axis(
     let playback = Playback::new(recording, &model, &stillness.still)?;
     set_statistics(&mut model, &playback, training).map_err(model_error)?;
     Ok(AxisFit { model, report })
+}
+
+/// Fits several axes of a recording, beside one another; `done` is called after each.
+///
+/// # Errors
+///
+/// As for [`fit_axis`]: of the first axis that has any.
+pub fn fit_axes(
+    recording: &Recording,
+    stillness: &Stillness,
+    axes: &[impl AsRef<str> + Sync],
+    options: &FitOptions,
+    done: impl Fn() + Sync,
+) -> Result<Vec<AxisFit>, AxisError> {
+    let fits = in_parallel(axes, |axis| {
+        let fit = fit_axis(recording, stillness, axis.as_ref(), options);
+        done();
+        fit
+    });
+    fits.into_iter().collect()
 }
 
 /// The model before anything is fitted: offset, scale, inputs.

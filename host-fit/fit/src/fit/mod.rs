@@ -28,7 +28,7 @@ use thiserror::Error;
 use crate::candidates::{Candidates, Monomial};
 use crate::moments::{GramError, Moments, Rows, SignalsError};
 pub use autoregression::{Autoregression, AutoregressionError};
-pub use axis::{AxisFit, fit_axis, rest, training_rows};
+pub use axis::{AxisFit, fit_axes, fit_axis, rest, training_rows};
 pub use axis_error::AxisError;
 pub use axis_report::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use exchange::Tie;

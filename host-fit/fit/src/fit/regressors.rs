@@ -31,10 +31,11 @@ impl Regressors {
         let scale = model.axes[0].parameters.scale;
         let mut remainder = Vec::with_capacity(n_rows);
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
+        let mut feed = playback.feed();
         for row in 0..n_rows {
             // without a stochastic part the innovation is the remainder; it is not known before the inputs are
             let innovation =
-                playback.step(&mut predictor, row)[0].innovation.filter(|_| playback.knows_inputs(row));
+                feed.step(&mut predictor, row)[0].innovation.filter(|_| playback.knows_inputs(row));
             remainder.push(innovation.map_or(f64::NAN, |innovation| innovation / scale));
             for (index, column) in inputs.iter_mut().enumerate() {
                 column.push(predictor.input(index).unwrap_or(f64::NAN));
