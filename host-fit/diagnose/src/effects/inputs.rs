@@ -20,12 +20,14 @@ pub struct Inputs<'a> {
     recording: &'a Recording,
     /// Inputs without a parameter, which are asked for again and again.
     kept: RefCell<HashMap<String, Rc<[f64]>>>,
+    /// What transforms begin with: columns as a device has them, NaN before their first value.
+    held: RefCell<HashMap<String, Rc<[f64]>>>,
 }
 
 impl<'a> Inputs<'a> {
     /// Of this recording.
     pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, kept: RefCell::default() }
+        Self { recording, kept: RefCell::default(), held: RefCell::default() }
     }
 
     /// The log that the inputs are computed from.
@@ -119,8 +121,13 @@ impl<'a> Inputs<'a> {
         Ok(values)
     }
 
-    fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
-        let held = match &spec.column {
+    /// A column as a device has it. No column is the clock, whose transforms need nothing to begin with.
+    fn held(&self, column: Option<&str>) -> Result<Rc<[f64]>, RecordingError> {
+        let name = column.unwrap_or_default();
+        if let Some(known) = self.held.borrow().get(name) {
+            return Ok(known.clone());
+        }
+        let held = match column {
             Some(column) => {
                 let channel = self.recording.channel(column)?;
                 let held = self.recording.held(channel);
@@ -135,10 +142,17 @@ impl<'a> Inputs<'a> {
         if held.iter().all(|value| value.is_nan()) {
             return Err(RecordingError::NoValues {
                 path: self.recording.paths(),
-                name: spec.column.clone().unwrap_or_default(),
+                name: name.to_owned(),
                 rows: held.len(),
             });
         }
+        let held: Rc<[f64]> = held.into();
+        self.held.borrow_mut().insert(name.to_owned(), held.clone());
+        Ok(held)
+    }
+
+    fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
+        let held = self.held(spec.column.as_deref())?;
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
         let mut values = Vec::with_capacity(held.len());
