@@ -115,9 +115,8 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
         "white noise has no terms: {:?}",
         fits[0].report.steps
     );
-    let study =
-        study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
-            .expect("judged");
+    let study = study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
+        .expect("judged");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {
         let step = study.steps.iter().find(|step| step.name == model);

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod dependence;
 pub mod detect;
 pub mod effects;
+mod memo;
 pub mod physical;
 pub mod refine;
 pub mod study;

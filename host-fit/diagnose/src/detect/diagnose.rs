@@ -1,7 +1,7 @@
 //! What is missing: faults of the data, then lines, then slow effects, then what no library knows; and effects
 //! estimated whether they are missing or not.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use fos_data::column::{AXES, Column};
 use fos_data::disturbance;
@@ -90,7 +90,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
                 return Err(not_there(id, &format!("the log has no {}", missing.join(", "))));
             }
             Some(_) if matches!(effect.search, Detector::Terms | Detector::Step) => {
-                wanted.push(Rc::new(effect.clone()));
+                wanted.push(Arc::new(effect.clone()));
             }
             Some(_) => {}
         }

@@ -1,10 +1,9 @@
 //! What may be missing: an effect with a value of its parameter, and its regressors in block means.
 
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::effects::{Detector, Effect, Inputs, Regressor};
+use crate::memo::Memo;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::Blocks;
 use fos_fit::signal::centred;
@@ -17,11 +16,11 @@ const GRID_RATIO: f64 = 1.5;
 #[derive(Debug, Clone)]
 pub(super) struct Hypothesis {
     /// From the library, or one of the user's.
-    pub(super) effect: Rc<Effect>,
+    pub(super) effect: Arc<Effect>,
     /// The value of its parameter, if it has one.
     pub(super) value: Option<f64>,
     /// Its regressors in block means, each about its mean.
-    pub(super) columns: Rc<Vec<Vec<f64>>>,
+    pub(super) columns: Arc<Vec<Vec<f64>>>,
     /// Which terms of the effect they are; terms that explain nothing are left out.
     pub(super) terms: Vec<usize>,
     /// The regressors, one per column; none for a step.
@@ -39,7 +38,7 @@ impl Hypothesis {
         let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
         let terms = places.iter().map(|place| self.terms[*place]).collect();
         let regressors = places.iter().filter_map(|place| self.regressors.get(*place).cloned()).collect();
-        Self { columns: Rc::new(columns), terms, regressors, ..self.clone() }
+        Self { columns: Arc::new(columns), terms, regressors, ..self.clone() }
     }
 
     /// Whether it is the same effect, whatever the value.
@@ -54,13 +53,13 @@ pub(super) struct Hypotheses<'a> {
     inputs: &'a Inputs<'a>,
     blocks: &'a Blocks,
     target: &'a str,
-    made: RefCell<HashMap<(String, u64), Hypothesis>>,
+    made: Memo<(String, u64), Hypothesis>,
 }
 
 impl<'a> Hypotheses<'a> {
     /// For the axis of column `target`.
     pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
-        Self { inputs, blocks, target, made: RefCell::default() }
+        Self { inputs, blocks, target, made: Memo::default() }
     }
 
     /// The values of the parameter to look at first; one `None` for an effect without one.
@@ -97,30 +96,33 @@ impl<'a> Hypotheses<'a> {
     /// # Errors
     ///
     /// A column is missing.
-    pub(super) fn make(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+    pub(super) fn make(
+        &self,
+        effect: &Arc<Effect>,
+        value: Option<f64>,
+    ) -> Result<Hypothesis, RecordingError> {
         let key = (effect.id.clone(), value.map_or(0, f64::to_bits));
-        if let Some(made) = self.made.borrow().get(&key) {
-            return Ok(made.clone());
+        if let Some(made) = self.made.get(&key) {
+            return Ok(made);
         }
         let made = match effect.search {
             Detector::Step => self.step(effect, value),
             _ => self.of_regressors(effect, value)?,
         };
-        self.made.borrow_mut().insert(key, made.clone());
-        Ok(made)
+        Ok(self.made.keep(key, made))
     }
 
-    fn step(&self, effect: &Rc<Effect>, value: Option<f64>) -> Hypothesis {
+    fn step(&self, effect: &Arc<Effect>, value: Option<f64>) -> Hypothesis {
         let time_s = value.unwrap_or(0.0);
         let after = |block: usize| {
             ((self.blocks.middle_s(block) - time_s) / self.blocks.length_s + 0.5).clamp(0.0, 1.0)
         };
         let column = centred((0..self.blocks.len()).map(after).collect());
-        let columns = Rc::new(vec![column]);
+        let columns = Arc::new(vec![column]);
         Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
     }
 
-    fn of_regressors(&self, effect: &Rc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+    fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()
@@ -133,7 +135,7 @@ impl<'a> Hypotheses<'a> {
             .iter()
             .map(|regressor| Ok(centred(self.blocks.means(&self.inputs.regressor(regressor)?))))
             .collect::<Result<_, RecordingError>>()?;
-        Ok(Hypothesis { effect: effect.clone(), value, columns: Rc::new(columns), terms, regressors })
+        Ok(Hypothesis { effect: effect.clone(), value, columns: Arc::new(columns), terms, regressors })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a diagnosis begins with: the log in blocks, the faults in it, what is known of the noise, what the model has
 //! already.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use fos_data::column::Column;
 use fos_fit::noise::{LevelPrior, UnknownLevels};
@@ -73,7 +73,7 @@ impl Prepared {
         let mut given = vec![vec![1.0; reduced.blocks.len()]];
         let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
         for Given { effect, value } in question.given {
-            let effect = Rc::new(library.get(effect)?.clone());
+            let effect = Arc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
         // where gravity may have turned, each rest has a level of its own; what a gyro shows goes on
@@ -98,7 +98,7 @@ impl Prepared {
     pub(super) fn search<'s>(
         &'s self,
         hypotheses: &'s Hypotheses<'s>,
-        effects: &'s [Rc<Effect>],
+        effects: &'s [Arc<Effect>],
     ) -> SlowSearch<'s> {
         SlowSearch {
             blocks: &self.reduced.blocks,

@@ -1,6 +1,6 @@
 //! Which slow effects a log can be asked for, which rows tell of all of them, and what the log lacks for the others.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::answer::Untested;
 use super::question::{DiagnoseError, Question};
@@ -10,7 +10,7 @@ use crate::effects::{Detector, Effect, Inputs, Regressor};
 #[derive(Debug)]
 pub(super) struct Testable {
     /// Those that can be tried.
-    pub(super) effects: Vec<Rc<Effect>>,
+    pub(super) effects: Vec<Arc<Effect>>,
     /// Those that cannot, with what they need.
     pub(super) untested: Vec<Untested>,
     /// Rows in which every column that one of them follows is known: what it did before its first value would have to
@@ -40,7 +40,7 @@ impl Testable {
                 Some(needs) if needs.is_empty() && is_slow => {
                     columns.extend(followed(effect, inputs, target));
                     if !is_given {
-                        effects.push(Rc::new(effect.clone()));
+                        effects.push(Arc::new(effect.clone()));
                     }
                 }
                 _ => {}

@@ -1,12 +1,12 @@
 //! Inputs evaluated over a recording by fos-core, and from which row on they are known.
 
-use std::cell::RefCell;
-use std::collections::{BTreeMap, HashMap};
-use std::rc::Rc;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use fos_core::Transformer;
 
 use super::terms::{Product, Regressor};
+use crate::memo::Memo;
 use fos_data::recording::{Boundary, Recording, RecordingError, back_filled};
 use fos_fit::fit::InputSpec;
 
@@ -19,15 +19,15 @@ const LATEST: f64 = 0.1;
 pub struct Inputs<'a> {
     recording: &'a Recording,
     /// Inputs without a parameter, which are asked for again and again.
-    kept: RefCell<HashMap<String, Rc<[f64]>>>,
+    kept: Memo<String, Arc<[f64]>>,
     /// What transforms begin with: columns as a device has them, NaN before their first value.
-    held: RefCell<HashMap<String, Rc<[f64]>>>,
+    held: Memo<String, Arc<[f64]>>,
 }
 
 impl<'a> Inputs<'a> {
     /// Of this recording.
     pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, kept: RefCell::default(), held: RefCell::default() }
+        Self { recording, kept: Memo::default(), held: Memo::default() }
     }
 
     /// The log that the inputs are computed from.
@@ -80,7 +80,7 @@ impl<'a> Inputs<'a> {
     /// # Errors
     ///
     /// A column is missing.
-    pub fn regressor(&self, regressor: &Regressor) -> Result<Rc<[f64]>, RecordingError> {
+    pub fn regressor(&self, regressor: &Regressor) -> Result<Arc<[f64]>, RecordingError> {
         regressor.over(|spec| self.input(spec))
     }
 
@@ -93,7 +93,7 @@ impl<'a> Inputs<'a> {
         &self,
         regressor: &Regressor,
         limits: &BTreeMap<String, [f64; 2]>,
-    ) -> Result<Rc<[f64]>, RecordingError> {
+    ) -> Result<Arc<[f64]>, RecordingError> {
         regressor.over(|spec| {
             let values = self.input(spec)?;
             Ok(match limits.get(&spec.to_string()) {
@@ -109,23 +109,21 @@ impl<'a> Inputs<'a> {
     /// # Errors
     ///
     /// The column is missing, or all its cells are empty.
-    pub fn input(&self, spec: &InputSpec) -> Result<Rc<[f64]>, RecordingError> {
+    pub fn input(&self, spec: &InputSpec) -> Result<Arc<[f64]>, RecordingError> {
         let name = spec.to_string();
-        if let Some(known) = self.kept.borrow().get(&name) {
-            return Ok(known.clone());
+        if let Some(known) = self.kept.get(&name) {
+            return Ok(known);
         }
-        let values: Rc<[f64]> = self.evaluate(spec)?.into();
-        if !name.contains('(') {
-            self.kept.borrow_mut().insert(name, values.clone());
-        }
-        Ok(values)
+        let values: Arc<[f64]> = self.evaluate(spec)?.into();
+        let is_parametrised = name.contains('(');
+        Ok(if is_parametrised { values } else { self.kept.keep(name, values) })
     }
 
     /// A column as a device has it. No column is the clock, whose transforms need nothing to begin with.
-    fn held(&self, column: Option<&str>) -> Result<Rc<[f64]>, RecordingError> {
+    fn held(&self, column: Option<&str>) -> Result<Arc<[f64]>, RecordingError> {
         let name = column.unwrap_or_default();
-        if let Some(known) = self.held.borrow().get(name) {
-            return Ok(known.clone());
+        if let Some(known) = self.held.get(name) {
+            return Ok(known);
         }
         let held = match column {
             Some(column) => {
@@ -146,9 +144,7 @@ impl<'a> Inputs<'a> {
                 rows: held.len(),
             });
         }
-        let held: Rc<[f64]> = held.into();
-        self.held.borrow_mut().insert(name.to_owned(), held.clone());
-        Ok(held)
+        Ok(self.held.keep(name.to_owned(), held.into()))
     }
 
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {

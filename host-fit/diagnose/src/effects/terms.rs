@@ -2,7 +2,7 @@
 
 use fos_data::column::{Column, GYROS};
 use std::fmt;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use fos_fit::fit::InputSpec;
 
@@ -75,7 +75,10 @@ impl Regressor {
     }
 
     /// Its values where those of its inputs are known.
-    pub(super) fn over<E>(&self, input: impl Fn(&InputSpec) -> Result<Rc<[f64]>, E>) -> Result<Rc<[f64]>, E> {
+    pub(super) fn over<E>(
+        &self,
+        input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
+    ) -> Result<Arc<[f64]>, E> {
         let product = |product: &Product| combined(product.inputs.iter().map(&input), |a, b| a * b);
         combined(self.products.iter().map(product), |a, b| a + b)
     }
@@ -83,11 +86,11 @@ impl Regressor {
 
 /// Columns combined value by value; the only one as it is.
 fn combined<E>(
-    columns: impl Iterator<Item = Result<Rc<[f64]>, E>>,
+    columns: impl Iterator<Item = Result<Arc<[f64]>, E>>,
     combine: impl Fn(f64, f64) -> f64,
-) -> Result<Rc<[f64]>, E> {
+) -> Result<Arc<[f64]>, E> {
     let mut columns = columns;
-    let Some(first) = columns.next() else { return Ok(Rc::from([])) };
+    let Some(first) = columns.next() else { return Ok(Arc::from([])) };
     columns.try_fold(first?, |all, next| {
         Ok(all.iter().zip(next?.iter()).map(|(a, b)| combine(*a, *b)).collect())
     })

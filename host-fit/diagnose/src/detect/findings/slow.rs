@@ -2,7 +2,7 @@
 //! each once those before it are in the model.
 
 use std::collections::BTreeMap;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use super::doubt::far;
@@ -40,7 +40,7 @@ impl Assembly<'_> {
         let falls = self.falls(&order, estimates, &limits)?;
         let mut findings = Vec::new();
         for (own, (found, fall)) in order.iter().zip(falls).enumerate() {
-            let effect: &Rc<Effect> = &found.hypothesis.effect;
+            let effect: &Arc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
             let mut sizes = Vec::new();
             let mut correction = Vec::new();

@@ -1,11 +1,12 @@
 //! Every effect on top of a model: a first pass under given noise levels, then the best of it with the levels fitted.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::model::{SlowSearch, State};
 use super::result::ExtraNoise;
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::{Detector, Effect};
+use fos_data::interrupt::in_parallel;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::{Fitted, NoiseLevels};
 
@@ -25,7 +26,7 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tried {
     pub(super) scores: Vec<(String, f64)>,
-    pub(super) silent: Vec<Rc<Effect>>,
+    pub(super) silent: Vec<Arc<Effect>>,
 }
 
 impl SlowSearch<'_> {
@@ -42,10 +43,9 @@ impl SlowSearch<'_> {
         first_pass: &[(f64, Hypothesis)],
     ) -> Result<Vec<Candidate>, RecordingError> {
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let best = first_pass.iter().take(FITTED);
-        let mut candidates = best
-            .map(|(_, hypothesis)| self.candidate(&accepted, state, hypothesis.clone()))
-            .collect::<Result<Vec<_>, _>>()?;
+        let best = &first_pass[..FITTED.min(first_pass.len())];
+        let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(&accepted, state, hypothesis.clone());
+        let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
         Ok(candidates)
     }
@@ -57,7 +57,7 @@ impl SlowSearch<'_> {
         let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
         let behind = first_pass.iter().skip(FITTED).map(|(score, hypothesis)| (id(hypothesis), *score));
         let scores: Vec<(String, f64)> = fitted.chain(behind).collect();
-        let is_silent = |effect: &&Rc<Effect>| scores.iter().all(|(id, _)| *id != effect.id);
+        let is_silent = |effect: &&Arc<Effect>| scores.iter().all(|(id, _)| *id != effect.id);
         Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
     }
 
@@ -71,12 +71,11 @@ impl SlowSearch<'_> {
         }
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
         let null = self.at(&accepted, state.noise, levels);
-        let mut first_pass = Vec::new();
-        for effect in self.effects {
+        let best = |effect: &Arc<Effect>| -> Result<Option<(f64, Hypothesis)>, RecordingError> {
             if state.accepted.iter().any(|hypothesis| hypothesis.effect.id == effect.id)
                 && effect.search != Detector::Step
             {
-                continue;
+                return Ok(None);
             }
             let mut best: Option<(f64, Hypothesis)> = None;
             for value in self.hypotheses.grid(effect) {
@@ -90,8 +89,10 @@ impl SlowSearch<'_> {
                     best = Some((score, hypothesis));
                 }
             }
-            first_pass.extend(best);
-        }
+            Ok(best)
+        };
+        let best: Result<Vec<_>, _> = in_parallel(self.effects, best).into_iter().collect();
+        let mut first_pass: Vec<(f64, Hypothesis)> = best?.into_iter().flatten().collect();
         first_pass.sort_by(|a, b| b.0.total_cmp(&a.0));
         Ok(first_pass)
     }

@@ -2,7 +2,7 @@
 //! costs.
 
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::result::ExtraNoise;
 use crate::detect::hypothesis::{Hypotheses, Hypothesis};
@@ -35,7 +35,7 @@ pub(crate) struct SlowSearch<'a> {
     /// judged by all.
     pub(crate) axes: usize,
     /// The effects to try.
-    pub(crate) effects: &'a [Rc<Effect>],
+    pub(crate) effects: &'a [Arc<Effect>],
     /// What is known of the noise levels.
     pub(crate) prior: LevelPrior,
     /// The same where a random walk larger than the baseline's is tried.

@@ -1,7 +1,7 @@
 //! What was found in the slow band.
 
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::estimate::Estimate;
 use crate::detect::hypothesis::Hypothesis;
@@ -70,5 +70,5 @@ pub(crate) struct SlowResult {
     /// The same beside what had been found before the last round of the search.
     pub(crate) beside: Vec<(String, f64)>,
     /// Effects of which no regressor adds anything to what is given.
-    pub(crate) silent: Vec<Rc<Effect>>,
+    pub(crate) silent: Vec<Arc<Effect>>,
 }

@@ -1,6 +1,6 @@
 //! Forward selection among hypotheses, and effects estimated together whether they are missing or not.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::candidates::Tried;
 use super::model::{ACCEPT, SlowSearch, State};
@@ -57,7 +57,7 @@ impl SlowSearch<'_> {
     /// # Errors
     ///
     /// A column is missing.
-    pub(crate) fn estimate(&self, wanted: &[Rc<Effect>]) -> Result<SlowResult, RecordingError> {
+    pub(crate) fn estimate(&self, wanted: &[Arc<Effect>]) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         for effect in wanted {
             let alone = SlowSearch { effects: std::slice::from_ref(effect), ..*self };

@@ -1,0 +1,37 @@
+//! What was computed once, for all threads.
+
+use std::borrow::Borrow;
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Values by their keys. Two threads that ask for the same at once may both compute it.
+#[derive(Debug)]
+pub(crate) struct Memo<K, V>(Mutex<HashMap<K, V>>);
+
+impl<K, V> Default for Memo<K, V> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash, V: Clone> Memo<K, V> {
+    /// The value of `key`, if it is known.
+    pub(crate) fn get<Q: Eq + Hash + ?Sized>(&self, key: &Q) -> Option<V>
+    where
+        K: Borrow<Q>,
+    {
+        self.lock().get(key).cloned()
+    }
+
+    /// Keeps a value.
+    pub(crate) fn keep(&self, key: K, value: V) -> V {
+        self.lock().insert(key, value.clone());
+        value
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<K, V>> {
+        // what is in it is whole, whoever panicked meanwhile
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
