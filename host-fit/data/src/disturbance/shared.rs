@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::scale::{Scale, excess, halved, local_level, median_of_known};
+use crate::interrupt::in_parallel;
 use crate::recording::{Recording, runs};
 
 /// Slower logs have no time scale on which a knock could be told from noise, s.
@@ -64,12 +65,12 @@ pub(super) fn find(recording: &Recording, axes: &[&[f64]], is_vouched: bool) -> 
             break;
         }
         let joins = joins(recording, scale.block, means[0].len());
-        let energies: Vec<Vec<f64>> = means.iter().map(|means| scale.log_energy(means, &joins)).collect();
+        let energies: Vec<Vec<f64>> = in_parallel(&means, |means| scale.log_energy(means, &joins));
         let is_vibration = block_s <= VIBRATION_BLOCK_S;
         let levels: Vec<Vec<f64>> = match is_vibration {
             true => {
                 let piece = (PIECE_S / (scale.window as f64 * period_s)).ceil() as usize;
-                energies.iter().map(|energy| local_level(energy, piece)).collect()
+                in_parallel(&energies, |energy| local_level(energy, piece))
             }
             false => energies
                 .iter()
@@ -101,7 +102,7 @@ pub(super) fn find(recording: &Recording, axes: &[&[f64]], is_vouched: bool) -> 
         };
         let lost: Vec<usize> = (0..means[0].len()).filter(|block| is_moved(*block)).collect();
         means.iter_mut().for_each(|means| lost.iter().for_each(|block| means[*block] = f64::NAN));
-        means = means.iter().map(|means| halved(means)).collect();
+        means = in_parallel(&means, |means| halved(means));
     }
     let joined = (ONE_S / period_s) as usize;
     let stretches = |flags: &[bool], within: usize| {

@@ -21,6 +21,9 @@ use crate::catch_panic::catch_panic;
 /// Cells decoded at once: enough to be quick, little beside the data.
 const BATCH_CELLS: usize = 65_536;
 
+/// Cells that room is made for at once: an hour at 200 Hz.
+const MOST_AHEAD: usize = 720_000;
+
 /// What the cells of a column mean.
 enum Kind {
     /// Numbers, flags; integers are divided by `divisor`, which is a power of ten for decimals.
@@ -290,6 +293,8 @@ impl Into<'_> {
         mut number: impl FnMut(&T::T) -> f64,
     ) -> Result<(), ParquetError> {
         let mut left = self.rows;
+        // what the file says of itself may be wrong
+        self.values.reserve(left.min(MOST_AHEAD));
         let (mut found, mut levels) = (Vec::new(), Vec::new());
         while left > 0 {
             crate::interrupt::check();

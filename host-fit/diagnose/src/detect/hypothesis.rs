@@ -133,7 +133,7 @@ impl<'a> Hypotheses<'a> {
         let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
         let columns: Vec<Vec<f64>> = regressors
             .iter()
-            .map(|regressor| Ok(centred(self.blocks.means(&self.inputs.regressor(regressor)?))))
+            .map(|regressor| Ok(centred(self.inputs.block_means(regressor, self.blocks)?)))
             .collect::<Result<_, RecordingError>>()?;
         Ok(Hypothesis { effect: effect.clone(), value, columns: Arc::new(columns), terms, regressors })
     }

@@ -9,6 +9,7 @@ use super::terms::{Product, Regressor};
 use crate::memo::Memo;
 use fos_data::recording::{Boundary, Recording, RecordingError, back_filled};
 use fos_fit::fit::InputSpec;
+use fos_fit::noise::Blocks;
 
 /// A column that begins later than after this share of the rows is not known well enough: what it did before would have
 /// to be guessed, and leaving so many rows out would cost every other effect its evidence.
@@ -84,6 +85,27 @@ impl<'a> Inputs<'a> {
         regressor.over(|spec| self.input(spec))
     }
 
+    /// The means over blocks of a regressor.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub fn block_means(&self, regressor: &Regressor, blocks: &Blocks) -> Result<Vec<f64>, RecordingError> {
+        if let [Product { inputs }] = &regressor.products[..]
+            && let [spec] = &inputs[..]
+            && is_parametrised(&spec.to_string())
+        {
+            let held = self.held(spec.column.as_deref())?;
+            // of what is known throughout nothing has to be filled in afterwards, and no column of it is needed
+            if !held.iter().any(|value| value.is_nan()) {
+                let mut averaging = blocks.averaging();
+                self.transformed(spec, &held, |value| averaging.push(value));
+                return Ok(averaging.means);
+            }
+        }
+        Ok(blocks.means(&self.regressor(regressor)?))
+    }
+
     /// A regressor over all rows, its inputs kept inside these limits.
     ///
     /// # Errors
@@ -115,8 +137,7 @@ impl<'a> Inputs<'a> {
             return Ok(known);
         }
         let values: Arc<[f64]> = self.evaluate(spec)?.into();
-        let is_parametrised = name.contains('(');
-        Ok(if is_parametrised { values } else { self.kept.keep(name, values) })
+        Ok(if is_parametrised(&name) { values } else { self.kept.keep(name, values) })
     }
 
     /// A column as a device has it. No column is the clock, whose transforms need nothing to begin with.
@@ -149,25 +170,34 @@ impl<'a> Inputs<'a> {
 
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
         let held = self.held(spec.column.as_deref())?;
+        let mut values = Vec::with_capacity(held.len());
+        self.transformed(spec, &held, |value| values.push(value));
+        back_filled(&mut values);
+        Ok(values)
+    }
+
+    /// A held column transformed, row by row; NaN where it is.
+    fn transformed(&self, spec: &InputSpec, held: &[f64], mut take: impl FnMut(f64)) {
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
-        let mut values = Vec::with_capacity(held.len());
         for segment in &self.recording.segments {
             match segment.boundary {
                 Boundary::Start => {}
                 Boundary::Recording => transformer = Transformer::new(&spec.transform, period_s),
                 _ => transformer.skip(u32::try_from(segment.missing_before).unwrap_or(u32::MAX)),
             }
-            // what a transform gives before it knows anything is no value
-            let transformed = |x: &f64| {
+            for x in &held[segment.rows.clone()] {
                 let u = transformer.update(*x);
-                if x.is_nan() { f64::NAN } else { u }
-            };
-            values.extend(held[segment.rows.clone()].iter().map(transformed));
+                // what a transform gives before it knows anything is no value
+                take(if x.is_nan() { f64::NAN } else { u });
+            }
         }
-        back_filled(&mut values);
-        Ok(values)
     }
+}
+
+/// Whether an input has a parameter: there are too many of those to keep.
+fn is_parametrised(name: &str) -> bool {
+    name.contains('(')
 }
 
 #[cfg(test)]

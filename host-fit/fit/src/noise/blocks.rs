@@ -41,6 +41,38 @@ pub struct Blocks {
     known: Vec<bool>,
 }
 
+/// Means of blocks, under way.
+#[derive(Debug)]
+pub struct Averaging<'b> {
+    blocks: &'b Blocks,
+    /// That comes next.
+    row: usize,
+    /// Of the values that count, of the block that comes next.
+    sum: f64,
+    /// Of the blocks that are complete.
+    pub means: Vec<f64>,
+}
+
+impl Averaging<'_> {
+    /// The value of the next row.
+    #[inline]
+    pub fn push(&mut self, value: f64) {
+        let row = self.row;
+        self.row += 1;
+        let Some(block) = self.blocks.blocks.get(self.means.len()) else { return };
+        if row < block.rows.start {
+            return;
+        }
+        if self.blocks.known[row] {
+            self.sum += value;
+        }
+        if self.row == block.rows.end {
+            self.means.push(self.sum / block.count as f64);
+            self.sum = 0.0;
+        }
+    }
+}
+
 /// One block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
@@ -171,12 +203,14 @@ impl Blocks {
 
     /// Means of `column`, one value per row of the recording, over the rows that count.
     pub fn means(&self, column: &[f64]) -> Vec<f64> {
-        let mean = |block: &Block| {
-            let rows = block.rows.clone();
-            let values = column[rows.clone()].iter().zip(&self.known[rows]);
-            values.filter(|(_, known)| **known).map(|(value, _)| *value).sum::<f64>() / block.count as f64
-        };
-        self.blocks.iter().map(mean).collect()
+        let mut averaging = self.averaging();
+        column.iter().for_each(|value| averaging.push(*value));
+        averaging.means
+    }
+
+    /// The same of values that come one by one, of each row of the recording.
+    pub fn averaging(&self) -> Averaging<'_> {
+        Averaging { blocks: self, row: 0, sum: 0.0, means: Vec::with_capacity(self.blocks.len()) }
     }
 
     /// A column for each level that `turns`, rows of the recording, part it into: 1 for the blocks that begin in it, 0 for
