@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use fos_data::interrupt::in_parallel;
 use fos_data::stillness;
 use fos_fit::export::{self, NoiseModel, NoiseUnits};
 use fos_fit::noise::{AxisNoise, AxisNoiseError, axis_noise};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use serde_json::json;
 
 use crate::error::{raised, said};
@@ -16,13 +16,13 @@ use crate::work;
 /// Of `axes`, or of all that there are.
 fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Vec<AxisNoise>> {
     let log = Arc::clone(&log.log);
-    work::run_with(py, |stop| -> Result<Vec<AxisNoise>, AxisNoiseError> {
+    work::run(py, || -> Result<Vec<AxisNoise>, AxisNoiseError> {
         let axes = match axes {
             Some(axes) => axes,
             None => log.axes()?,
         };
         let stillness = stillness::find(&log);
-        axes.par_iter().map(|axis| work::part(stop, || axis_noise(&log, &stillness, axis))).collect()
+        in_parallel(&axes, |axis| axis_noise(&log, &stillness, axis)).into_iter().collect()
     })?
     .map_err(raised(py))
 }

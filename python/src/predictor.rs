@@ -165,7 +165,6 @@ impl Predictor {
         }
         let found = work::run(py, || {
             let mut state = self.lock();
-            let mut feed = playback.feed();
             let mut found = Rows::default();
             for (row, still) in still.into_iter().enumerate() {
                 let sample = Sample {
@@ -193,7 +192,6 @@ impl Predictor {
         }
         let found = work::run(py, || {
             let mut state = self.lock();
-            let mut feed = playback.feed();
             let mut found = Rows::default();
             for row in 0..steps {
                 found.push(state.forecast(&quantities[row * n_quantities..(row + 1) * n_quantities]));

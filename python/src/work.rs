@@ -2,11 +2,13 @@
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+use std::{process, thread};
 
 use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::defect;
 
@@ -23,15 +25,6 @@ const STACK: usize = 8 << 20;
 ///
 /// What the signal was taken for; a defect of the engine.
 pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    run_with(py, |_| work())
-}
-
-/// The same of work that goes on in further threads, each of which has to look at the wish itself ([`part`]).
-///
-/// # Errors
-///
-/// As of [`run`].
-pub(crate) fn run_with<T: Send>(py: Python<'_>, work: impl FnOnce(&StopRequest) -> T + Send) -> PyResult<T> {
     let stop = StopRequest::default();
     thread::scope(|scope| {
         let (done, mut waiting) = channel::<()>();
@@ -39,7 +32,11 @@ pub(crate) fn run_with<T: Send>(py: Python<'_>, work: impl FnOnce(&StopRequest) 
         let worker = worker.spawn_scoped(scope, move || {
             // dropped with the thread, which is heard
             let _done = done;
-            interruptible(&wish, || work(&wish))
+            let work = || interruptible(&wish, work);
+            match threads() {
+                Some(threads) => threads.install(work),
+                None => work(),
+            }
         })?;
         let mut raised = None;
         loop {
@@ -63,14 +60,17 @@ pub(crate) fn run_with<T: Send>(py: Python<'_>, work: impl FnOnce(&StopRequest) 
     })
 }
 
-/// A part of [`run_with`]'s work, on a thread of its own.
-///
-/// # Panics
-///
-/// If the part did; and where it was stopped, for the whole to end.
-pub(crate) fn part<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> T {
-    match interruptible(stop, work) {
-        Ok(done) => done,
-        Err(ended @ (Interrupted::Stopped | Interrupted::Panicked)) => resume_unwind(Box::new(ended)),
+/// The threads that this process shares work among; none where the system gives none. A process that was forked, as
+/// `multiprocessing` does it, has none of its parent's threads: to wait for those would be to wait for ever.
+fn threads() -> Option<&'static ThreadPool> {
+    static THREADS: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
+    let mut threads = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
+    match *threads {
+        Some((owner, pool)) if owner == process::id() => Some(pool),
+        _ => {
+            let pool = ThreadPoolBuilder::new().stack_size(STACK).build().ok()?;
+            // as long as the process: it is one for each, and its parent's cannot be taken down from here
+            Some(threads.insert((process::id(), Box::leak(Box::new(pool)))).1)
+        }
     }
 }

@@ -1,5 +1,6 @@
 """Long calls: others run meanwhile, Ctrl-C ends them, several at once are safe."""
 
+import multiprocessing
 import os
 import pickle
 import signal
@@ -44,6 +45,20 @@ def test_ctrl_c_ends_a_long_call_and_the_engine_goes_on_working():
     # the whole call takes more than a minute
     assert float(stopped.split()[-1]) < 30.0
     assert works == "('gx_rads',)"
+
+
+def terms(minutes):
+    return str(fos.fit(fos.simulate(minutes=minutes, seed=5), axes="gx", max_lag=4).compare(fos.simulate(minutes=minutes, seed=6)))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only there processes are forked")
+# from Python 3.12 on it warns of what is tried here
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_process_that_is_forked_after_a_fit_fits_too():
+    alone = terms(1)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        # without threads of its own it would wait for those of its parent for ever
+        assert pool.map_async(terms, [1, 1, 1]).get(timeout=120) == [alone] * 3
 
 
 def test_others_run_while_the_engine_works(case):
