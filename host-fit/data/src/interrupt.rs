@@ -165,9 +165,13 @@ mod tests {
                 if n == 50 {
                     stop.ask();
                 }
+                let is_late = n >= 50;
                 // ends only if it is told
-                while n >= 50 {
+                loop {
                     check();
+                    if !is_late {
+                        break;
+                    }
                 }
             })
         });
