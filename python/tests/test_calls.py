@@ -47,18 +47,19 @@ def test_ctrl_c_ends_a_long_call_and_the_engine_goes_on_working():
     assert works == "('gx_rads',)"
 
 
-def terms(minutes):
-    return str(fos.fit(fos.simulate(minutes=minutes, seed=5), axes="gx", max_lag=4).compare(fos.simulate(minutes=minutes, seed=6)))
+def judged(minutes):
+    log, later = fos.simulate(minutes=minutes, seed=5), fos.simulate(minutes=minutes, seed=6)
+    return str(fos.fit(log, axes="gx", max_lag=4).compare(later))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="only there processes are forked")
 # from Python 3.12 on it warns of what is tried here
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_a_process_that_is_forked_after_a_fit_fits_too():
-    alone = terms(1)
+    alone = judged(1)
     with multiprocessing.get_context("fork").Pool(2) as pool:
         # without threads of its own it would wait for those of its parent for ever
-        assert pool.map_async(terms, [1, 1, 1]).get(timeout=120) == [alone] * 3
+        assert pool.map_async(judged, [1, 1, 1]).get(timeout=120) == [alone] * 3
 
 
 def test_others_run_while_the_engine_works(case):
