@@ -2,13 +2,12 @@
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::Duration;
-use std::{process, thread};
 
 use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPoolBuilder;
 
 use crate::error::defect;
 
@@ -33,9 +32,12 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
             // dropped with the thread, which is heard
             let _done = done;
             let work = || interruptible(&wish, work);
-            match threads() {
-                Some(threads) => threads.install(work),
-                None => work(),
+            // Of this call alone. Threads of several calls would be lent to one another: one that holds the study it
+            // changes, and waits for a part of its work, would begin a call that waits for this study. And a process
+            // that is forked, as `multiprocessing` does it, has none of its parent's threads to wait for.
+            match ThreadPoolBuilder::new().stack_size(STACK).build() {
+                Ok(threads) => threads.install(work),
+                Err(_) => work(),
             }
         })?;
         let mut raised = None;
@@ -58,19 +60,4 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
             (None, Err(Interrupted::Stopped | Interrupted::Panicked)) => Err(defect(py)),
         }
     })
-}
-
-/// The threads that this process shares work among; none where the system gives none. A process that was forked, as
-/// `multiprocessing` does it, has none of its parent's threads: to wait for those would be to wait for ever.
-fn threads() -> Option<&'static ThreadPool> {
-    static THREADS: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
-    let mut threads = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
-    match *threads {
-        Some((owner, pool)) if owner == process::id() => Some(pool),
-        _ => {
-            let pool = ThreadPoolBuilder::new().stack_size(STACK).build().ok()?;
-            // as long as the process: it is one for each, and its parent's cannot be taken down from here
-            Some(threads.insert((process::id(), Box::leak(Box::new(pool)))).1)
-        }
-    }
 }
