@@ -57,14 +57,20 @@ def main():
         ("huge", "bmi270", "lot2", "huge.parquet"),
     ]
     lines.append(("gone", "bmi270", "lot2", "gone.parquet"))
+    # and a unit that was logged twice
+    fos.simulate(minutes=3.0, seed=9998, motion=False).write(FLEET / "again.parquet")
+    lines.append((*lines[0][:3], "again.parquet"))
     logs.table(FLEET, lines)
     expected = program(FLEET, FOLDER / "population.json")
 
     say("a Spark of two executors")
     spark = session("local-cluster[2,1,1024]", **{"spark.task.maxFailures": "4"})
+    of_units = {}
+    for unit, part, lot, log in lines:
+        of_units.setdefault((unit, part, lot or None), []).append(str(FLEET / log))
     frame = spark.createDataFrame(
-        [(unit, part, lot or None, str(FLEET / log)) for unit, part, lot, log in lines],
-        "unit string, part string, lot string, log string",
+        [(*named, logs) for named, logs in of_units.items()],
+        "unit string, part string, lot string, log array<string>",
     )
     spark_rows = fos.spark.unit_rows
 
@@ -82,6 +88,26 @@ def main():
         check(False, "a unit twice is an error")
     except fos.FosError as error:
         check("twice" in str(error), f"a unit twice: {error.message}")
+
+    other = spark_rows(frame.where("unit = 'huge'"), regressors=["temp_c * temp_c"])
+    try:
+        fos.spark.population(rows.where("unit != 'huge'").union(other))
+        check(False, "rows that were asked different things are an error")
+    except fos.FosError as error:
+        check("asked different things" in error.message, f"asked different things: {error.message}")
+
+    say("the rows beside a population, for a report")
+    found = fos.spark.population(rows)
+    kept = [row.row for row in rows.select("row").toLocalIterator()]
+    found.save(FOLDER / "kept.json", rows=kept)
+    report = [HOST_FIT, "fleet", "report", "kept.json", "-o", "fleet.html"]
+    done = subprocess.run(report, cwd=FOLDER, capture_output=True, text=True, check=False)
+    check(done.returncode == 0, f"host-fit fleet report {done.stderr}")
+    try:
+        found.save(FOLDER / "kept.json", rows=kept[1:])
+        check(False, "other rows are an error")
+    except fos.FosError as error:
+        check("rows" in error.message, f"a row is missing: {error.message}".replace(str(FOLDER), "…"))
 
     say("damaged, empty, huge and missing logs")
     failed = {row.unit: row.failed for row in rows.collect() if row.failed}
@@ -102,14 +128,17 @@ def main():
     say("logs that come as bytes")
     some = spark.read.format("binaryFile").load(str(FLEET / "*.parquet")).where("path not like '%cut%'")
     names = {log.rpartition(".")[0]: (unit, part, lot) for unit, part, lot, log in lines}
-    del names["gone"], names["cut"], names["empty"]
+    # a row of binaryFile is one log: the unit that was logged twice is not among them
+    twice_logged = lines[0][0]
+    for stem in ("gone", "cut", "empty", "again", lines[0][3].rpartition(".")[0]):
+        del names[stem]
     known = spark.createDataFrame(
         [(f"file:{FLEET}/{stem}.parquet", *named) for stem, named in names.items()],
         "path string, unit string, part string, lot string",
     )
     some = some.withColumn("path", functions.regexp_replace("path", "^file:/+", "file:/")).join(known, "path")
     of_bytes = spark_rows(some).persist()
-    whole_rows = rows.where("unit not in ('cut', 'empty', 'gone')")
+    whole_rows = rows.where(f"unit not in ('cut', 'empty', 'gone', '{twice_logged}')")
     check(
         saved(fos.spark.population(of_bytes)) == saved(fos.spark.population(whole_rows)),
         f"{of_bytes.count()} logs: the same bytes",

@@ -418,10 +418,8 @@ impl<R: Scalar> RunningAxis<R> {
     fn extrapolate(&mut self, stochastic: R, measured: R, reasons: Validity, correction: &mut Correction<R>) {
         let mut validity = reasons;
         (self.measured_run, self.steady) = (0, false);
-        self.coasted = self.coasted.saturating_add(1);
-        if self.coasted > self.coast_limit {
+        if self.coasts_too_long() {
             validity |= Validity::COASTING_TOO_LONG;
-            self.fade();
         }
         if self.ready {
             validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
@@ -435,6 +433,46 @@ impl<R: Scalar> RunningAxis<R> {
             self.corrected = measured - predicted;
         }
         *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
+    }
+
+    /// One more coasted sample; whether there are too many, and what is subtracted fades.
+    #[inline(always)]
+    fn coasts_too_long(&mut self) -> bool {
+        self.coasted = self.coasted.saturating_add(1);
+        let is_too_long = self.coasted > self.coast_limit;
+        if is_too_long {
+            self.fade();
+        }
+        is_too_long
+    }
+
+    /// Whether a coast that begins now begins from measurements alone.
+    #[cfg(feature = "coasts")]
+    pub(crate) fn is_steady(&self) -> bool {
+        self.steady
+    }
+
+    /// One sample of coasts side by side, all of which began as long ago: the predicted errors, and r̂ of each limited in
+    /// place.
+    #[cfg(feature = "coasts")]
+    #[inline(always)]
+    pub(crate) fn coast_lanes<const LANES: usize>(
+        &mut self,
+        mut p: [R; LANES],
+        stochastic: &mut [R; LANES],
+    ) -> [R; LANES] {
+        self.coasts_too_long();
+        if !self.physical.is_empty {
+            for p in &mut p {
+                *p = self.physical_range.limit(*p);
+            }
+        }
+        let mut predicted = p;
+        for lane in 0..LANES {
+            stochastic[lane] = self.range.limit(stochastic[lane]);
+            predicted[lane] = self.offset + (p[lane] + stochastic[lane] * self.gain).times(self.scale);
+        }
+        predicted
     }
 
     /// Lets what is subtracted of the stochastic part die away.

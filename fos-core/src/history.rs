@@ -22,21 +22,15 @@ pub(crate) struct History<R, const N: usize> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Window<'a, R, const N: usize>(&'a [R; N]);
 
-impl<R: Scalar, const N: usize> History<R, N> {
+impl<R: Copy, const N: usize> History<R, N> {
     const MASK: usize = {
         assert!(N.is_power_of_two() && N <= 1 << 16, "a history's capacity is a power of two up to 65536");
         N - 1
     };
 
-    /// A history of zeros.
-    pub(crate) const fn new() -> Self {
-        Self { twice: [[R::ZERO; N]; 2], next: 0 }
-    }
-
-    /// Zeros again, in place.
-    pub(crate) fn clear(&mut self) {
-        self.twice.as_flattened_mut().fill(R::ZERO);
-        self.next = 0;
+    /// A history of nothing but `value`.
+    pub(crate) const fn filled(value: R) -> Self {
+        Self { twice: [[value; N]; 2], next: 0 }
     }
 
     /// Writes `values` one after the other, each over the oldest.
@@ -62,7 +56,35 @@ impl<R: Scalar, const N: usize> History<R, N> {
     }
 }
 
-impl<R: Scalar, const N: usize> Window<'_, R, N> {
+#[cfg(feature = "coasts")]
+impl<R: Copy, const LANES: usize, const N: usize> History<[R; LANES], N> {
+    /// Begins anew with `values` in one lane, oldest first, as many in each.
+    pub(crate) fn begin_lane(&mut self, lane: usize, values: impl Iterator<Item = R>) {
+        let [first, second] = &mut self.twice;
+        self.next = 0;
+        for ((value, first), second) in values.zip(first).zip(second) {
+            if let (Some(first), Some(second)) = (first.get_mut(lane), second.get_mut(lane)) {
+                (*first, *second) = (value, value);
+            }
+            self.next += 1;
+        }
+    }
+}
+
+impl<R: Scalar, const N: usize> History<R, N> {
+    /// A history of zeros.
+    pub(crate) const fn new() -> Self {
+        Self::filled(R::ZERO)
+    }
+
+    /// Zeros again, in place.
+    pub(crate) fn clear(&mut self) {
+        self.twice.as_flattened_mut().fill(R::ZERO);
+        self.next = 0;
+    }
+}
+
+impl<R: Copy, const N: usize> Window<'_, R, N> {
     /// Where to find the value written `back` writes ago, 1 for the latest; none if it has been overwritten.
     pub(crate) fn place(back: usize) -> Option<u16> {
         if back == 0 { None } else { N.checked_sub(back).and_then(|place| u16::try_from(place).ok()) }
@@ -73,5 +95,14 @@ impl<R: Scalar, const N: usize> Window<'_, R, N> {
     pub(crate) fn at(self, place: u16) -> R {
         // the mask bounds the index, so this cannot panic and needs no check
         self.0[usize::from(place) & History::<R, N>::MASK]
+    }
+}
+
+#[cfg(feature = "coasts")]
+impl<'a, R: Copy, const LANES: usize, const N: usize> Window<'a, [R; LANES], N> {
+    /// The values at `place`, where they are.
+    #[inline(always)]
+    pub(crate) fn lanes(self, place: u16) -> &'a [R; LANES] {
+        &self.0[usize::from(place) & History::<[R; LANES], N>::MASK]
     }
 }

@@ -5,6 +5,8 @@ use core::hint::cold_path;
 use serde::{Deserialize, Serialize};
 
 use crate::real::scalar;
+#[cfg(feature = "coasts")]
+use crate::running::LowPass;
 use crate::transformer::Transformer;
 use crate::{Range, Real, Scalar, Transform, Validity};
 
@@ -136,6 +138,32 @@ impl<R: Scalar> RunningInput<R> {
             validity |= Validity::INPUT_OUT_OF_RANGE;
         }
         (u, validity)
+    }
+
+    /// The low-pass of it, if it is one.
+    #[cfg(feature = "coasts")]
+    pub(crate) fn low_pass(&self) -> Option<&LowPass<R>> {
+        self.transformer.low_pass()
+    }
+
+    /// As [`update`](Self::update) of a low-pass of what is known, with states side by side.
+    #[cfg(feature = "coasts")]
+    #[inline(always)]
+    pub(crate) fn update_lanes<const LANES: usize>(
+        &self,
+        low_pass: &LowPass<R>,
+        slow: &mut [R::Slow; LANES],
+        logged: &[R; LANES],
+    ) -> [R; LANES] {
+        let mut x = *logged;
+        for x in &mut x {
+            *x = self.source_range.limit((*x - self.centre).times(self.per_scale));
+        }
+        let mut values = low_pass.update_lanes(slow, &x);
+        for value in &mut values {
+            *value = self.range.limit(*value);
+        }
+        values
     }
 
     /// `ticks` missing samples in bounded time.

@@ -50,6 +50,8 @@ mod validity;
 
 pub use axis::Correction;
 pub use error::ModelError;
+#[cfg(feature = "coasts")]
+pub use evaluator::Coasts;
 pub use evaluator::{Evaluator, Sample};
 pub use fixed::Fixed;
 pub use image::{Image, ImageError, Info};

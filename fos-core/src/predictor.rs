@@ -226,6 +226,12 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.evaluator.input(index)
     }
 
+    /// The evaluator in it.
+    #[cfg(feature = "coasts")]
+    pub fn evaluator(&self) -> &Evaluator<R, AXES, INPUTS, TERMS, HISTORY> {
+        &self.evaluator
+    }
+
     /// How many axes the model has.
     pub fn n_axes(&self) -> usize {
         self.evaluator.n_axes()

@@ -175,6 +175,46 @@ impl<R: Scalar> Part<R> {
         }
     }
 
+    /// The same of several histories side by side: in each lane the same operations in the same order.
+    #[cfg(feature = "coasts")]
+    #[inline(always)]
+    pub(crate) fn evaluate_lanes<'r, const LANES: usize, const N: usize>(
+        &self,
+        records: &'r [Record<R>],
+        thirds: &[u16],
+        window: Window<'_, [R; LANES], N>,
+    ) -> ([R; LANES], &'r [Record<R>]) {
+        let counts = [self.n_linear, self.n_quadratic, self.n_cubic].map(usize::from);
+        let mut sum = [self.start.begin(); LANES];
+        let mut left = records;
+        let mut parts: [&[Record<R>]; MAX_DEGREE] = [&[]; MAX_DEGREE];
+        for (part, count) in parts.iter_mut().zip(counts) {
+            let Some((these, rest)) = left.split_at_checked(count) else { break };
+            (*part, left) = (these, rest);
+        }
+        let [linear, quadratic, cubic] = parts;
+        for Record { coefficient, places: [a, _] } in linear {
+            let a = window.lanes(*a);
+            for lane in 0..LANES {
+                sum[lane] = R::add_product(sum[lane], *coefficient, a[lane]);
+            }
+        }
+        for Record { coefficient, places: [a, b] } in quadratic {
+            let (a, b) = (window.lanes(*a), window.lanes(*b));
+            for lane in 0..LANES {
+                sum[lane] = R::add_product(sum[lane], *coefficient * a[lane], b[lane]);
+            }
+        }
+        let thirds = thirds.get(usize::from(self.first_third)..).unwrap_or(&[]);
+        for (Record { coefficient, places: [a, b] }, third) in cubic.iter().zip(thirds) {
+            let (a, b, c) = (window.lanes(*a), window.lanes(*b), window.lanes(*third));
+            for lane in 0..LANES {
+                sum[lane] = R::add_product(sum[lane], *coefficient * a[lane] * b[lane], c[lane]);
+            }
+        }
+        (sum.map(R::end), left)
+    }
+
     /// `sum` and the terms with more than one factor, and the records after them. A function of its own, so that its
     /// loops have the registers to themselves.
     #[inline(never)]

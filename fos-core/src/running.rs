@@ -31,6 +31,28 @@ impl<R: Scalar> LowPass<R> {
         self.value()
     }
 
+    /// Its state.
+    #[cfg(feature = "coasts")]
+    pub(crate) fn slow(&self) -> R::Slow {
+        self.slow
+    }
+
+    /// The same of states side by side.
+    #[cfg(feature = "coasts")]
+    #[inline(always)]
+    pub(crate) fn update_lanes<const LANES: usize>(
+        &self,
+        slow: &mut [R::Slow; LANES],
+        x: &[R; LANES],
+    ) -> [R; LANES] {
+        let mut values = *x;
+        for lane in 0..LANES {
+            x[lane].approached_by(&mut slow[lane], self.gain);
+            values[lane] = R::now(slow[lane]);
+        }
+        values
+    }
+
     /// As many updates with the same `x`, in closed form.
     fn skip(&mut self, x: R, ticks: u32) {
         let (x, value) = (x.stored(), self.value().stored());

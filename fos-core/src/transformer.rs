@@ -1,5 +1,7 @@
 //! A transform at work: its state, and where it starts.
 
+#[cfg(feature = "coasts")]
+use crate::running::LowPass;
 use crate::running::Running;
 use crate::{Scalar, Transform};
 
@@ -77,6 +79,15 @@ impl<R: Scalar> Transformer<R> {
             self.held = Some(x);
         }
         self.running.update(self.held.unwrap_or(R::ZERO))
+    }
+
+    /// The low-pass that it runs, if it is one that has begun.
+    #[cfg(feature = "coasts")]
+    pub(crate) fn low_pass(&self) -> Option<&LowPass<R>> {
+        match &self.running {
+            Running::LowPass(low_pass) if self.held.is_some() => Some(low_pass),
+            _ => None,
+        }
     }
 
     /// `ticks` missing samples, x taken to have stayed, or with an `x` to have been that; in bounded time.

@@ -1,12 +1,14 @@
 //! A unit in one row, and the populations behind the rows of many.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fos_data::file::write_atomically;
+use fos_data::recording::load;
 use fos_diagnose::effects::Regressor;
-use fos_fleet::{Asked, EstimateError, PROGRAM, Unit, UnitRow, asked_of, row_of};
+use fos_fleet::{Asked, EstimateError, FleetError, Gathered, PROGRAM, Unit, UnitRow, row_of};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::library;
@@ -27,21 +29,21 @@ fn asked(py: Python<'_>, regressors: Vec<String>, diagnosed: bool) -> PyResult<A
     Ok(Asked { regressors, diagnosed, read: Default::default() })
 }
 
-fn unit((name, part, lot): Named, log: PathBuf) -> Unit {
-    Unit { name, part, lot: lot.filter(|lot| !lot.is_empty()), log }
+fn unit((name, part, lot): Named) -> Unit {
+    Unit { name, part, lot: lot.filter(|lot| !lot.is_empty()), logs: Vec::new() }
 }
 
 fn text_of(row: &UnitRow) -> String {
     json!(row).to_string()
 }
 
-/// The row of a log in a file, as JSON. What went wrong with the log is in it; `shown_as` is how it calls the file.
+/// The row of logs in files, as JSON. What went wrong with a log is in it; `shown_as` is how it calls the files.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.unit_row`")]
 pub(crate) fn unit_row(
     py: Python<'_>,
-    path: PathBuf,
-    shown_as: Option<String>,
+    paths: Vec<PathBuf>,
+    shown_as: Vec<String>,
     named: Named,
     regressors: Vec<String>,
     diagnosed: bool,
@@ -58,19 +60,18 @@ pub(crate) fn unit_row(
     let asked = Asked { read, ..asked(py, regressors, diagnosed)? };
     let library = library(py, &effects)?;
     work::run(py, || {
-        let unit = unit(named, path.clone());
-        let bytes = path.metadata().map_or(0, |about| about.len());
-        let mut row = match largest_bytes.filter(|largest| bytes > *largest) {
-            Some(largest) => {
-                let reason = format!(
+        let read = |path: &PathBuf| {
+            let bytes = path.metadata().map_or(0, |about| about.len());
+            match largest_bytes.filter(|largest| bytes > *largest) {
+                Some(largest) => Err(format!(
                     "{}: {bytes} bytes are more than largest_bytes, {largest}\nhelp: a shorter log, or a larger limit",
                     path.display()
-                );
-                row_of(&unit, Err(&reason), &asked, &library, PROGRAM)
+                )),
+                None => load(path, &asked.read).map_err(|error| error.to_string()),
             }
-            None => fos_fleet::unit_row(&unit, &asked, &library, PROGRAM),
         };
-        if let Some(name) = shown_as {
+        let mut row = row_of(&unit(named), paths.iter().map(read), &asked, &library, PROGRAM);
+        for (path, name) in paths.iter().zip(shown_as) {
             let path = path.display().to_string();
             row.failed.iter_mut().for_each(|reason| *reason = reason.replace(&path, &name));
         }
@@ -78,24 +79,29 @@ pub(crate) fn unit_row(
     })
 }
 
-/// The row of a recording, as JSON.
+/// The row of recordings, as JSON.
 #[pyfunction]
 pub(crate) fn recording_row(
     py: Python<'_>,
-    log: &Recording,
+    logs: Vec<PyRef<'_, Recording>>,
     named: Named,
     regressors: Vec<String>,
     diagnosed: bool,
     effects: Vec<PathBuf>,
 ) -> PyResult<String> {
-    let asked = Asked { read: log.read.clone(), ..asked(py, regressors, diagnosed)? };
-    let (library, log) = (library(py, &effects)?, Arc::clone(&log.log));
-    work::run(py, || text_of(&row_of(&unit(named, PathBuf::new()), Ok(&log), &asked, &library, PROGRAM)))
+    let read = logs.first().map(|log| log.read.clone()).unwrap_or_default();
+    let asked = Asked { read, ..asked(py, regressors, diagnosed)? };
+    let library = library(py, &effects)?;
+    let logs: Vec<Arc<_>> = logs.iter().map(|log| Arc::clone(&log.log)).collect();
+    work::run(py, || {
+        let read = logs.iter().map(|log| Ok::<_, String>(log.as_ref().clone()));
+        text_of(&row_of(&unit(named), read, &asked, &library, PROGRAM))
+    })
 }
 
-/// Rows as they come, each held as numbers and not as text.
+/// Rows as they come: of each what populations need, as numbers and not as text.
 #[pyclass(frozen, module = "fos_imu._engine")]
-pub(crate) struct Rows(Mutex<Vec<UnitRow>>);
+pub(crate) struct Rows(Mutex<Gathered>);
 
 #[pymethods]
 impl Rows {
@@ -106,27 +112,42 @@ impl Rows {
 
     /// Takes rows, JSON each.
     fn extend(&self, py: Python<'_>, texts: Vec<String>) -> PyResult<()> {
-        let read = work::run(py, || -> Result<Vec<UnitRow>, (serde_json::Error, String)> {
-            texts.into_iter().map(|text| serde_json::from_str(&text).map_err(|error| (error, text))).collect()
+        let taken = work::run(py, || {
+            let mut gathered = self.held();
+            texts.iter().try_for_each(|text| {
+                let row: UnitRow = serde_json::from_str(text).map_err(|error| {
+                    let start: String = text.chars().take(60).collect();
+                    format!("{start:?} … is no row of a unit: {error}\nhelp: rows are what `unit_row` gives, or its `to_json()`")
+                })?;
+                gathered.add(&row).map_err(|error| error.to_string())
+            })
         })?;
-        let rows = read.map_err(|(error, text)| {
-            let start: String = text.chars().take(60).collect();
-            let wrong = format!("{start:?} … is no row of a unit: {error}\nhelp: rows are what `unit_row` gives, or its `to_json()`");
-            said(py, "FleetError", &wrong)
-        })?;
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend(rows);
-        Ok(())
+        taken.map_err(|error: String| said(py, "FleetError", &error))
+    }
+
+    /// Takes what was gathered elsewhere.
+    fn merge(&self, py: Python<'_>, gathered: &[u8]) -> PyResult<()> {
+        let merged =
+            work::run(py, || Gathered::from_bytes(gathered).and_then(|other| self.held().merge(other)))?;
+        merged.map_err(|error| said(py, "FleetError", &error.to_string()))
+    }
+
+    /// For `merge` elsewhere.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &work::run(py, || self.held().to_bytes())?))
     }
 
     /// What they come to.
     fn population(&self, py: Python<'_>, effects: Vec<PathBuf>) -> PyResult<Fleet> {
         let library = library(py, &effects)?;
-        let found = work::run(py, || {
-            let rows = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            let asked = asked_of(&rows).map_err(|error| error.to_string())?;
-            Ok(fos_fleet::Fleet::of(&rows, &asked, &library, PROGRAM))
-        })?;
-        found.map(Fleet).map_err(|error: String| said(py, "FleetError", &error))
+        let found = work::run(py, || fos_fleet::Fleet::of_gathered(&self.held(), &library, PROGRAM))?;
+        found.map(Fleet).map_err(|error| said(py, "FleetError", &error.to_string()))
+    }
+}
+
+impl Rows {
+    fn held(&self) -> MutexGuard<'_, Gathered> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -141,8 +162,14 @@ impl Fleet {
         json!(self.0).to_string()
     }
 
-    /// Writes it as the program does.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        work::run(py, || write_atomically(&path, &self.0.to_bytes()))?.map_err(raised(py))
+    /// Writes it as the program does, with its rows beside it if they are given.
+    fn save(&self, py: Python<'_>, path: PathBuf, rows: Option<Vec<String>>) -> PyResult<()> {
+        let Some(rows) = rows else {
+            return work::run(py, || write_atomically(&path, &self.0.to_bytes()))?.map_err(raised(py));
+        };
+        work::run(py, || self.0.write_with_rows(&path, &rows))?.map_err(|error| match error {
+            FleetError::File(error) => raised(py)(error),
+            other => said(py, "FleetError", &other.to_string()),
+        })
     }
 }

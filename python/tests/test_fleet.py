@@ -60,12 +60,51 @@ def test_what_cannot_be_read_is_a_row_that_says_so(line, rows):
     assert "cut.parquet" in rows[-1].failed[0]
     assert "no.csv" in fos.unit_row(line / "no.csv").failed[0]
     assert "largest_bytes" in fos.unit_row(line / "u1.parquet", largest_bytes=10).failed[0]
-    named = fos.unit_row(line / "cut.parquet", shown_as="lake/7.parquet").failed[0]
+    named = fos.unit_row(line / "cut.parquet", shown_as=["lake/7.parquet"]).failed[0]
     assert "lake/7.parquet" in named
     assert str(line) not in named
     fleet = fos.population(rows)
     assert fleet.units == UNITS + 1
     assert [one.unit for one in fleet.failed] == ["cut"]
+
+
+def test_several_logs_of_a_unit_are_one_row(line, rows, program, tmp_path):
+    # the file of another unit stands for a later log of u1
+    pair = [line / "u1.parquet", line / "u2.parquet"]
+    both = fos.unit_row(pair, part="bmi270", lot="lot1")
+    assert both.unit == "u1"
+    assert both.log.rows == rows[0].log.rows + rows[1].log.rows
+    assert both.sha256 not in (rows[0].sha256, rows[1].sha256)
+    recordings = [fos.read(path) for path in pair]
+    assert fos.unit_row(recordings, part="bmi270", lot="lot1") == both
+    # what cannot be read is left out, and said
+    some = fos.unit_row([line / "u1.parquet", line / "cut.parquet"], part="bmi270", lot="lot1")
+    assert some.axes == rows[0].axes
+    assert "cut.parquet" in some.failed[0]
+    for wrong in ([], [pair[0], recordings[1]]):
+        with pytest.raises(FleetError):
+            fos.unit_row(wrong)
+    # as the program has it from a table with a line for each log
+    logs = tmp_path / "line"
+    logs.mkdir()
+    for n in range(1, UNITS + 1):
+        (logs / f"u{n}.parquet").symlink_to(line / f"u{n}.parquet")
+    lines = [f"u{n},bmi270,lot{n % 2},u{n}.parquet" for n in range(1, UNITS + 1)]
+    (logs / "units.csv").write_text("\n".join(["unit,part,lot,log", *lines, "u1,bmi270,lot1,u2.parquet"]) + "\n")
+    program("fleet", logs, "-o", "population.json", folder=tmp_path)
+    fos.population([both, *rows[1:-1]]).save(tmp_path / "mine.json")
+    assert (tmp_path / "mine.json").read_bytes() == (tmp_path / "population.json").read_bytes()
+
+
+def test_rows_beside_a_population_are_what_the_program_reports_from(rows, program, tmp_path):
+    fleet = fos.population(rows)
+    fleet.save(tmp_path / "mine.json", rows=rows[::-1])
+    program("fleet", "report", "mine.json", "-o", "fleet.html", folder=tmp_path)
+    assert "cut.parquet" in (tmp_path / "fleet.html").read_text()
+    before = (tmp_path / "mine.json").read_bytes()
+    with pytest.raises(FleetError, match="rows of 7 units"):
+        fos.population(rows).save(tmp_path / "mine.json", rows=rows[1:])
+    assert (tmp_path / "mine.json").read_bytes() == before
 
 
 def test_rows_that_are_no_fleet_are_refused(line, rows):

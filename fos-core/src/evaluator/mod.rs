@@ -2,6 +2,8 @@
 
 mod build;
 mod building;
+#[cfg(feature = "coasts")]
+mod coasts;
 
 use heapless::Vec;
 
@@ -12,6 +14,8 @@ use crate::program::Program;
 use crate::{Scalar, Source, Validity};
 
 pub(crate) use building::Building;
+#[cfg(feature = "coasts")]
+pub use coasts::Coasts;
 
 /// Everything logged at one instant.
 #[derive(Debug, Clone, Copy)]

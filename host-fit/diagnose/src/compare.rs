@@ -110,16 +110,25 @@ fn judge(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
-    // a trace may be as large as the log: as many at a time as there are cores
-    let rivals = in_parallel(Rival::ALL, |kind| -> Result<Vec<ModelErrors>, CompareError> {
-        let trace = trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?;
-        Ok(of(kind.name(), &trace))
-    });
     progress(MODEL);
-    let trace = trace::<f64>(model, &playback, rows, |_| {})?;
+    // the model takes longest and begins first; a trace may be as large as the log, so as many at a time as there are cores,
+    // and none of a rival is kept
+    let kinds = [None].into_iter().chain(Rival::ALL.map(Some)).collect::<Vec<_>>();
+    let judged = in_parallel(kinds, |kind| -> Result<_, CompareError> {
+        let Some(kind) = kind else {
+            let trace = trace::<f64>(model, &playback, rows.clone(), |_| {})?;
+            return Ok((of(MODEL, &trace), Some(trace)));
+        };
+        let trace = trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?;
+        Ok((of(kind.name(), &trace), None))
+    });
+    let mut judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
+    // the rivals, then the model
+    judged.rotate_left(1);
+    let trace = judged.last_mut().and_then(|(_, trace)| trace.take()).expect("the model's own is the last");
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
-    for of_model in rivals.into_iter().chain([Ok(of(MODEL, &trace))]) {
-        errors.iter_mut().zip(of_model?).for_each(|(errors, of_axis)| errors.push(of_axis));
+    for (of_model, _) in judged {
+        errors.iter_mut().zip(of_model).for_each(|(errors, of_axis)| errors.push(of_axis));
     }
     Ok(Judged { floors, errors, trace })
 }

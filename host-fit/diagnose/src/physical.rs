@@ -25,6 +25,9 @@ pub(crate) fn physical(
     log: &Recording,
     known: &[bool],
 ) -> Result<Vec<Vec<f64>>, PhysicalError> {
+    if model.axes.iter().all(|axis| axis.physical.is_empty()) {
+        return Ok(vec![vec![0.0; log.n_rows()]; model.axes.len()]);
+    }
     let playback = Playback::new(log, model, known)?;
     let mut alone = model.clone();
     for axis in &mut alone.axes {

@@ -156,6 +156,17 @@ impl<'a> Playback<'a> {
         self.measured.iter().all(|values| values[rows.clone()].iter().all(|value| value.is_finite()))
     }
 
+    /// Logged quantities that the model needs.
+    pub(crate) fn n_quantities(&self) -> usize {
+        self.quantities.len()
+    }
+
+    /// One of them, as a device has it in this row.
+    #[inline]
+    pub(crate) fn quantity(&self, number: usize, row: usize) -> f64 {
+        self.quantities[number][row]
+    }
+
     /// Whether every quantity has had a value since the unit was switched on.
     pub fn knows_inputs(&self, row: usize) -> bool {
         self.quantities.iter().all(|values| !values[row].is_nan())

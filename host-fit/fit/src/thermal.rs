@@ -135,7 +135,7 @@ impl ThermalTable {
     ) -> Result<[f64; 4], ThermalError> {
         let (cleaned, _) = recording.only_measurements(column, 0..recording.n_rows(), known);
         let series = cleaned.error_series(column)?;
-        let known = known.iter().zip(&series.values).map(|(known, value)| *known && value.is_finite());
+        let known = known.iter().zip(series.values.iter()).map(|(known, value)| *known && value.is_finite());
         let blocks = Blocks::new(recording, length_s, known.collect());
         if blocks.len() < FEWEST_BLOCKS {
             return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.len() });

@@ -1,6 +1,6 @@
 //! A fleet: a row for each unit, kept as they come, and the populations of its parts.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -15,9 +15,11 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::estimate::BIAS;
+use crate::gathered::{Gathered, GatheredError, GatheredUnit};
+use crate::hexadecimal::hexadecimal;
 use crate::odd::{Distance, discoveries, judge};
 use crate::population::{Member, Population};
-use crate::row::{Asked, AxisRow, Unit, UnitRow, unit_row};
+use crate::row::{Asked, Unit, UnitRow, unit_row};
 
 /// Schema of what is written of a fleet.
 pub const SCHEMA: &str = "fos-population/1";
@@ -36,7 +38,7 @@ pub struct Fleet {
     pub asked: Asked,
     /// Units that were asked.
     pub units: usize,
-    /// SHA-256 of their rows, a line of JSON each, by part and unit; hexadecimal.
+    /// SHA-256 of the SHA-256 of their rows, of the JSON of each, by part and unit; hexadecimal.
     pub rows_sha256: String,
     /// Each part, by name.
     pub parts: Vec<PartSummary>,
@@ -234,9 +236,11 @@ fn known_rows(kept_in: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>
     Ok((lines <= 1 || !known.is_empty()).then_some(known))
 }
 
-/// What a row depends on: name, size and time of change of its log, what is asked, the program, the library.
+/// What a row depends on: name, size and time of change of its logs, what is asked, the program, the library.
 fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
-    let about = std::fs::metadata(&unit.log).ok().map(|about| (about.len(), about.modified().ok()));
+    let of_file =
+        |log: &PathBuf| std::fs::metadata(log).ok().map(|about| (about.len(), about.modified().ok()));
+    let about: Vec<_> = unit.logs.iter().map(of_file).collect();
     let mut digest = Sha256::new();
     digest.update(format!("{build} {unit:?} {about:?}"));
     digest.update(serde_json::to_vec(asked).unwrap_or_default());
@@ -288,12 +292,37 @@ impl Fleet {
                 }
             }
         }
-        let mut sorted: Vec<&UnitRow> = rows.iter().collect();
-        sort(&mut sorted);
-        if digest_of(&sorted) != fleet.rows_sha256 {
+        if digest_of(&Gathered::of(&rows).sorted()) != fleet.rows_sha256 {
             return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: fleet.units });
         }
         Ok((fleet, rows))
+    }
+
+    /// Writes it to `path`, and beside it `rows`, those that it was made of as JSON, in any order: what [`read`](Self::read) takes.
+    ///
+    /// # Errors
+    ///
+    /// One of them is no row, they are not those that it was made of, or a file cannot be written. Nothing is written before all are known
+    /// to belong there.
+    pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
+        let kept_in = rows_beside(path);
+        let (mut gathered, mut lines) = (Gathered::default(), Vec::new());
+        for (index, row) in rows.iter().enumerate() {
+            let wrong = |reason: &dyn ToString| FleetError::NotARow {
+                path: kept_in.clone(),
+                line: index + 1,
+                reason: reason.to_string(),
+            };
+            let row: UnitRow = serde_json::from_str(row).map_err(|error| wrong(&error))?;
+            gathered.add(&row).map_err(|error| wrong(&error))?;
+            // no unit has this key: what goes on from here looks at the logs again
+            lines.extend(line_of(&Kept { key: String::new(), row }));
+        }
+        if digest_of(&gathered.sorted()) != self.rows_sha256 {
+            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: self.units });
+        }
+        write_atomically(&kept_in, &lines)?;
+        Ok(write_atomically(path, &self.to_bytes())?)
     }
 
     /// The text of its file.
@@ -303,100 +332,114 @@ impl Fleet {
         text
     }
 
-    /// What `rows` come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same rows give the same bits.
+    /// What `rows`, all of which were asked `asked`, come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same
+    /// rows give the same bits.
     pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
-        let mut rows: Vec<&UnitRow> = rows.iter().collect();
-        sort(&mut rows);
-        let parts = rows.chunk_by(|a, b| a.part == b.part);
-        let summary = |rows: &[&UnitRow]| part_summary(&rows[0].part, rows, asked, library);
-        let failed = rows.iter().filter(|row| !row.failed.is_empty());
+        Self::of_units(&Gathered::of(rows).sorted(), asked, library, program)
+    }
+
+    /// What rows that were made apart come to: the same bits.
+    ///
+    /// # Errors
+    ///
+    /// There is none, or a unit is there twice.
+    pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
+        let (asked, units) = (gathered.asked()?, gathered.sorted());
+        Gathered::check_once(&units)?;
+        Ok(Self::of_units(&units, asked, library, program))
+    }
+
+    fn of_units(units: &[GatheredUnit<'_>], asked: &Asked, library: &Library, program: &str) -> Self {
+        let parts = units.chunk_by(|a, b| a.part() == b.part());
+        let failed = units.iter().filter(|unit| !unit.failed().is_empty());
         Self {
             schema: SCHEMA.to_owned(),
             program: program.to_owned(),
             asked: asked.clone(),
-            units: rows.len(),
-            rows_sha256: digest_of(&rows),
-            parts: parts.map(summary).collect(),
+            units: units.len(),
+            rows_sha256: digest_of(units),
+            parts: parts.map(|units| part_summary(units, asked, library)).collect(),
             failed: failed
-                .map(|row| FailedUnit { unit: row.unit.clone(), reasons: row.failed.clone() })
+                .map(|unit| FailedUnit { unit: unit.name().to_owned(), reasons: unit.failed().to_vec() })
                 .collect(),
         }
     }
 }
 
-/// By part and unit; logs tell units of one name apart.
-fn sort(rows: &mut [&UnitRow]) {
-    rows.sort_by_key(|row| (&row.part, &row.unit, &row.sha256));
-}
-
-fn digest_of(rows: &[&UnitRow]) -> String {
+fn digest_of(units: &[GatheredUnit<'_>]) -> String {
     let mut digest = Sha256::new();
-    for row in rows {
-        digest.update(serde_json::to_vec(row).expect("rows have only string keys"));
-        digest.update(b"\n");
-    }
+    units.iter().for_each(|unit| digest.update(unit.digest()));
     hexadecimal(digest)
-}
-
-fn hexadecimal(digest: Sha256) -> String {
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Of a unit, its axis that is furthest from its population, and the p-value of that.
 struct Furthest<'a> {
-    row: &'a UnitRow,
+    unit: GatheredUnit<'a>,
     axes: usize,
     column: &'a str,
     distance: Distance,
 }
 
-fn part_summary(part: &str, rows: &[&UnitRow], asked: &Asked, library: &Library) -> PartSummary {
-    let mut columns: Vec<&str> =
-        rows.iter().flat_map(|row| row.axes.iter().map(|axis| axis.estimate.column.as_str())).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    let mut furthest: Vec<Option<Furthest<'_>>> = rows.iter().map(|_| None).collect();
-    let mut axes = Vec::new();
-    for column in columns {
-        let of_rows: Vec<(usize, &AxisRow)> =
-            rows.iter().enumerate().filter_map(|(index, row)| Some((index, row.axis(column)?))).collect();
-        let members: Vec<Member<'_>> = of_rows
-            .iter()
-            .map(|(index, axis)| Member {
-                lot: rows[*index].lot.as_deref(),
-                estimate: &axis.estimate.coefficients,
-            })
-            .collect();
-        let judged = judge(&members, &names_of(&members, asked));
-        if let Ok(judged) = &judged {
-            for ((index, _), distance) in of_rows.iter().zip(&judged.distances) {
-                let place = &mut furthest[*index];
-                let axes = place.as_ref().map_or(1, |before| before.axes + 1);
-                match place {
-                    Some(before) if before.distance.p_value <= distance.p_value => before.axes = axes,
-                    _ => {
-                        *place =
-                            Some(Furthest { row: rows[*index], axes, column, distance: distance.clone() });
-                    }
-                }
+/// An axis of a part, and of its units that have it, by their places, how far they are.
+struct JudgedAxis<'a> {
+    column: &'a str,
+    summary: AxisSummary,
+    distances: Vec<(usize, Distance)>,
+}
+
+fn part_summary(units: &[GatheredUnit<'_>], asked: &Asked, library: &Library) -> PartSummary {
+    let columns: BTreeSet<&str> = units.iter().flat_map(|unit| unit.columns()).collect();
+    let columns: Vec<&str> = columns.into_iter().collect();
+    let axes: Vec<_> =
+        columns.into_par_iter().map(|column| judged_axis(column, units, asked, library)).collect();
+    let mut furthest: Vec<Option<Furthest<'_>>> = units.iter().map(|_| None).collect();
+    let mut summaries = Vec::new();
+    for JudgedAxis { column, summary, distances } in axes {
+        for (index, distance) in distances {
+            let place = &mut furthest[index];
+            let axes = place.as_ref().map_or(1, |before| before.axes + 1);
+            match place {
+                Some(before) if before.distance.p_value <= distance.p_value => before.axes = axes,
+                _ => *place = Some(Furthest { unit: units[index], axes, column, distance }),
             }
         }
-        let noise = |level: fn(&AxisRow) -> f64| {
-            median_of(of_rows.iter().map(|(_, axis)| level(axis))).unwrap_or(0.0)
-        };
-        axes.push(AxisSummary {
-            column: column.to_owned(),
-            without: judged.as_ref().err().map(ToString::to_string),
-            population: judged.ok().map(|judged| judged.population),
-            median_noise: [
-                noise(|axis| axis.estimate.noise.white),
-                noise(|axis| axis.estimate.noise.flicker),
-                noise(|axis| axis.estimate.noise.walk),
-            ],
-            effects: effects_of(of_rows.iter().map(|(_, axis)| *axis), library),
-        });
+        summaries.push(summary);
     }
-    PartSummary { part: part.to_owned(), axes, odd: odd_units(furthest.into_iter().flatten().collect()) }
+    PartSummary {
+        part: units.first().map_or_else(String::new, |unit| unit.part().to_owned()),
+        axes: summaries,
+        odd: odd_units(furthest.into_iter().flatten().collect()),
+    }
+}
+
+fn judged_axis<'a>(
+    column: &'a str,
+    units: &[GatheredUnit<'_>],
+    asked: &Asked,
+    library: &Library,
+) -> JudgedAxis<'a> {
+    let of_units: Vec<_> =
+        units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?))).collect();
+    let members: Vec<Member<'_>> = of_units
+        .iter()
+        .map(|(index, axis)| Member { lot: units[*index].lot(), estimate: &axis.estimate })
+        .collect();
+    let judged = judge(&members, &names_of(&members, asked));
+    let noise = |level: usize| median_of(of_units.iter().map(|(_, axis)| axis.noise[level])).unwrap_or(0.0);
+    let without = judged.as_ref().err().map(ToString::to_string);
+    let (population, distances) =
+        judged.map_or((None, Vec::new()), |judged| (Some(judged.population), judged.distances));
+    JudgedAxis {
+        column,
+        summary: AxisSummary {
+            column: column.to_owned(),
+            without,
+            population,
+            median_noise: [0, 1, 2].map(noise),
+            effects: effects_of(units.iter().filter_map(|unit| unit.effects(column)), library),
+        },
+        distances: of_units.iter().map(|(index, _)| *index).zip(distances).collect(),
+    }
 }
 
 /// Bias and regressors, those that at least three units tell.
@@ -417,8 +460,8 @@ fn odd_units(furthest: Vec<Furthest<'_>>) -> Vec<OddUnit> {
         .zip(&p_values)
         .filter(|((_, found), _)| *found)
         .map(|((unit, _), p_value)| OddUnit {
-            unit: unit.row.unit.clone(),
-            lot: unit.row.lot.clone(),
+            unit: unit.unit.name().to_owned(),
+            lot: unit.unit.lot().map(str::to_owned),
             column: unit.column.to_owned(),
             distance: unit.distance,
             p_value: *p_value,
@@ -428,19 +471,22 @@ fn odd_units(furthest: Vec<Furthest<'_>>) -> Vec<OddUnit> {
     odd
 }
 
-fn effects_of<'a>(axes: impl Iterator<Item = &'a AxisRow>, library: &Library) -> Vec<EffectShare> {
-    let diagnoses: Vec<_> = axes.filter_map(|axis| axis.diagnosis.as_ref()).collect();
+/// Of each unit that was diagnosed, what was found.
+fn effects_of<'a, Found: Iterator<Item = (&'a str, f64)>>(
+    diagnoses: impl Iterator<Item = Found>,
+    library: &Library,
+) -> Vec<EffectShare> {
+    let diagnoses: Vec<Vec<(&str, f64)>> = diagnoses.map(Iterator::collect).collect();
     let mut shares: Vec<EffectShare> = Vec::new();
-    for found in diagnoses.iter().flat_map(|diagnosis| &diagnosis.effects) {
-        let place = shares.iter().position(|share| share.effect == found.effect).unwrap_or_else(|| {
-            let device =
-                library.get(&found.effect).map_or_else(|_| String::new(), |effect| effect.device.clone());
+    for (found, predicted_reduction) in diagnoses.iter().flatten() {
+        let place = shares.iter().position(|share| share.effect == *found).unwrap_or_else(|| {
+            let device = library.get(found).map_or_else(|_| String::new(), |effect| effect.device.clone());
             let units = [0, diagnoses.len()];
-            shares.push(EffectShare { effect: found.effect.clone(), units, mean_reduction: 0.0, device });
+            shares.push(EffectShare { effect: (*found).to_owned(), units, mean_reduction: 0.0, device });
             shares.len() - 1
         });
         shares[place].units[0] += 1;
-        shares[place].mean_reduction += found.predicted_reduction / diagnoses.len() as f64;
+        shares[place].mean_reduction += predicted_reduction / diagnoses.len() as f64;
     }
     shares
         .sort_by(|a, b| b.mean_reduction.total_cmp(&a.mean_reduction).then_with(|| a.effect.cmp(&b.effect)));

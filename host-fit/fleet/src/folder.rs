@@ -1,5 +1,7 @@
 //! The units in a folder: those of its `units.csv`, or a log each.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
 use fos_data::file::{self, FileError};
@@ -26,7 +28,7 @@ pub enum FolderError {
     #[error(transparent)]
     File(#[from] FileError),
     /// Its table cannot be read.
-    #[error("{}:{line}: {reason}\nhelp: a header `unit,part,lot,log`, then a line for each unit; part and lot may be empty, and logs are looked for beside the table", path.display())]
+    #[error("{}:{line}: {reason}\nhelp: a header `unit,part,lot,log`, then a line for each log of each unit; part and lot may be empty, and logs are looked for beside the table", path.display())]
     Table {
         /// The table.
         path: PathBuf,
@@ -53,12 +55,12 @@ struct Line {
 
 /// The units of a folder, by name.
 ///
-/// With a table [`UNITS`] those that it names, whose logs need not be there. Else every log is a unit of its name, and the folder that it
+/// With a table [`UNITS`] those that it names, whose logs need not be there: a unit on several lines has a log on each. Else every log is a unit of its name, and the folder that it
 /// lies in, within `folder`, its lot.
 ///
 /// # Errors
 ///
-/// The folder cannot be listed, its table cannot be read or names a unit twice, or there is nothing.
+/// The folder cannot be listed, its table cannot be read, names a log of a unit twice or a unit in two lots, or there is nothing.
 pub fn units_in(folder: &Path) -> Result<Vec<Unit>, FolderError> {
     let table = folder.join(UNITS);
     let mut units = if table.is_file() { of_table(folder, &table)? } else { of_logs(folder)? };
@@ -70,16 +72,30 @@ fn of_table(folder: &Path, table: &Path) -> Result<Vec<Unit>, FolderError> {
     let wrong = |line: u64, reason: String| FolderError::Table { path: table.to_owned(), line, reason };
     let bytes = file::read(table)?;
     let mut lines = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes.as_slice());
-    let mut units: Vec<Unit> = Vec::new();
+    let (mut units, mut places) = (Vec::<Unit>::new(), HashMap::new());
     for (index, line) in lines.deserialize::<Line>().enumerate() {
         let at = index as u64 + 2;
         let Line { unit, part, lot, log } =
             line.map_err(|error| wrong(error.position().map_or(at, csv::Position::line), error.to_string()))?;
-        if units.iter().any(|other| other.name == unit && other.part == part) {
-            return Err(wrong(at, format!("the unit {unit:?} is there twice")));
+        let (lot, log) = (lot.filter(|lot| !lot.is_empty()), folder.join(log));
+        match places.entry((part.clone(), unit.clone())) {
+            Entry::Vacant(entry) => {
+                entry.insert(units.len());
+                units.push(Unit { name: unit, part, lot, logs: vec![log] });
+            }
+            Entry::Occupied(entry) => {
+                let known = &mut units[*entry.get()];
+                if known.logs.contains(&log) {
+                    return Err(wrong(at, format!("the unit {unit:?} has the log {} twice", log.display())));
+                }
+                if known.lot != lot {
+                    let [one, other] =
+                        [&known.lot, &lot].map(|lot| lot.as_deref().unwrap_or("none").to_owned());
+                    return Err(wrong(at, format!("the unit {unit:?} is of two lots: {one} and {other}")));
+                }
+                known.logs.push(log);
+            }
         }
-        let lot = lot.filter(|lot| !lot.is_empty());
-        units.push(Unit { name: unit, part, lot, log: folder.join(log) });
     }
     Ok(units)
 }
@@ -104,7 +120,7 @@ fn unit_of(log: &Path, lot: Option<&str>) -> Option<Unit> {
     let stem = log.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     // two lots may have logs of one name
     let name = lot.map_or_else(|| stem.clone(), |lot| format!("{lot}/{stem}"));
-    Some(Unit { name, part: String::new(), lot: lot.map(str::to_owned), log: log.to_owned() })
+    Some(Unit { name, part: String::new(), lot: lot.map(str::to_owned), logs: vec![log.to_owned()] })
 }
 
 fn listed(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
@@ -149,9 +165,14 @@ mod tests {
         let units = units_in(folder.path()).expect("units");
         assert_eq!((units[0].name.as_str(), units[0].lot.as_deref()), ("8", None));
         assert_eq!((units[1].part.as_str(), units[1].lot.as_deref()), ("bmi270", Some("w12")));
-        assert_eq!(units[1].log, folder.path().join("x/7.csv"));
+        assert_eq!(units[1].logs, [folder.path().join("x/7.csv")]);
+        write("unit,part,lot,log\n7,,a,7.csv\n8,,a,8.csv\n7,,a,later.csv\n7,other,b,7.csv\n");
+        let units = units_in(folder.path()).expect("units");
+        let logs: Vec<_> = units.iter().map(|unit| unit.logs.len()).collect();
+        assert_eq!((logs, &units[0].logs[1]), (vec![2, 1, 1], &folder.path().join("later.csv")));
         for (table, line) in [
-            ("unit,part,lot,log\n7,,,7.csv\n7,,,8.csv\n", ":3: the unit \"7\" is there twice"),
+            ("unit,part,lot,log\n7,,,7.csv\n7,,,7.csv\n", ":3: the unit \"7\" has the log "),
+            ("unit,part,lot,log\n7,,a,7.csv\n7,,,8.csv\n", ":3: the unit \"7\" is of two lots: a and none"),
             ("unit,part,lot\n7,,\n", ":2: "),
             ("unit,part,lot,log\n7,,,7.csv\n8,7.csv\n", ":3: "),
         ] {

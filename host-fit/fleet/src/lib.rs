@@ -6,6 +6,7 @@ mod estimate;
 mod fleet;
 mod folder;
 mod gathered;
+mod hexadecimal;
 mod known;
 mod odd;
 mod population;
@@ -18,11 +19,11 @@ pub use fleet::{
     rows_beside,
 };
 pub use folder::{FolderError, UNITS, units_in};
-pub use gathered::{GatheredError, asked_of};
+pub use gathered::{Gathered, GatheredError};
 pub use odd::{Distance, Judged, discoveries, judge};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, row_of, unit_row};
-pub use ship::{ShipError, Shipment, ShippedUnit};
+pub use ship::{ShipError, Shipment, ShippedUnit, known_of};
 
 /// The program that makes rows and populations: the same version gives the same bits, from the command line, in Python, on a cluster.
 pub const PROGRAM: &str = concat!("fos ", env!("CARGO_PKG_VERSION"));

@@ -1,12 +1,14 @@
 //! Units that do not belong to their population, and by what.
 
+use std::collections::HashMap;
+
 use fos_data::statistics::median_of;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Estimate;
 use crate::known::matrix_of;
-use crate::population::{Member, Population, PopulationError, tail};
+use crate::population::{Likeliest, Lot, Member, Population, PopulationError, tail};
 
 /// A unit that noise alone would set so far apart so rarely is left out where the population is estimated: an odd one would widen what
 /// it is judged by.
@@ -63,13 +65,19 @@ pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, Populat
             .filter(|(_, left_out)| !**left_out)
             .map(|(member, _)| *member)
             .collect();
-        let population = Population::of(&inside, names)?;
-        let distances: Vec<Distance> =
-            members.iter().map(|member| population.distance(member.estimate, member.lot)).collect();
+        let likeliest = Likeliest::of(&inside, names)?;
+        let population = &likeliest.population;
+        let lots: HashMap<&str, &Lot> = population.lots.iter().map(|lot| (lot.name.as_str(), lot)).collect();
+        let distances: Vec<Distance> = members
+            .iter()
+            .map(|Member { lot, estimate }| {
+                population.distance_in(estimate, lot.and_then(|lot| lots.get(lot).copied()))
+            })
+            .collect();
         let now: Vec<bool> = distances.iter().map(|distance| distance.p_value < LEFT_OUT).collect();
         round += 1;
         if now == left_out || round == MOST_ROUNDS {
-            return Ok(Judged { population, distances, left_out });
+            return Ok(Judged { population: likeliest.with_scatter(), distances, left_out });
         }
         left_out = now;
     }
@@ -88,7 +96,12 @@ pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
 impl Population {
     /// How far a unit is from what its lot lets expect.
     pub fn distance(&self, estimate: &Estimate, lot: Option<&str>) -> Distance {
-        let (mean, covariance) = self.prior(lot);
+        self.distance_in(estimate, self.lot_named(lot))
+    }
+
+    /// The same in a lot of the population, or any.
+    fn distance_in(&self, estimate: &Estimate, lot: Option<&Lot>) -> Distance {
+        let (mean, covariance) = self.prior_in(lot);
         let ones = vec![1.0; self.names.len()];
         let (mean, prior) = (DVector::from_vec(mean), matrix_of(&covariance));
         let measured = estimate.measured(&self.names, &ones);

@@ -5,7 +5,10 @@
 //! of which expectation and maximisation find (Laird and Ware 1982), sped up by squared extrapolation (Varadhan and Roland
 //! 2008). All of it in the order of the members: the same members give the same bits.
 
+use std::collections::HashMap;
+
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -141,35 +144,7 @@ impl Population {
     ///
     /// There are none, or fewer than three units know one of them.
     pub fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
-        if names.is_empty() {
-            return Err(PopulationError::NoCoefficient);
-        }
-        for (coefficient, name) in names.iter().enumerate() {
-            let known = members.iter().filter(|member| member.estimate.place(name).is_some()).count();
-            if known < 3 {
-                return Err(PopulationError::TooFew { coefficient, known });
-            }
-        }
-        let scale = scales(members, names);
-        let grouped = Grouped::of(members, names, &scale);
-        let (covariances, last) = grouped.likeliest(true);
-        let unscaled = |matrix: &DMatrix<f64>| rows_of(matrix, &scale);
-        let lots = grouped.names.iter().zip(&last.lots).map(|((name, units), lot)| Lot {
-            name: name.clone(),
-            units: *units,
-            mean: lot.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
-            covariance: unscaled(&lot.covariance),
-        });
-        Ok(Self {
-            names: names.to_vec(),
-            units: members.len(),
-            mean: last.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
-            mean_covariance: unscaled(&last.mean_covariance),
-            between_lots: unscaled(&covariances.lots),
-            between_units: unscaled(&covariances.units),
-            scatter: grouped.scatter(&covariances, &scale),
-            lots: lots.collect(),
-        })
+        Ok(Likeliest::of(members, names)?.with_scatter())
     }
 
     /// Every coefficient has its numbers: of what was read that is not said by its type.
@@ -186,8 +161,18 @@ impl Population {
     /// What is known of a unit before it was measured: mean and covariance of its coefficients. Of a lot that the
     /// population does not know, or none, that of any lot.
     pub fn prior(&self, lot: Option<&str>) -> (Vec<f64>, Vec<Vec<f64>>) {
+        self.prior_in(self.lot_named(lot))
+    }
+
+    /// A lot that the population knows.
+    pub(crate) fn lot_named(&self, name: Option<&str>) -> Option<&Lot> {
+        name.and_then(|name| self.lots.iter().find(|lot| lot.name == name))
+    }
+
+    /// The same in a lot of the population, or any.
+    pub(crate) fn prior_in(&self, lot: Option<&Lot>) -> (Vec<f64>, Vec<Vec<f64>>) {
         let units = matrix_of(&self.between_units);
-        match lot.and_then(|name| self.lots.iter().find(|lot| lot.name == name)) {
+        match lot {
             Some(lot) => (lot.mean.clone(), nested(&(units + matrix_of(&lot.covariance)))),
             None => {
                 let total = units + matrix_of(&self.between_lots) + matrix_of(&self.mean_covariance);
@@ -236,23 +221,69 @@ impl Population {
     }
 }
 
+/// A population without its scatter, whose intervals cost more than all else.
+pub(crate) struct Likeliest {
+    pub(crate) population: Population,
+    grouped: Grouped,
+    covariances: Covariances,
+    scale: Vec<f64>,
+}
+
+impl Likeliest {
+    /// As [`Population::of`].
+    pub(crate) fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
+        if names.is_empty() {
+            return Err(PopulationError::NoCoefficient);
+        }
+        for (coefficient, name) in names.iter().enumerate() {
+            let known = members.iter().filter(|member| member.estimate.place(name).is_some()).count();
+            if known < 3 {
+                return Err(PopulationError::TooFew { coefficient, known });
+            }
+        }
+        let scale = scales(members, names);
+        let grouped = Grouped::of(members, names, &scale);
+        let (covariances, last) = grouped.likeliest(true);
+        let unscaled = |matrix: &DMatrix<f64>| rows_of(matrix, &scale);
+        let lots = grouped.names.iter().zip(&last.lots).map(|((name, units), lot)| Lot {
+            name: name.clone(),
+            units: *units,
+            mean: lot.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
+            covariance: unscaled(&lot.covariance),
+        });
+        let population = Population {
+            names: names.to_vec(),
+            units: members.len(),
+            mean: last.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
+            mean_covariance: unscaled(&last.mean_covariance),
+            between_lots: unscaled(&covariances.lots),
+            between_units: unscaled(&covariances.units),
+            scatter: Vec::new(),
+            lots: lots.collect(),
+        };
+        Ok(Self { population, grouped, covariances, scale })
+    }
+
+    /// With it.
+    pub(crate) fn with_scatter(self) -> Population {
+        Population { scatter: self.grouped.scatter(&self.covariances, &self.scale), ..self.population }
+    }
+}
+
 impl Grouped {
     fn of(members: &[Member<'_>], names: &[String], scale: &[f64]) -> Self {
         let mut grouped = Self { names: Vec::new(), lots: Vec::new(), has_lots: false };
+        let mut places = HashMap::new();
         for member in members {
             let measured = member.estimate.measured(names, scale);
             let name = member.lot.unwrap_or_default();
-            // units without a lot are lots of their own, which tells nothing of lots
-            match grouped.names.iter().position(|(other, _)| other == name) {
-                Some(place) => {
-                    grouped.names[place].1 += 1;
-                    grouped.lots[place].push(measured);
-                }
-                None => {
-                    grouped.names.push((name.to_owned(), 1));
-                    grouped.lots.push(vec![measured]);
-                }
-            }
+            let place = *places.entry(name).or_insert_with(|| {
+                grouped.names.push((name.to_owned(), 0));
+                grouped.lots.push(Vec::new());
+                grouped.lots.len() - 1
+            });
+            grouped.names[place].1 += 1;
+            grouped.lots[place].push(measured);
         }
         grouped.has_lots = grouped.lots.len() > 1 && grouped.lots.iter().any(|units| units.len() > 1);
         grouped
@@ -390,7 +421,7 @@ impl Grouped {
                 measurement: scale[place] * (errors.iter().sum::<f64>() / errors.len() as f64).sqrt(),
             }
         };
-        (0..scale.len()).map(of).collect()
+        (0..scale.len()).into_par_iter().map(of).collect()
     }
 
     /// The 90 % interval of a variance of the only coefficient: that between units (0) or between lots (1).

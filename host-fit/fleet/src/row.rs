@@ -1,16 +1,20 @@
 //! A unit in one row: what its log tells, or why it tells nothing.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::path::PathBuf;
 
 use fos_core::{StillnessLimits, Transform};
-use fos_data::recording::{LoadOptions, Recording, load};
+use fos_data::recording::{LoadOptions, Recording, Source, load};
 use fos_data::stillness;
 use fos_diagnose::detect::{Question, Verdict, diagnose};
 use fos_diagnose::effects::{Inputs, Library, Regressor};
 use fos_fit::fit::InputSpec;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use crate::estimate::{AxisEstimate, EstimateError, estimate, from_reference};
+use crate::hexadecimal::hexadecimal;
 
 /// What is asked of every unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,11 +36,11 @@ pub struct Unit {
     pub part: String,
     /// The lot, where it is known.
     pub lot: Option<String>,
-    /// Its log.
-    pub log: std::path::PathBuf,
+    /// Its logs, one after the other.
+    pub logs: Vec<PathBuf>,
 }
 
-/// A unit, and what its log tells.
+/// A unit, and what its logs tell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitRow {
     /// As in [`Unit`].
@@ -50,9 +54,9 @@ pub struct UnitRow {
     pub program: String,
     /// What was asked: rows that were asked different things are no fleet.
     pub asked: Asked,
-    /// SHA-256 of the log, hexadecimal; empty where it could not be read.
+    /// SHA-256 of the log, hexadecimal; of several that of their digests, a line each. Empty where none could be read.
     pub sha256: String,
-    /// What was read; none where the log could not be.
+    /// What was read; none where no log could be.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub log: Option<LogSummary>,
     /// The axes that could be estimated.
@@ -118,16 +122,15 @@ impl UnitRow {
     }
 }
 
-/// The row of a unit. It cannot fail: what went wrong is in it.
+/// The row of a unit. It cannot fail: what went wrong is in it. Of several logs one that cannot be read is left out, and the row says so.
 pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
-    let read = load(&unit.log, &asked.read).map_err(|error| error.to_string());
-    row_of(unit, read.as_ref().map_err(String::as_str), asked, library, program)
+    row_of(unit, unit.logs.iter().map(|log| load(log, &asked.read)), asked, library, program)
 }
 
-/// The same of a log that was read, or of why it cannot be; `unit.log` is not looked at.
-pub fn row_of(
+/// The same of logs that were read, or of why they cannot be; `unit.logs` are not looked at.
+pub fn row_of<E: Display>(
     unit: &Unit,
-    read: Result<&Recording, &str>,
+    read: impl IntoIterator<Item = Result<Recording, E>>,
     asked: &Asked,
     library: &Library,
     program: &str,
@@ -143,15 +146,36 @@ pub fn row_of(
         axes: Vec::new(),
         failed: Vec::new(),
     };
-    match read {
-        Ok(recording) => fill(&mut row, recording, asked, library),
-        Err(error) => row.failed.push(error.to_owned()),
+    let mut logs = Vec::new();
+    for log in read {
+        match log {
+            Ok(log) => logs.push(log),
+            Err(error) => row.failed.push(error.to_string()),
+        }
+    }
+    if !logs.is_empty() {
+        match Recording::join(logs) {
+            Ok(joined) => fill(&mut row, &joined, asked, library),
+            Err(error) => row.failed.push(error.to_string()),
+        }
     }
     row
 }
 
+/// The digest of the only source, or that of all digests.
+fn digest_of(sources: &[Source]) -> String {
+    match sources {
+        [only] => only.sha256.clone(),
+        several => {
+            let mut digest = Sha256::new();
+            several.iter().for_each(|source| digest.update(format!("{}\n", source.sha256)));
+            hexadecimal(digest)
+        }
+    }
+}
+
 fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Library) {
-    row.sha256 = recording.sources.first().map_or_else(String::new, |source| source.sha256.clone());
+    row.sha256 = digest_of(&recording.sources);
     row.log = Some(LogSummary {
         rows: recording.n_rows(),
         seconds: recording.duration_s(),

@@ -145,8 +145,9 @@ impl Shipment {
     }
 }
 
-/// What is known of an axis of a unit, all coefficients of its population.
-fn known_of(row: &UnitRow, column: &str, population: &Population, odd: bool) -> Estimate {
+/// What is known of an axis of a unit of a fleet, all coefficients of its population: its own log beside the population; of an odd unit, which
+/// does not belong, its own alone where its log tells.
+pub fn known_of(row: &UnitRow, column: &str, population: &Population, odd: bool) -> Estimate {
     let lot = row.lot.as_deref();
     let own = row.axis(column).map(|axis| &axis.estimate.coefficients);
     if let (Some(own), false) = (own, odd) {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fos_data::recording::{LoadOptions, write_columns};
 use fos_diagnose::effects::Library;
-use fos_fleet::{Asked, BIAS, Fleet, rows, rows_beside, units_in};
+use fos_fleet::{Asked, BIAS, Fleet, UnitRow, rows, rows_beside, unit_row, units_in};
 use fos_simulate::{Simulation, simulate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -113,4 +113,38 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
     assert!(error.contains(" rows of 16 units") && error.contains("help: "), "{error}");
     std::fs::write(&path, "{}").expect("a file");
     assert!(Fleet::read(&path).expect_err("no population").to_string().contains("help: "));
+}
+
+#[test]
+fn logs_of_a_unit_count_together_and_one_that_is_damaged_is_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (name, seed) in [("monday.parquet", 1), ("friday.parquet", 2)] {
+        write_unit(&path(name), seed, 3e-3, OF_SLOPE);
+    }
+    std::fs::write(path("cut.parquet"), b"PAR1 and no more").expect("a file");
+    let table = |names: &[&str]| {
+        let lines: String = names.iter().map(|name| format!("7,imu,w12,{name}.parquet\n")).collect();
+        std::fs::write(path("units.csv"), format!("unit,part,lot,log\n{lines}")).expect("a table");
+        let units = units_in(folder.path()).expect("units");
+        assert_eq!((units.len(), units[0].logs.len()), (1, names.len()));
+        unit_row(&units[0], &asked(), &Library::built_in(), "a test")
+    };
+    let slope = |row: &UnitRow| {
+        let gx = &row.axis("gx_rads").expect("gx").estimate.coefficients;
+        (gx.values[1], gx.standard_error("temp_c").expect("told"))
+    };
+    let (monday, friday) = (table(&["monday"]), table(&["friday"]));
+    let both = table(&["monday", "friday"]);
+    let rows = |row: &UnitRow| row.log.as_ref().expect("read").rows;
+    assert_eq!(rows(&both), rows(&monday) + rows(&friday));
+    // the error is that of twice the time, or a little more: what wanders is told apart from it
+    let alone = slope(&monday).1.min(slope(&friday).1);
+    assert!(slope(&both).1 < alone, "{:?} {alone}", slope(&both));
+    assert!((slope(&both).0 - OF_SLOPE).abs() < 4.5 * slope(&both).1, "{:?}", slope(&both));
+
+    let without = table(&["monday", "cut"]);
+    assert_eq!((&without.axes, &without.sha256), (&monday.axes, &monday.sha256));
+    assert!(without.failed[0].contains("cut.parquet") && without.failed.len() == 1, "{:?}", without.failed);
+    assert_ne!(both.sha256, table(&["friday", "monday"]).sha256, "the order is part of it");
 }

@@ -93,8 +93,17 @@ pub fn subcommands() -> Vec<(String, clap::Command)> {
     command_tree::subcommands_of(&command())
 }
 
-/// Parses the arguments and runs the subcommand. Exit code 0: done; 1: could not; 2: wrong usage.
-pub fn run() -> ExitCode {
+/// How long the program runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lifetime {
+    /// Until what was asked is done.
+    UntilDone,
+    /// Until somebody ends it: a workbench.
+    UntilEnded,
+}
+
+/// Parses the arguments and runs the subcommand, `prepare` before it. Exit code 0: done; 1: could not; 2: wrong usage.
+pub fn run(prepare: impl FnOnce(Lifetime)) -> ExitCode {
     // what clap has taken by its own description it takes by that of the derived type
     let parsed = command().try_get_matches().and_then(|matches| {
         let command = Cli::from_arg_matches(&matches)?.command;
@@ -104,6 +113,10 @@ pub fn run() -> ExitCode {
         Ok(parsed) => parsed,
         Err(answer) => return answer_of_clap(&answer),
     };
+    prepare(match command {
+        Command::Serve(_) => Lifetime::UntilEnded,
+        _ => Lifetime::UntilDone,
+    });
     match run_checked(&matches, command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -103,7 +103,7 @@ class UnitRow:
         part: The part, as `bmi270`; empty: all are of one.
         lot: Its lot; None where it is not known.
         program: What made the row.
-        sha256: Digest of the log, hexadecimal; empty where it could not be read.
+        sha256: Digest of the log, hexadecimal; of several that of their digests, a line each; empty where none could be read.
         axes: The axes that could be estimated.
         log: What was read; None where the log could not be.
         failed: Why the log, or an axis of it, tells nothing.
@@ -341,13 +341,19 @@ class Fleet:
     failed: tuple[FailedUnit, ...]
     _found: _engine.Fleet = field(repr=False, compare=False)
 
-    def save(self, path: Path) -> None:
+    def save(self, path: Path, *, rows: Rows | None = None) -> None:
         """Writes it as `host-fit fleet -o` does, byte for byte of the same rows; whole or not at all.
 
+        Args:
+            path: Of the population.
+            rows: Those that it is of, again: kept beside it, at `path` with `.rows` behind it, where `host-fit fleet report`,
+                `fleet export` and the workbench look for them.
+
         Raises:
-            FileError: The file cannot be written.
+            FileError: A file cannot be written.
+            FleetError: Rows of other units.
         """
-        self._found.save(os.fspath(path))
+        self._found.save(os.fspath(path), None if rows is None else list(_texts(rows)))
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row a part, axis and coefficient: mean, standard deviations between units and between lots, SI."""
@@ -403,7 +409,7 @@ Rows: TypeAlias = "Iterable[UnitRow | str] | pandas.DataFrame"
 
 
 def unit_row(
-    log: Path | Recording,
+    log: Path | Recording | Sequence[Path] | Sequence[Recording],
     *,
     unit: str | None = None,
     part: str = "",
@@ -418,15 +424,16 @@ def unit_row(
     topic: str | None = None,
     strict: bool = False,
     keep_moved: bool = False,
-    shown_as: str | None = None,
+    shown_as: Sequence[str] = (),
 ) -> UnitRow:
-    """A unit in one row: of each axis bias and coefficients with their covariance, from a log at rest.
+    """A unit in one row: of each axis bias and coefficients with their covariance, from a log at rest or several.
 
-    What is wrong with the log is in `failed` of the row, and no exception.
+    What is wrong with a log is in `failed` of the row, and no exception. Several logs count as one that goes on; what cannot
+    be read of them is left out.
 
     Args:
-        log: A file, or a recording, which is taken as it was read.
-        unit: Its name, one of a kind in its part; the stem of the file if not given.
+        log: A file, or a recording, which is taken as it was read; or several files or several recordings.
+        unit: Its name, one of a kind in its part; the stem of the first file if not given.
         part: As `bmi270`; units of different parts have nothing in common.
         lot: Its lot.
         regressors: What the error may depend on, beside a bias at 25 °C: `temp_c * temp_c`, `temp_c:lowpass(60)`.
@@ -439,7 +446,7 @@ def unit_row(
         topic: As of `read`.
         strict: As of `read`.
         keep_moved: As of `read`.
-        shown_as: What reasons in `failed` call the file, where it is a copy of another.
+        shown_as: What reasons in `failed` call the files, where they are copies of others.
 
     Raises:
         FleetError: A regressor that cannot be read.
@@ -447,15 +454,23 @@ def unit_row(
         EffectError: A file that is no effect.
     """
     files = [os.fspath(path) for path in effects]
-    if isinstance(log, Recording):
-        name = PurePath(log.sources[0].path).stem if unit is None else unit
-        return UnitRow.from_json(
-            _engine.recording_row(engine_of(log), (name, part, lot), list(regressors), diagnose, files)
+    logs = [log] if isinstance(log, (str, os.PathLike, Recording)) else list(log)
+    recordings = [one for one in logs if isinstance(one, Recording)]
+    if not logs or len(recordings) not in (0, len(logs)):
+        raise FleetError(
+            "no logs of a unit" if not logs else "files and recordings of a unit at once",
+            remedy="a file or several, a recording or several",
         )
-    path = os.fspath(log)
-    named = (PurePath(path).stem if unit is None else unit, part, lot)
+    if recordings:
+        name = PurePath(recordings[0].sources[0].path).stem if unit is None else unit
+        engines = [engine_of(one) for one in recordings]
+        return UnitRow.from_json(_engine.recording_row(engines, (name, part, lot), list(regressors), diagnose, files))
+    paths = [os.fspath(one) for one in logs if not isinstance(one, Recording)]
+    named = (PurePath(paths[0]).stem if unit is None else unit, part, lot)
     reading = (largest_bytes, list(map), rate_hz, format, topic, strict, keep_moved)
-    return UnitRow.from_json(_engine.unit_row(path, shown_as, named, list(regressors), diagnose, files, *reading))
+    return UnitRow.from_json(
+        _engine.unit_row(paths, list(shown_as), named, list(regressors), diagnose, files, *reading)
+    )
 
 
 def population(rows: Rows, *, effects: Sequence[Path] = ()) -> Fleet:
@@ -469,14 +484,29 @@ def population(rows: Rows, *, effects: Sequence[Path] = ()) -> Fleet:
     Raises:
         FleetError: No rows, a unit twice, or units that were asked different things.
     """
-    given = rows["row"] if hasattr(rows, "columns") else rows  # pyright: ignore[reportIndexIssue, reportCallIssue, reportArgumentType]
+    return population_of(gathered(_texts(rows)), effects)
+
+
+def gathered(texts: Iterable[str]) -> _engine.Rows:
+    """What populations need of rows, JSON each; no more than some are held as text."""
     held = _engine.Rows()
     some: list[str] = []
-    for row in given:
-        some.append(row.to_json() if isinstance(row, UnitRow) else str(row))
+    for text in texts:
+        some.append(text)
         if len(some) == 1000:
             held.extend(some)
             some.clear()
     held.extend(some)
+    return held
+
+
+def population_of(held: _engine.Rows, effects: Sequence[Path]) -> Fleet:
+    """The populations behind what was gathered."""
     found = held.population([os.fspath(path) for path in effects])
     return build(Fleet, {**json.loads(found.json()), "_found": found})
+
+
+def _texts(rows: Rows) -> Iterator[str]:
+    given = rows["row"] if hasattr(rows, "columns") else rows  # pyright: ignore[reportIndexIssue, reportCallIssue, reportArgumentType]
+    for row in given:
+        yield row.to_json() if isinstance(row, UnitRow) else str(row)

@@ -15,7 +15,7 @@ from urllib.parse import unquote, urlparse
 
 import pyarrow
 from pyspark import StorageLevel
-from pyspark.sql.types import ArrayType, StringType, StructField, StructType
+from pyspark.sql.types import ArrayType, BinaryType, LongType, StringType, StructField, StructType
 
 from . import fleet
 from .errors import FleetError
@@ -24,8 +24,8 @@ from .fleet import Fleet, UnitRow
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame
 
-AT_ONCE = 20_000
-"""Rows that the driver holds as text: 60 MB of six axes."""
+AT_ONCE = 100_000
+"""Units whose numbers come to the driver at once: 50 MB of six axes."""
 
 SCHEMA = StructType(
     [
@@ -50,6 +50,24 @@ _ARROW = pyarrow.schema(
     ]
 )
 
+_GATHERED = StructType(
+    [
+        StructField("units", LongType(), nullable=False),
+        StructField("numbers", BinaryType(), nullable=False),
+        StructField("message", StringType()),
+        StructField("remedy", StringType()),
+    ]
+)
+
+_ARROW_GATHERED = pyarrow.schema(
+    [
+        ("units", pyarrow.int64()),
+        ("numbers", pyarrow.binary()),
+        ("message", pyarrow.string()),
+        ("remedy", pyarrow.string()),
+    ]
+)
+
 
 def unit_rows(
     frame: DataFrame,
@@ -65,9 +83,9 @@ def unit_rows(
     `spark.sql.execution.arrow.maxRecordsPerBatch` rows: set it to 1 for these.
 
     Args:
-        frame: With columns `log`, a path that executors can read, or `path` and `content`, as Spark's source
-            `binaryFile` gives them; and, where they are known, `unit`, `part`, `lot`. A unit without a name has that of its
-            file, without the ending.
+        frame: With columns `log`, a path that executors can read or an array of such, or `path` and `content`, as Spark's
+            source `binaryFile` gives them; and, where they are known, `unit`, `part`, `lot`. A unit without a name has that
+            of its (first) file, without the ending.
         regressors: As of `fos_imu.unit_row`.
         diagnose: As of `fos_imu.unit_row`.
         largest_bytes: A larger file is a row that says so, and is not read: Spark gives up a job whose worker ran out of
@@ -90,8 +108,8 @@ def unit_rows(
 
 
 def population(rows: DataFrame, *, effects: Sequence[str] = ()) -> Fleet:
-    """The populations behind rows of `unit_rows`, however they were kept. The driver holds them as numbers, some at a
-    time as text; executors keep the logs.
+    """The populations behind rows of `unit_rows`, however they were kept. Executors take of every row the numbers that
+    populations need, a fifth of it; the driver merges these, in whatever order they come.
 
     Args:
         rows: With a column `row`.
@@ -100,14 +118,39 @@ def population(rows: DataFrame, *, effects: Sequence[str] = ()) -> Fleet:
     Raises:
         FleetError: As of `fos_imu.population`.
     """
-    # an iterator asks for one partition after the other: rows are made before, all at once, and asked for in few
-    made = rows.select("row").persist(StorageLevel.DISK_ONLY)
+    # an iterator asks for one partition after the other: all are made before, at once, and asked for in few
+    made = rows.select("row").mapInArrow(_gathered, _GATHERED).persist(StorageLevel.DISK_ONLY)
     try:
-        partitions = max(1, -(-made.count() // AT_ONCE))
-        fetched = made.coalesce(partitions).toLocalIterator()
-        return fleet.population((row[0] for row in fetched), effects=effects)
+        units = sum(part[0] for part in made.select("units").collect())
+        wrong = made.where("message is not null").select("message", "remedy").first()
+        if wrong is not None:
+            raise FleetError(wrong[0], remedy=wrong[1])
+        held = fleet.gathered(())
+        for part in made.select("numbers").coalesce(max(1, -(-units // AT_ONCE))).toLocalIterator():
+            held.merge(bytes(part[0]))
+        return fleet.population_of(held, effects)
     finally:
         made.unpersist()
+
+
+def _gathered(batches: Iterator[Any]) -> Iterator[Any]:
+    """Batches of rows in, one row out for all of them: how many, and what populations need of them, or what is wrong."""
+    units = 0
+
+    def texts() -> Iterator[str]:
+        nonlocal units
+        for batch in batches:
+            units += batch.num_rows
+            yield from batch.column(0).to_pylist()
+
+    numbers, message, remedy = b"", None, None
+    try:
+        numbers = fleet.gathered(texts()).to_bytes()
+    except FleetError as error:
+        # raised here, Spark would try four times and tell it as a trace of the executor
+        message, remedy = error.message, error.remedy
+    cells = {"units": [units], "numbers": [numbers], "message": [message], "remedy": [remedy]}
+    yield pyarrow.RecordBatch.from_pydict(cells, schema=_ARROW_GATHERED)
 
 
 def _rows(batches: Iterator[Any], asked: Mapping[str, Any]) -> Iterator[Any]:
@@ -123,15 +166,16 @@ def _rows(batches: Iterator[Any], asked: Mapping[str, Any]) -> Iterator[Any]:
 
 def _row(cells: Mapping[str, Any], asked: Mapping[str, Any]) -> UnitRow:
     content = cells.get("content")
-    where = _local(cells["path" if "path" in cells else "log"])
-    name = PurePosixPath(where)
+    given = cells["path" if "path" in cells else "log"]
+    where = [_local(path) for path in ([given] if isinstance(given, str) else given or [""])]
+    name = PurePosixPath(where[0])
     named = {"unit": cells.get("unit") or name.stem, "part": cells.get("part") or "", "lot": cells.get("lot")}
     # what is read is told by its content, and tables by the ending of the name: a log of bytes needs a file of its name
     with tempfile.TemporaryDirectory() as folder:
-        log = Path(where) if content is None else Path(folder, name.name)
+        logs = [Path(path) for path in where] if content is None else [Path(folder, name.name)]
         if content is not None:
-            log.write_bytes(content)
-        return fleet.unit_row(log, **named, **asked, shown_as=where)
+            logs[0].write_bytes(content)
+        return fleet.unit_row(logs, **named, **asked, shown_as=where)
 
 
 def _local(path: str) -> str:

@@ -101,18 +101,17 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     for name in AXES {
         let Ok(series) = recording.error_series(name) else { continue };
         is_vouched |= matches!(series.reference, Reference::Channel(_));
-        let mut values = series.values;
+        let mut values = series.values.into_owned();
         values.iter_mut().zip(rest).filter(|(_, rest)| !**rest).for_each(|(value, _)| *value = f64::NAN);
         axes.push(values);
     }
     if axes.len() < 2 {
         return Vec::new();
     }
-    let series: Vec<&[f64]> = axes.iter().map(Vec::as_slice).collect();
     let rows_at_rest = rest.iter().filter(|rest| **rest).count() as f64;
     // at rest a reference is the pose, and what moves there it does not know
     let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);
-    let found = shared::find(recording, &series, is_vouched);
+    let found = shared::find(recording, axes, is_vouched);
     let share = |stretches: &[Range<usize>]| {
         stretches.iter().map(|rows| rows.len()).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };

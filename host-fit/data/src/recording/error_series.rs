@@ -1,5 +1,7 @@
 //! The error of one axis, as far as it was measured.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use super::Recording;
@@ -9,13 +11,13 @@ use crate::unit::Unit;
 
 /// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
 #[derive(Clone, Debug)]
-pub struct ErrorSeries {
+pub struct ErrorSeries<'a> {
     /// Name of the measured channel.
     pub channel: String,
     /// Unit of the values.
     pub unit: Unit,
     /// One value per row, in `unit`; NaN where the measurement or the reference is missing.
-    pub values: Vec<f64>,
+    pub values: Cow<'a, [f64]>,
     /// What was subtracted.
     pub reference: Reference,
 }
@@ -49,7 +51,7 @@ impl Recording {
     ///
     /// # Errors
     /// No such channel, or one without a number in it.
-    pub fn error_series(&self, axis: &str) -> Result<ErrorSeries, RecordingError> {
+    pub fn error_series(&self, axis: &str) -> Result<ErrorSeries<'_>, RecordingError> {
         let measured = self.axis(axis)?;
         let name = measured.column().reference();
         let truth = self.channels().iter().find(|channel| channel.name == name);
@@ -60,11 +62,11 @@ impl Recording {
             }
         }
         let (values, reference) = match truth {
-            None => (measured.values.to_vec(), Reference::Constant),
+            None => (Cow::Borrowed(&measured.values[..]), Reference::Constant),
             Some(truth) => {
                 let difference =
                     measured.values.iter().zip(truth.values.iter()).map(|(m, r)| m - r).collect();
-                (difference, Reference::Channel(name))
+                (Cow::Owned(difference), Reference::Channel(name))
             }
         };
         Ok(ErrorSeries { channel: measured.name.clone(), unit: measured.unit, values, reference })
@@ -85,15 +87,17 @@ mod tests {
 
     #[test]
     fn the_reference_is_subtracted_where_there_is_one() {
-        let error = recording(&["ref_gx_rads", "gx_rads"]).error_series("gx").unwrap();
-        assert_eq!(error.values, [1.0; 3]);
+        let log = recording(&["ref_gx_rads", "gx_rads"]);
+        let error = log.error_series("gx").unwrap();
+        assert_eq!(*error.values, [1.0; 3]);
         assert_eq!(error.reference, Reference::Channel("ref_gx_rads".into()));
     }
 
     #[test]
     fn without_a_reference_it_is_the_measurement_and_says_so() {
-        let error = recording(&["ref_gy_rads", "gx_rads"]).error_series("gx_rads").unwrap();
-        assert_eq!(error.values, [1.0; 3]);
+        let log = recording(&["ref_gy_rads", "gx_rads"]);
+        let error = log.error_series("gx_rads").unwrap();
+        assert_eq!(*error.values, [1.0; 3]);
         assert_eq!(error.reference, Reference::Constant);
     }
 

@@ -9,13 +9,13 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use fos_data::recording::{Recording, runs};
 use fos_data::statistics::midpoint_median;
 use fos_fit::signal::spectrum::hann;
+use fos_fit::signal::transforms;
 
 /// Stretches that the log is cut into.
 const STRETCHES: u64 = 20;
@@ -120,7 +120,6 @@ fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<St
     };
     let (begin, end) = (*begin, last + part.len() as u64);
     let ticks = ((end - begin) / STRETCHES).max(1);
-    let mut planner = RealFftPlanner::new();
     let mut made = Vec::new();
     for stretch in 0..STRETCHES {
         let (from, to) = (begin + stretch * ticks, begin + (stretch + 1) * ticks);
@@ -135,7 +134,7 @@ fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<St
             .iter()
             .flat_map(|part| runs(part.clone(), |row| left[row].is_finite()))
             .filter(|piece| piece.len() as f64 > 4.0 * CLEAR_OF_MEAN)
-            .map(|piece| Piece::new(&left[piece], recording.rate.period_s, &mut planner))
+            .map(|piece| Piece::new(&left[piece], recording.rate.period_s))
             .collect();
         made.push(Stretch {
             begin_s: recording.time_s[first.start],
@@ -147,8 +146,8 @@ fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<St
 }
 
 impl Piece {
-    fn new(values: &[f64], period_s: f64, planner: &mut RealFftPlanner<f64>) -> Self {
-        let transform = planner.plan_fft_forward(values.len());
+    fn new(values: &[f64], period_s: f64) -> Self {
+        let transform = transforms::forward(values.len());
         let mean = fos_fit::signal::mean(&[values]);
         let window = hann(values.len());
         let scale = window.iter().map(|weight| weight * weight).sum::<f64>();

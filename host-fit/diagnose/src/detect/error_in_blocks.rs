@@ -123,7 +123,7 @@ impl ErrorInBlocks {
         }
         let means = blocks.means(&series.values);
         let level_starts = level_starts(&blocks, turns);
-        Ok(Self { error: series.values, blocks, means, level_starts, clipped_through })
+        Ok(Self { error: series.values.into_owned(), blocks, means, level_starts, clipped_through })
     }
 
     /// The same with the noise of each block that of the shaking in it.

@@ -3,7 +3,8 @@
 use fos_data::column::{Column, Triad};
 use serde::{Deserialize, Serialize};
 
-use super::trace::{HORIZONS_S, Trace};
+use super::origins::HORIZONS_S;
+use super::trace::Trace;
 use crate::signal;
 use crate::signal::allan::allan_deviation;
 use crate::signal::blocks::slow_error;

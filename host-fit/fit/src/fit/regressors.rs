@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use fos_core::ModelError;
+use fos_core::{ModelError, Predictor};
 
-use crate::model::{HostPredictor, UnitModel};
+use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::Playback;
 use fos_data::recording::runs;
 
@@ -27,7 +27,18 @@ impl Regressors {
     ///
     /// What fos-core finds wrong with the model.
     pub fn of(model: &UnitModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
-        let mut predictor: HostPredictor<f64> = model.predictor()?;
+        match model.with(SmallPredictor::<f64>::new) {
+            Ok(small) => Ok(Self::by(small, model, playback, n_rows)),
+            Err(_) => Ok(Self::by(model.predictor()?, model, playback, n_rows)),
+        }
+    }
+
+    fn by<const TERMS: usize, const HISTORY: usize>(
+        mut predictor: Predictor<f64, AXES, INPUTS, TERMS, HISTORY>,
+        model: &UnitModel,
+        playback: &Playback<'_>,
+        n_rows: usize,
+    ) -> Self {
         let scale = model.axes[0].parameters.scale;
         let mut remainder = Vec::with_capacity(n_rows);
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
@@ -43,7 +54,7 @@ impl Regressors {
         }
         let known = |stretch| runs(stretch, |row| remainder[row].is_finite());
         let stretches = playback.still_stretches(0..n_rows).into_iter().flat_map(known).collect();
-        Ok(Self { remainder, inputs, stretches })
+        Self { remainder, inputs, stretches }
     }
 
     /// All columns, the remainder first.

@@ -153,10 +153,11 @@ fn about(
     candidates: usize,
     refit: &Refit,
 ) -> AxisReport {
+    let axis = &model.axes[0];
     let known = regressors.known_remainder();
     let power: f64 = known.iter().copied().flatten().map(|r| r * r).sum();
     AxisReport {
-        column: model.axes[0].column.clone(),
+        column: axis.column.clone(),
         reference_column: None,
         method: options.method,
         candidates,
@@ -170,6 +171,10 @@ fn about(
         condition_number: refit.condition,
         mse: refit.mse,
         mean_square: power / signal::sample_count(&known) as f64,
-        lag_1: autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
+        lag_1: match (&axis.plain, axis.physical.is_empty()) {
+            // nothing was taken off since then
+            (Some(plain), true) => plain.lag_1,
+            _ => autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
+        },
     }
 }

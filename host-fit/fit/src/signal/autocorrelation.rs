@@ -1,6 +1,6 @@
 //! Normalised autocorrelation: does what is left still remember?
 
-use realfft::RealFftPlanner;
+use super::transforms;
 
 /// Standard normal deviate that leaves 2.5 % on either side.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -48,12 +48,11 @@ pub fn autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Autocorre
     let longest = stretches.iter().map(|stretch| stretch.len()).max()?;
     let max_lag = max_lag.min(longest.saturating_sub(1));
     let mut products = vec![0.0; max_lag + 1];
-    let mut planner = RealFftPlanner::new();
     for stretch in stretches.iter().filter(|stretch| !stretch.is_empty()) {
         // zeros behind the stretch keep the circular products of the transform from wrapping around
         let padded = (stretch.len() + max_lag).next_power_of_two();
-        let forward = planner.plan_fft_forward(padded);
-        let inverse = planner.plan_fft_inverse(padded);
+        let forward = transforms::forward(padded);
+        let inverse = transforms::inverse(padded);
         let mut samples = forward.make_input_vec();
         let mut bins = forward.make_output_vec();
         for (target, x) in samples.iter_mut().zip(*stretch) {

@@ -17,9 +17,10 @@
 //! | `allan` | Allan deviation with its confidence interval |
 //! | `allan_variants` | the same without overlap and modified, as others print it |
 //! | `noise_floor` | what no causal linear predictor can beat |
+//! | `transforms` | Fourier transforms, planned once |
 //! | `wavelet` | what is left when the noise of single samples is taken out |
 //! | `residual_tests` | textbook tests of a residual: white, normal, of constant size? |
-//! //! | `quantisation` | step of the converter, seen from the data |
+//! | `quantisation` | step of the converter, seen from the data |
 
 pub mod allan;
 pub mod allan_variants;
@@ -29,6 +30,7 @@ pub mod noise_floor;
 pub mod quantisation;
 pub mod residual_tests;
 pub mod spectrum;
+pub mod transforms;
 pub mod wavelet;
 
 pub use fos_data::statistics::{centred, is_constant, mean, sample_count, variance};

@@ -1,7 +1,5 @@
 //! The mean square error that no causal linear predictor can get below, from the data alone.
 
-use realfft::RealFftPlanner;
-
 use super::quantisation::{Quantisation, quantisation};
 use super::spectrum::hann;
 
@@ -140,14 +138,13 @@ struct LogSpectrum {
 /// Half a bin each is theirs to cover; their neighbours cover it instead. Left out, the peak of slow
 /// noise at zero would be missing: in stretches of 128 samples a floor 5 % too low at φ = 0.999.
 fn log_spectrum(stretches: &[&[f64]]) -> LogSpectrum {
-    let mut planner = RealFftPlanner::new();
     let mut sum = 0.0;
     let mut ordinates = 0.0;
     for stretch in stretches {
         let window = hann(stretch.len());
         let window_power: f64 = window.iter().map(|w| w * w).sum();
         let mean = super::mean(&[stretch]);
-        let transform = planner.plan_fft_forward(stretch.len());
+        let transform = super::transforms::forward(stretch.len());
         let mut windowed = transform.make_input_vec();
         let mut bins = transform.make_output_vec();
         for ((target, x), w) in windowed.iter_mut().zip(*stretch).zip(&window) {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
+use super::transforms;
 
 /// One-sided power spectral density.
 ///
@@ -35,7 +35,7 @@ pub fn welch(stretches: &[&[f64]], rate_hz: f64, segment_length: usize) -> Optio
     let window = hann(segment_length);
     let window_power: f64 = window.iter().map(|w| w * w).sum();
     let mean = super::mean(stretches);
-    let transform = RealFftPlanner::new().plan_fft_forward(segment_length);
+    let transform = transforms::forward(segment_length);
     let mut windowed = transform.make_input_vec();
     let mut bins = transform.make_output_vec();
 

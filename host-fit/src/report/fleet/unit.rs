@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::coefficient::{NINETY, unit_of};
 use fos_data::column::Column;
-use fos_fleet::{AxisSummary, PartSummary, UnitRow};
+use fos_fleet::{AxisSummary, PartSummary, UnitRow, known_of};
 
 /// A unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,7 +52,7 @@ pub struct UnitCoefficient {
     pub own: Option<[f64; 2]>,
     /// What its lot lets expect: nine of ten units lie there.
     pub expected: [f64; 2],
-    /// Both together; of a unit that the population is of, its own log counts in both.
+    /// Both together, as it ships; of a unit that does not belong its own log alone.
     pub together: [f64; 2],
     /// By how many standard deviations its log is off what is expected.
     pub by: Option<f64>,
@@ -62,26 +62,28 @@ impl UnitReport {
     /// Of the unit behind `row`, one of the part.
     pub fn of(row: &UnitRow, part: &PartSummary) -> Self {
         let log = row.log.as_ref();
+        let is_odd = part.odd.iter().any(|odd| odd.unit == row.unit);
         Self {
             unit: row.unit.clone(),
             part: row.part.clone(),
             lot: row.lot.clone(),
-            is_odd: part.odd.iter().any(|odd| odd.unit == row.unit),
+            is_odd,
             seconds: log.map(|log| log.seconds),
             temperature_c: log.and_then(|log| log.temperature_c),
             failed: row.failed.clone(),
-            axes: part.axes.iter().filter_map(|axis| UnitAxis::of(row, axis)).collect(),
+            axes: part.axes.iter().filter_map(|axis| UnitAxis::of(row, axis, is_odd)).collect(),
         }
     }
 }
 
 impl UnitAxis {
-    fn of(row: &UnitRow, axis: &AxisSummary) -> Option<Self> {
+    fn of(row: &UnitRow, axis: &AxisSummary, is_odd: bool) -> Option<Self> {
         let population = axis.population.as_ref()?;
-        let own = row.axes.iter().find(|own| own.estimate.column == axis.column)?;
+        let own = row.axis(&axis.column)?;
         let estimate = &own.estimate.coefficients;
         let lot = row.lot.as_deref();
-        let ((mean, prior), together) = (population.prior(lot), population.shrunk(estimate, lot));
+        let ((mean, prior), together) =
+            (population.prior(lot), known_of(row, &axis.column, population, is_odd));
         let coefficient = |(place, name): (usize, &String)| {
             let (unit, si) = unit_of(&axis.column, name);
             let with_half = |value: f64, variance: f64| [value / si, NINETY * variance.max(0.0).sqrt() / si];

@@ -1040,7 +1040,7 @@ unit: string,
 own: [number, number] | null,
 /** What its lot lets expect: nine of ten units lie there. */
 expected: [number, number],
-/** Both together; of a unit that the population is of, its own log counts in both. */
+/** Both together, as it ships; of a unit that does not belong its own log alone. */
 together: [number, number],
 /** By how many standard deviations its log is off what is expected. */
 by: number | null, };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
+use fos_fit::signal::transforms;
 
 use super::line::Line;
 use super::series::{Series, lowest_hz};
@@ -45,7 +45,7 @@ impl Periodogram {
         if n < 2000 || series.known < n / 4 {
             return None;
         }
-        let transform = RealFftPlanner::new().plan_fft_forward(n);
+        let transform = transforms::forward(n);
         let mut buffer = series.values.clone();
         let mut bins = transform.make_output_vec();
         transform.process(&mut buffer, &mut bins).ok()?;

@@ -1,0 +1,195 @@
+//! Coasts of one model that began at different samples, side by side: an instruction for several of them.
+
+use heapless::Vec;
+
+use super::Evaluator;
+use crate::axis::RunningAxis;
+use crate::history::{History, Window};
+use crate::input::RunningInput;
+use crate::running::LowPass;
+use crate::{Scalar, Source};
+
+/// Coasts of one model, one in each lane. What each predicts is what [`Predictor::coast`](crate::Predictor::coast)
+/// predicts from the same sample on, to the last bit, as long as every axis has a finite measured value; what speaks
+/// against trusting it is not said.
+///
+/// ```
+/// use fos_core::{Axis, AxisModel, AxisParameters, Coasts, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample};
+/// use fos_core::{Term, y};
+///
+/// let parameters = AxisParameters {
+///     axis: Axis::Gz,
+///     reference: 0.0,
+///     offset: 0.0,
+///     scale: 1.0,
+///     constant: 0.0,
+///     range: Range::new(-4.0, 4.0),
+///     physical_range: Range::new(0.0, 0.0),
+///     full_scale: 0.0,
+///     stuck_after_repeats: 0,
+///     gap_limit_samples: 1,
+///     coast_limit_s: 60.0,
+///     innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
+/// };
+/// let axes = [AxisModel { parameters, physical: &[], stochastic: &[Term::new(0.5, &[y(1)])] }];
+/// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, inputs: &[], quantities: &[], axes: &axes };
+/// let mut predictor = Predictor::<f64, 1, 1, 4, 8>::new(&model)?;
+/// let _ = predictor.track(&Sample { measured: &[2.0], quantities: &[] });
+/// let mut coasts = Coasts::new(predictor.evaluator()).expect("it begins from measurements");
+/// let _ = predictor.track(&Sample { measured: &[4.0], quantities: &[] });
+/// assert!(coasts.begin(1, predictor.evaluator()));
+/// assert_eq!(coasts.step(&[]), [[1.0, 2.0]]);
+/// assert_eq!(coasts.step(&[]), [[0.5, 1.0]]);
+/// # Ok::<(), fos_core::ModelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Coasts<
+    R: Scalar,
+    const LANES: usize,
+    const AXES: usize,
+    const INPUTS: usize,
+    const TERMS: usize,
+    const HISTORY: usize,
+> {
+    /// The model, and how long the coasts have gone on. Its history and the state of its inputs are not used.
+    common: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
+    inputs: Vec<Lanes<R, LANES>, INPUTS>,
+    history: History<[R; LANES], HISTORY>,
+    remainders: [[R; LANES]; AXES],
+    predicted: [[R; LANES]; AXES],
+}
+
+/// An input in every lane.
+#[derive(Debug, Clone)]
+enum Lanes<R: Scalar, const LANES: usize> {
+    /// A low-pass of the remainder of an axis, and its states.
+    Memory(usize, LowPass<R>, [R::Slow; LANES]),
+    /// Any other.
+    Each([RunningInput<R>; LANES]),
+}
+
+impl<
+    R: Scalar,
+    const LANES: usize,
+    const AXES: usize,
+    const INPUTS: usize,
+    const TERMS: usize,
+    const HISTORY: usize,
+> Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>
+{
+    /// Coasts that begin with the sample after those that `evaluator` has seen, the same in every lane. `None` where its
+    /// history holds anything but measurements.
+    pub fn new(evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> Option<Self> {
+        let in_lanes = |input: &RunningInput<R>| match (input.source(), input.low_pass()) {
+            (Source::Remainder(axis), Some(low_pass)) => Lanes::Memory(usize::from(axis), *low_pass, [low_pass.slow(); LANES]),
+            _ => Lanes::Each([*input; LANES]),
+        };
+        let mut coasts = Self {
+            common: evaluator.clone(),
+            inputs: evaluator.inputs.iter().map(in_lanes).collect(),
+            history: History::filled([R::ZERO; LANES]),
+            remainders: [[R::ZERO; LANES]; AXES],
+            predicted: [[R::ZERO; LANES]; AXES],
+        };
+        coasts.begin_all(evaluator).then_some(coasts)
+    }
+
+    /// Begins anew in every lane, with the sample after those that `evaluator`, of the same model, has seen. Whether it could:
+    /// nothing changes where its history holds anything but measurements.
+    pub fn begin_all(&mut self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
+        if !self.is_of(evaluator) {
+            return false;
+        }
+        self.common.axes.clone_from(&evaluator.axes);
+        (0..LANES).for_each(|lane| self.take(lane, evaluator));
+        true
+    }
+
+    /// Begins in one lane alone, as [`begin_all`](Self::begin_all) has in all, and before the first step.
+    pub fn begin(&mut self, lane: usize, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
+        let is_of = lane < LANES && self.is_of(evaluator);
+        if is_of {
+            self.take(lane, evaluator);
+        }
+        is_of
+    }
+
+    /// Whether an evaluator has the model of these, and a history of nothing but measurements.
+    fn is_of(&self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
+        evaluator.axes.len() == self.common.axes.len()
+            && evaluator.inputs.len() == self.inputs.len()
+            && evaluator.axes.iter().all(RunningAxis::is_steady)
+    }
+
+    /// The state of an evaluator into a lane: its inputs, and its history as far back as a lag reaches.
+    fn take(&mut self, lane: usize, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) {
+        for (lanes, input) in self.inputs.iter_mut().zip(&evaluator.inputs) {
+            match lanes {
+                Lanes::Memory(_, _, slow) => {
+                    if let (Some(slow), Some(low_pass)) = (slow.get_mut(lane), input.low_pass()) {
+                        *slow = low_pass.slow();
+                    }
+                }
+                Lanes::Each(inputs) => {
+                    if let Some(state) = inputs.get_mut(lane) {
+                        *state = *input;
+                    }
+                }
+            }
+        }
+        let ticks = evaluator.axes.iter().map(|axis| axis.reach() as usize).fold(0, usize::max) + 1;
+        let values = ticks * (evaluator.inputs.len() + evaluator.axes.len());
+        let window = evaluator.history.window();
+        let places = (1..=values.min(HISTORY)).rev().filter_map(Window::<R, HISTORY>::place);
+        self.history.begin_lane(lane, places.map(|place| window.at(place)));
+        for (remainder, axis) in self.remainders.iter_mut().zip(&evaluator.axes) {
+            if let Some(remainder) = remainder.get_mut(lane) {
+                *remainder = axis.remainder;
+            }
+        }
+    }
+
+    /// One sample: of every logged quantity of the model its value in every lane. The predicted error of every axis in
+    /// every lane, offset included, in the axis' unit.
+    #[inline(always)]
+    pub fn step(&mut self, quantities: &[[R; LANES]]) -> &[[R; LANES]] {
+        let Self { common, inputs, history, remainders, predicted } = self;
+        for (input, lanes) in common.inputs.iter().zip(inputs) {
+            let values = match lanes {
+                Lanes::Memory(axis, low_pass, slow) => {
+                    let logged = remainders.get(*axis).copied().unwrap_or([R::ZERO; LANES]);
+                    input.update_lanes(low_pass, slow, &logged)
+                }
+                Lanes::Each(each) => {
+                    let logged = match input.source() {
+                        Source::Clock => None,
+                        Source::Quantity(index) => quantities.get(usize::from(index)),
+                        Source::Remainder(axis) => remainders.get(usize::from(axis)),
+                    };
+                    let mut lane = 0;
+                    each.each_mut().map(|input| {
+                        let value = logged.and_then(|logged| logged.get(lane)).copied();
+                        lane += 1;
+                        input.update(value).0
+                    })
+                }
+            };
+            history.write(core::iter::once(values));
+        }
+        let window = history.window();
+        let mut records = common.program.records();
+        let thirds = common.program.thirds();
+        let lanes = remainders.iter_mut().zip(predicted.iter_mut());
+        for (axis, (remainder, predicted)) in common.axes.iter_mut().zip(lanes) {
+            let mut p = [R::ZERO; LANES];
+            if !axis.physical.is_empty {
+                (p, records) = axis.physical.evaluate_lanes(records, thirds, window);
+            }
+            (*remainder, records) = axis.stochastic.evaluate_lanes(records, thirds, window);
+            *predicted = axis.coast_lanes(p, remainder);
+        }
+        let n_axes = common.axes.len();
+        history.write(remainders.iter().take(n_axes).copied());
+        self.predicted.get(..n_axes).unwrap_or(&[])
+    }
+}
