@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use fos_data::interrupt::in_parallel;
 use fos_data::recording::{Recording, pieces};
 use fos_diagnose::compare::{AxisComparison, Comparison};
 use fos_fit::evaluate::{AxisTrace, Trace};
@@ -86,8 +87,9 @@ pub struct AgainstChannel {
 
 /// The curves of every axis of a comparison, in its order.
 pub fn curves(comparison: &Comparison, trace: &Trace, recording: &Recording) -> Vec<AxisCurves> {
-    let axes = comparison.axes.iter().enumerate();
-    axes.map(|(index, axis)| AxisCurves::of(axis, trace, index, recording)).collect()
+    in_parallel(0..comparison.axes.len(), |index| {
+        AxisCurves::of(&comparison.axes[index], trace, index, recording)
+    })
 }
 
 impl AxisCurves {

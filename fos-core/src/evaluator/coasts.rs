@@ -81,7 +81,9 @@ impl<
     /// history holds anything but measurements.
     pub fn new(evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> Option<Self> {
         let in_lanes = |input: &RunningInput<R>| match (input.source(), input.low_pass()) {
-            (Source::Remainder(axis), Some(low_pass)) => Lanes::Memory(usize::from(axis), *low_pass, [low_pass.slow(); LANES]),
+            (Source::Remainder(axis), Some(low_pass)) => {
+                Lanes::Memory(usize::from(axis), *low_pass, [low_pass.slow(); LANES])
+            }
             _ => Lanes::Each([*input; LANES]),
         };
         let mut coasts = Self {

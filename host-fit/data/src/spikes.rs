@@ -50,10 +50,12 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
             }
         }
     }
-    let deviation = MAD_TO_SD * median(&mut off.iter().map(|(_, off)| *off).collect::<Vec<_>>());
-    // coarse steps: most values are their neighbours'
-    let mean = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
-    let deviation = if deviation > 0.0 { deviation } else { mean };
+    let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
+    let mut deviation = MAD_TO_SD * median(&mut sizes);
+    if deviation <= 0.0 {
+        // coarse steps: most values are their neighbours'
+        deviation = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
+    }
     if deviation <= 0.0 {
         return None;
     }
@@ -65,7 +67,6 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
         let place = others.len().saturating_sub(REACH + 1);
         own > ALONE * *others.select_nth_unstable_by(place, f64::total_cmp).1
     };
-    let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
     let tail = sizes.len() - 1 - sizes.len() / 1000;
     let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
     // a thousandth may be spikes themselves, which then are the tail

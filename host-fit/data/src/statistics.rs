@@ -45,7 +45,9 @@ pub const MAD_TO_SD: f64 = 1.4826;
 
 /// Median of what is finite, which a few wild values do not move; `None` of nothing.
 pub fn finite_median(values: &[f64]) -> Option<f64> {
-    median_of(values.iter().copied().filter(|value| value.is_finite()))
+    let mut finite = Vec::with_capacity(values.len());
+    finite.extend(values.iter().copied().filter(|value| value.is_finite()));
+    (!finite.is_empty()).then(|| median(&mut finite))
 }
 
 /// The same of values that come one by one; `None` of none.

@@ -60,12 +60,19 @@ impl KnownBy {
 /// Finds where `recording` is still: by its column, else by the detector, else all of it; without the rows in which it
 /// was moved all the same.
 pub fn find(recording: &Recording) -> Stillness {
-    find_apart(recording, recording.n_rows())
+    Stillness::clone(&recording.once(|recording| find_anew(recording, recording.n_rows())))
 }
 
 /// As [`find`], of a log whose first `learnt_rows` something is learnt from: what comes after them has no say in which
 /// of them are at rest.
 pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
+    match learnt_rows < recording.n_rows() {
+        true => find_anew(recording, learnt_rows),
+        false => find(recording),
+    }
+}
+
+fn find_anew(recording: &Recording, learnt_rows: usize) -> Stillness {
     let learnt = 0..learnt_rows.min(recording.n_rows());
     let parts = [learnt.clone(), learnt.end..recording.n_rows()];
     let limits = limits(recording, &learnt);
@@ -79,6 +86,10 @@ pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
     };
     let mut disturbances = Vec::new();
     for part in parts.into_iter().filter(|part| !part.is_empty()) {
+        if part.len() == still.len() && known_by != KnownBy::Detector {
+            disturbances = disturbance::find_at_rest(recording);
+            continue;
+        }
         let mut rest = vec![false; still.len()];
         rest[part.clone()].copy_from_slice(&still[part]);
         disturbances.extend(disturbance::find(recording, &rest));

@@ -20,6 +20,8 @@ pub struct Playback<'a> {
     still: &'a [bool],
     /// Rows that do not follow the row before them, in their order.
     breaks: Vec<(usize, Break)>,
+    /// Rows in which an axis has no value.
+    unmeasured: Vec<usize>,
 }
 
 enum Reference<'a> {
@@ -99,8 +101,18 @@ impl<'a> Playback<'a> {
                 Some((segment.rows.start, before))
             })
             .collect();
-        let mut playback =
-            Self { measured, reference, gated: Vec::new(), has_reference: false, quantities, still, breaks };
+        let is_unmeasured = |row: &usize| measured.iter().any(|values| !values[*row].is_finite());
+        let unmeasured = (0..recording.n_rows()).filter(is_unmeasured).collect();
+        let mut playback = Self {
+            measured,
+            reference,
+            gated: Vec::new(),
+            has_reference: false,
+            quantities,
+            still,
+            breaks,
+            unmeasured,
+        };
         playback.leave_out_other_poses(model);
         playback.gated = model.axes.iter().zip(&playback.reference).map(gated).collect();
         playback.has_reference =
@@ -153,7 +165,8 @@ impl<'a> Playback<'a> {
 
     /// Whether every axis has a value in all of these rows.
     pub fn is_measured(&self, rows: Range<usize>) -> bool {
-        self.measured.iter().all(|values| values[rows.clone()].iter().all(|value| value.is_finite()))
+        let next = self.unmeasured.partition_point(|row| *row < rows.start);
+        self.unmeasured.get(next).is_none_or(|row| *row >= rows.end)
     }
 
     /// Logged quantities that the model needs.

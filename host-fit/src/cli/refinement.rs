@@ -8,7 +8,7 @@ use clap::Args;
 use super::arguments::Reading;
 use super::error_table::error_table;
 use super::output::{Failure, number, print_line, sparkline, table};
-use fos_data::recording::{Source, load};
+use fos_data::recording::{Recording, Source, load};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, RefinementStep};
 use fos_diagnose::study::{Study, load_again};
@@ -38,29 +38,38 @@ pub(super) fn read_logs(
 ) -> Result<Logs, Failure> {
     let known = study.refinement_of(column).map(|refinement| &refinement.logs);
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
-    let given = |path: &PathBuf| load(path, &read);
-    let again = |source: &Source| load_again(source, file, &read);
-    let field = match (&logs.from, known) {
-        (Some(path), _) => given(path)?,
-        (None, Some(known)) => again(&known.field)?,
-        (None, None) => {
-            return Err("which log does the model fail on?\nhelp: give it with --from LOG".into());
-        }
+    let given = |path: &PathBuf| -> Result<Recording, Failure> { Ok(load(path, &read)?) };
+    let again = |source: &Source| -> Result<Recording, Failure> { Ok(load_again(source, file, &read)?) };
+    let read_field = || match (&logs.from, known) {
+        (Some(path), _) => given(path),
+        (None, Some(known)) => again(&known.field),
+        (None, None) => Err("which log does the model fail on?\nhelp: give it with --from LOG".into()),
     };
-    let quiet = match (&logs.quiet, known) {
-        (Some(path), _) => Some(given(path)?),
-        (None, Some(known)) => known.quiet.as_ref().map(again).transpose()?,
-        (None, None) => match &study.data.sources[..] {
-            // the study's own log is quiet, unless it is the very log where the model fails
-            [own] if field.sources.first() != Some(own) => Some(again(own)?),
-            _ => None,
-        },
-    };
-    let judged = match (&logs.judge, known) {
-        (Some(path), _) => Some(given(path)?),
-        (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose()?,
+    // the study's own log is quiet, unless it is the very log where the model fails
+    let own = match (&logs.quiet, known, &study.data.sources[..]) {
+        (None, None, [own]) => Some(own),
         _ => None,
     };
+    let may_be_field = |own: &&Source| logs.from.as_deref().is_some_and(|from| from == Path::new(&own.path));
+    let read_quiet = || match (&logs.quiet, known) {
+        (Some(path), _) => given(path).map(Some),
+        (None, Some(known)) => known.quiet.as_ref().map(again).transpose(),
+        (None, None) => own.filter(|own| !may_be_field(own)).map(again).transpose(),
+    };
+    let read_judged = || match (&logs.judge, known) {
+        (Some(path), _) => given(path).map(Some),
+        (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose(),
+        _ => Ok(None),
+    };
+    let (field, (quiet, judged)) = rayon::join(read_field, || rayon::join(read_quiet, read_judged));
+    let field = field?;
+    let is_field = |own: &Source| field.sources.first() == Some(own);
+    let quiet = match own {
+        Some(own) if is_field(own) => None,
+        Some(own) if may_be_field(&own) => Some(again(own)?),
+        _ => quiet?,
+    };
+    let judged = judged?;
     Ok(Logs { field, quiet, judged, read })
 }
 

@@ -64,14 +64,35 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
 /// The same log with the rows in which the unit was moved marked as not at rest, and when it was: where there is no
 /// column `still`, all others are.
 pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
-    let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
-    let found = find(recording, &rest);
-    leave_out(&mut rest, &found);
-    let turns = pose::turns(recording, &rest, &tilted(&found));
-    if turns.is_empty() && !found.iter().any(Disturbance::is_left_out) {
+    let marks = recording.once(Marks::of);
+    let found = marks.found.clone();
+    if marks.turns.is_empty() && !found.iter().any(Disturbance::is_left_out) {
         return (Cow::Borrowed(recording), found);
     }
-    (Cow::Owned(recording.with_rests(rest, turns)), found)
+    (Cow::Owned(recording.with_rests(marks.rest.clone(), marks.turns.clone())), found)
+}
+
+/// When a recording was moved where it should be at rest, by its own word: all of it if it does not say.
+struct Marks {
+    found: Vec<Disturbance>,
+    /// The rows that are left.
+    rest: Vec<bool>,
+    turns: Vec<usize>,
+}
+
+impl Marks {
+    fn of(recording: &Recording) -> Self {
+        let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
+        let found = find(recording, &rest);
+        leave_out(&mut rest, &found);
+        let turns = pose::turns(recording, &rest, &tilted(&found));
+        Self { found, rest, turns }
+    }
+}
+
+/// As [`find`] of the rows that the recording itself says are at rest, and all if it does not say.
+pub(crate) fn find_at_rest(recording: &Recording) -> Vec<Disturbance> {
+    recording.once(Marks::of).found.clone()
 }
 
 /// Rows of the motions that tilted the unit.

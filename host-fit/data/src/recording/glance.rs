@@ -196,16 +196,16 @@ impl Recording {
             found.push(Oddity::Held { column: axis.to_owned(), times: stuck.len(), seconds });
         }
         let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
-        let mut rates: Vec<f64> = (0..self.n_rows()).filter(at_rest).map(|row| values[row]).collect();
+        let rates = (0..self.n_rows()).filter(at_rest).map(|row| values[row]);
         let no_reference = self.channel(&Column::named(axis).reference()).is_err();
         if axis.starts_with('g')
             && no_reference
-            && !rates.is_empty()
-            && median(&mut rates).abs() > RATE_AT_REST
+            && let Some(rate) = unusual_median(rates, |rate| rate.abs() > RATE_AT_REST)
         {
-            found.push(Oddity::TurnsAtRest { column: axis.to_owned(), rate: median(&mut rates) });
+            found.push(Oddity::TurnsAtRest { column: axis.to_owned(), rate });
         }
-        let mut noise: Vec<f64> = logs.iter().filter_map(|rows| fast_noise(&values[rows.clone()])).collect();
+        let several = if logs.len() > 1 { logs } else { Vec::new() };
+        let mut noise: Vec<f64> = several.into_iter().filter_map(|rows| fast_noise(&values[rows])).collect();
         noise.sort_by(f64::total_cmp);
         if let [quietest, .., loudest] = noise[..]
             && loudest > NOISE_RATIO * quietest
@@ -254,11 +254,17 @@ impl Recording {
     }
 
     fn stuck(&self, axis: &str) -> Option<Oddity> {
-        let known: Vec<f64> = self.values(axis).iter().copied().filter(|value| !value.is_nan()).collect();
-        let run = known.chunk_by(|a, b| a == b).max_by_key(|run| run.len())?;
-        let seconds = [run.len() as f64 * self.rate.period_s, known.len() as f64 * self.rate.period_s];
-        let is_stuck = run.len() as f64 > STUCK_SHARE * known.len() as f64 && run.len() > 10;
-        is_stuck.then(|| Oddity::Stuck { column: axis.to_owned(), value: run[0], seconds })
+        let (mut known, mut run, mut longest) = (0_usize, (f64::NAN, 0_usize), (f64::NAN, 0_usize));
+        for value in self.values(axis).iter().copied().filter(|value| !value.is_nan()) {
+            known += 1;
+            run = if value == run.0 { (value, run.1 + 1) } else { (value, 1) };
+            // the last of runs as long as each other
+            longest = if run.1 >= longest.1 { run } else { longest };
+        }
+        let (value, length) = longest;
+        let seconds = [length as f64 * self.rate.period_s, known as f64 * self.rate.period_s];
+        let is_stuck = length as f64 > STUCK_SHARE * known as f64 && length > 10;
+        is_stuck.then(|| Oddity::Stuck { column: axis.to_owned(), value, seconds })
     }
 
     fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
@@ -271,13 +277,10 @@ impl Recording {
         let [x, y, z] = [0, 1, 2].map(|axis| self.values(AXES[axis]));
         let square = |row: usize| x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
         let at_rest = (0..self.n_rows()).filter(|row| still[*row]);
-        let mut magnitudes: Vec<f64> =
-            at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite()).collect();
-        if magnitudes.is_empty() {
-            return None;
-        }
-        let magnitude = median(&mut magnitudes);
-        ((magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN).then_some(Oddity::NotGravity { magnitude })
+        let magnitudes = at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite());
+        let magnitude =
+            unusual_median(magnitudes, |magnitude| (magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN)?;
+        Some(Oddity::NotGravity { magnitude })
     }
 
     fn rates_differ(&self, logs: &[Range<usize>]) -> Option<Oddity> {
@@ -293,6 +296,22 @@ impl Recording {
         let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
         differs.then_some(Oddity::RatesDiffer { rates_hz: [*first, *other] })
     }
+}
+
+/// The median of `values` if it is unusual. Where fewer than half of them are it cannot be, and nothing is sorted.
+fn unusual_median(
+    values: impl Iterator<Item = f64> + Clone,
+    is_unusual: impl Fn(f64) -> bool,
+) -> Option<f64> {
+    let (mut all, mut unusual) = (0_usize, 0_usize);
+    for value in values.clone() {
+        all += 1;
+        unusual += usize::from(is_unusual(value));
+    }
+    if all == 0 || 2 * unusual < all {
+        return None;
+    }
+    Some(median(&mut values.collect::<Vec<f64>>())).filter(|median| is_unusual(*median))
 }
 
 /// Noise from one sample to the next, by the median: shocks and steps do not move it. None of a constant.

@@ -60,6 +60,7 @@ impl Recording {
             }
             segment
         }));
+        self.memo = Default::default();
         self.still = match (self.still.take(), next.still) {
             (Some(mut still), Some(more)) => {
                 still.extend(more);

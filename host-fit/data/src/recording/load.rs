@@ -207,6 +207,7 @@ fn assemble(
         keeps_moved: options.keep_moved,
         quality,
         alignment: None,
+        memo: Default::default(),
     })
 }
 

@@ -43,6 +43,7 @@ mod held;
 mod join;
 mod load;
 mod load_options;
+mod memo;
 mod other_format;
 #[cfg(feature = "parquet")]
 mod parquet_file;
@@ -118,6 +119,7 @@ pub struct Recording {
     pub quality: Quality,
     /// How its streams were joined, if they had stamps of their own.
     pub alignment: Option<Alignment>,
+    memo: memo::Memo,
 }
 
 impl Recording {
@@ -189,12 +191,13 @@ impl Recording {
             keeps_moved: self.keeps_moved,
             quality: self.quality.clone(),
             alignment: self.alignment.clone(),
+            memo: memo::Memo::default(),
         }
     }
 
     /// The same with other values in a channel, one per row; without such a channel it is the same.
     pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
-        let mut other = self.clone();
+        let mut other = Self { memo: memo::Memo::default(), ..self.clone() };
         if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
             channel.values = values.into();
         }
@@ -203,7 +206,7 @@ impl Recording {
 
     /// The same with other rows known to be still, and from which of them on gravity may have turned.
     pub fn with_rests(&self, still: Vec<bool>, turns: Vec<usize>) -> Self {
-        Self { still: Some(still), turns, ..self.clone() }
+        Self { still: Some(still), turns, memo: memo::Memo::default(), ..self.clone() }
     }
 
     /// From the first sample to the last by the sample grid, s: stamps may go back.

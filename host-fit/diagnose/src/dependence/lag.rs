@@ -4,11 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::likelihood::{Remainder, Test};
 use fos_data::recording::{Boundary, Recording};
-use fos_fit::noise::Fitted;
-use fos_fit::noise::{Gls, NoiseLevels};
+use fos_fit::noise::{Blocks, Fitted, Gls, NoiseLevels};
 
 /// Delays, s.
 const DELAYS_S: [f64; 7] = [0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
+
+/// How many.
+pub(super) const N_DELAYS: usize = DELAYS_S.len();
 
 /// A delay beyond this share of the log leaves too little of the channel.
 const LONGEST_SHARE: f64 = 0.25;
@@ -46,74 +48,124 @@ pub struct LagProfile {
     pub p: f64,
 }
 
-/// Where every row of a recording lies on the grid of ticks, and where the recording that it belongs to begins.
-pub(super) struct Grid {
-    ticks: Vec<u64>,
-    first_rows: Vec<usize>,
-    period_s: f64,
+/// Where in a recording the values are that a column had some time ago, for every delay.
+pub(super) struct Delays {
+    shifts: [Shift; N_DELAYS],
 }
 
-impl Grid {
+/// One delay of them, in pieces of rows in their order.
+struct Shift(Vec<Piece>);
+
+/// Rows up to `end` that were logged one after the other, or that all have the value of one.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    /// The first row, and the one whose value it has.
+    start: usize,
+    from: usize,
+    /// From one row to the next: 1, or 0 where the value is held.
+    step: usize,
+    end: usize,
+}
+
+impl Piece {
+    fn source(&self, row: usize) -> usize {
+        self.from + (row - self.start) * self.step
+    }
+}
+
+impl Delays {
     pub(super) fn new(recording: &Recording) -> Self {
-        let (mut ticks, mut first_rows) = (Vec::new(), Vec::new());
-        let mut first_row = 0;
-        for segment in &recording.segments {
-            if segment.boundary == Boundary::Recording {
-                first_row = segment.rows.start;
-            }
-            ticks.extend((0..segment.rows.len() as u64).map(|tick| segment.tick + tick));
-            first_rows.extend(std::iter::repeat_n(first_row, segment.rows.len()));
-        }
-        Self { ticks, first_rows, period_s: recording.rate.period_s }
+        Self { shifts: DELAYS_S.map(|delay_s| Shift::new(recording, delay_s)) }
     }
 
-    /// A column as it was `delay_s` ago; before its recording begins it is taken to have been as it begins.
-    pub(super) fn delayed(&self, column: &[f64], delay_s: f64) -> Vec<f64> {
-        let delay = (delay_s / self.period_s).round() as u64;
-        let mut from = 0;
-        self.ticks
-            .iter()
-            .zip(&self.first_rows)
-            .enumerate()
-            .map(|(row, (tick, first))| {
-                from = from.max(*first);
-                while from < row && self.ticks[from + 1] + delay <= *tick {
+    /// Block means of a column as it was, by delay.
+    pub(super) fn means(&self, blocks: &Blocks, column: &[f64]) -> [Vec<f64>; N_DELAYS] {
+        let mut pieces = self.shifts.each_ref().map(|shift| shift.0.iter().copied());
+        let mut now = pieces.each_mut().map(|pieces| pieces.next());
+        let means = blocks.means_of(|row| {
+            let mut values = [f64::NAN; N_DELAYS];
+            for ((value, now), pieces) in values.iter_mut().zip(&mut now).zip(&mut pieces) {
+                while now.is_some_and(|piece| piece.end <= row) {
+                    *now = pieces.next();
+                }
+                if let Some(piece) = now {
+                    *value = column[piece.source(row)];
+                }
+            }
+            values
+        });
+        std::array::from_fn(|delay| means.iter().map(|means| means[delay]).collect())
+    }
+}
+
+impl Shift {
+    /// Before its recording begins a column is taken to have been as it begins, and in a gap as before it.
+    fn new(recording: &Recording, delay_s: f64) -> Self {
+        let delay = (delay_s / recording.rate.period_s).round() as u64;
+        let segments = &recording.segments;
+        let mut pieces: Vec<Piece> = Vec::new();
+        // the latest row that is not too late, and its segment
+        let (mut from, mut within) = (0, 0);
+        for segment in segments {
+            if segment.boundary == Boundary::Recording {
+                from = segment.rows.start;
+            }
+            for row in segment.rows.clone() {
+                let tick = segment.tick + (row - segment.rows.start) as u64;
+                while from < row {
+                    while !segments[within].rows.contains(&(from + 1)) {
+                        within += 1;
+                    }
+                    let of = &segments[within];
+                    if of.tick + (from + 1 - of.rows.start) as u64 + delay > tick {
+                        break;
+                    }
                     from += 1;
                 }
-                column[from]
-            })
-            .collect()
+                match pieces.last_mut() {
+                    Some(last) if last.source(row) == from => last.end = row + 1,
+                    // the second row says how it goes on
+                    Some(last) if last.end == last.start + 1 && from == last.from => {
+                        (last.step, last.end) = (0, row + 1);
+                    }
+                    _ => pieces.push(Piece { start: row, from, step: 1, end: row + 1 }),
+                }
+            }
+        }
+        Self(pieces)
     }
 }
 
-/// The profile of `column`, one value per row, under noise of `levels`. `None` where the channel does not change.
+/// The profile of a channel, whose block means by delay are `delayed`, under noise of `levels`. `None` where the channel does not
+/// change.
 pub(super) fn profile(
     remainder: &Remainder<'_>,
     (null, levels): (&Fitted, &NoiseLevels),
-    grid: &Grid,
-    column: &[f64],
+    delayed: &[Vec<f64>; N_DELAYS],
 ) -> Option<LagProfile> {
     let blocks = remainder.blocks;
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0);
     let ones = vec![1.0; blocks.len()];
     let alone = Gls::new(blocks, levels, remainder.means, &[&ones]).deviance();
     let mut delays = Vec::new();
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for delay_s in DELAYS_S.into_iter().filter(|delay_s| *delay_s <= LONGEST_SHARE * span_s) {
-        let values = blocks.means(&grid.delayed(column, delay_s));
-        let gls = Gls::new(blocks, levels, remainder.means, &[&ones, &values]);
+    let mut best: Option<(f64, &Vec<f64>)> = None;
+    for (delay_s, values) in DELAYS_S.into_iter().zip(delayed) {
+        if delay_s > LONGEST_SHARE * span_s {
+            continue;
+        }
+        let gls = Gls::new(blocks, levels, remainder.means, &[&ones, values]);
         if gls.kept.len() < 2 {
             continue;
         }
         let gain = alone - gls.deviance();
         let slope_error = gls.covariance()[(1, 1)].sqrt();
         delays.push(Delay { delay_s, gain, slope: gls.coefficients()[1], slope_error });
-        if best.as_ref().is_none_or(|(most, _)| gain > *most) {
+        if best.is_none_or(|(most, _)| gain > most) {
             best = Some((gain, values));
         }
     }
     let (most, values) = best?;
-    let (test, _) = remainder.test(null, &[values])?;
+    let (test, _) = remainder.test(null, std::slice::from_ref(values))?;
     let possible = || delays.iter().filter(|delay| delay.gain > most - NOT_TOLD).map(|delay| delay.delay_s);
     Some(LagProfile {
         best_s: delays.iter().find(|delay| delay.gain == most).map_or(0.0, |delay| delay.delay_s),
@@ -129,13 +181,53 @@ mod tests {
     use super::*;
     use fos_data::recording::{LoadOptions, Source};
 
+    /// A column as it was.
+    fn delayed(recording: &Recording, column: &[f64], delay_s: f64) -> Vec<f64> {
+        let Shift(pieces) = Shift::new(recording, delay_s);
+        assert!(pieces.windows(2).all(|pair| pair[0].end == pair[1].start), "{pieces:?}");
+        let rows =
+            pieces.iter().flat_map(|piece| (piece.start..piece.end).map(|row| column[piece.source(row)]));
+        rows.collect()
+    }
+
+    /// As far back as any row, one after the other.
+    #[test]
+    fn pieces_are_what_a_search_row_by_row_finds() {
+        let mut time = Vec::new();
+        for n in 0..400_u32 {
+            let is_lost =
+                (40..60).contains(&n) || (130..131).contains(&n) || n % 97 == 3 || (200..330).contains(&n);
+            if !is_lost {
+                time.push(f64::from(n));
+            }
+        }
+        let log = || {
+            let columns = vec![("t_s".to_owned(), time.clone()), ("temp_c".to_owned(), time.clone())];
+            Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
+        };
+        let recording = Recording::join(vec![log(), log()]).unwrap();
+        let column: Vec<f64> = (0..recording.n_rows()).map(|row| row as f64).collect();
+        let tick_of = |row: usize| {
+            let segment = recording.segments.iter().find(|segment| segment.rows.contains(&row)).unwrap();
+            segment.tick + (row - segment.rows.start) as u64
+        };
+        for delay in [0, 1, 2, 7, 20, 21, 90, 129, 130, 131, 399, 1000] {
+            for (row, then) in delayed(&recording, &column, f64::from(delay)).into_iter().enumerate() {
+                let first = if row < time.len() { 0 } else { time.len() };
+                let expected =
+                    (first..=row).rev().find(|from| tick_of(*from) + u64::from(delay as u32) <= tick_of(row));
+                assert_eq!(then, expected.unwrap_or(first) as f64, "row {row}, {delay} s");
+            }
+        }
+    }
+
     #[test]
     fn a_delayed_channel_is_counted_in_seconds_over_gaps_and_held_before_its_beginning() {
         let time: Vec<f64> = (0..100).filter(|n| !(40..60).contains(n)).map(f64::from).collect();
         let columns = vec![("t_s".to_owned(), time.clone()), ("temp_c".to_owned(), time.clone())];
         let recording =
             Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap();
-        let delayed = Grid::new(&recording).delayed(&time, 5.0);
+        let delayed = delayed(&recording, &time, 5.0);
         for (now, then) in time.iter().zip(delayed) {
             let expected = match *now - 5.0 {
                 before if before < 0.0 => 0.0,
@@ -156,7 +248,7 @@ mod tests {
             Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
         };
         let joined = Recording::join(vec![log(0.0), log(1000.0)]).unwrap();
-        let delayed = Grid::new(&joined).delayed(&joined.channel("temp_c").unwrap().values, 10.0);
+        let delayed = delayed(&joined, &joined.channel("temp_c").unwrap().values, 10.0);
         assert_eq!((delayed[49], delayed[50], delayed[60], delayed[61]), (39.0, 1000.0, 1000.0, 1001.0));
     }
 }

@@ -32,7 +32,7 @@ use fos_data::stillness::Stillness;
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
 use fos_fit::playback::Playback;
-use lag::Grid;
+use lag::Delays;
 use likelihood::Remainder;
 
 /// Blocks that the judged rows are cut into, about, and the shortest block, s: as for a diagnosis.
@@ -121,13 +121,80 @@ pub fn dependence(
     let of_another = trained.filter(|trained| !is_same(trained));
     let of_another =
         of_another.map(|trained| remainders(model, trained.recording, trained.stillness)).transpose()?;
-    Ok(in_parallel(0..model.axes.len(), |axis| {
+    let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
+    let n_axes = model.axes.len();
+    let judged: Vec<Judged> = in_parallel(0..n_axes, |axis| {
+        let (blocks, means) = in_blocks(recording, &rows, &left[axis], length_s);
+        Judged { blocks, means }
+    });
+    // most often the axes are known in the same rows, and what a channel comes to in their blocks is computed once
+    let first_alike = |axis: usize| {
+        let known = judged[axis].blocks.known();
+        (0..axis).find(|other| judged[*other].blocks.known() == known).unwrap_or(axis)
+    };
+    let first_alike: Vec<usize> = in_parallel(0..n_axes, first_alike);
+    let channels: Vec<&Channel> =
+        recording.channels().iter().filter(|channel| !channel.column().is_of_model()).collect();
+    let delays = Delays::new(recording);
+    let wanted = (0..n_axes).filter(|axis| first_alike[*axis] == *axis && judged[*axis].is_enough());
+    let pairs: Vec<(usize, &Channel)> =
+        wanted.flat_map(|axis| channels.iter().map(move |channel| (axis, *channel))).collect();
+    let in_blocks: Vec<Option<ChannelInBlocks>> = in_parallel(&pairs, |(axis, channel)| {
+        ChannelInBlocks::of(recording, channel, &rows, &judged[*axis].blocks, &delays)
+    });
+    Ok(in_parallel(0..n_axes, |axis| {
         let learnt_from = trained.map(|trained| {
             let left = of_another.as_ref().unwrap_or(&left);
             (trained.recording, trained.rows.clone(), left[axis].as_slice())
         });
-        of_axis(recording, &model.axes[axis].column, rows.clone(), &left[axis], learnt_from)
+        let column = &model.axes[axis].column;
+        let alike = pairs
+            .iter()
+            .zip(&in_blocks)
+            .filter(|((first, channel), _)| *first == first_alike[axis] && channel.name != *column);
+        let channels = alike.filter_map(|((_, channel), in_blocks)| Some((*channel, in_blocks.as_ref()?)));
+        let power = || bands::power_map(recording, rows.clone(), &left[axis]);
+        of_axis(&judged[axis], channels.collect(), (learnt_from, length_s), power)
     }))
+}
+
+/// The judged rows of an axis.
+struct Judged {
+    blocks: Blocks,
+    /// Of what is left.
+    means: Vec<f64>,
+}
+
+impl Judged {
+    /// To tell a dependence from drifting noise.
+    fn is_enough(&self) -> bool {
+        self.blocks.len() >= MIN_BLOCKS
+    }
+}
+
+/// A channel that changes, in the blocks of an axis: its means, by delay.
+struct ChannelInBlocks([Vec<f64>; lag::N_DELAYS]);
+
+impl ChannelInBlocks {
+    fn of(
+        recording: &Recording,
+        channel: &Channel,
+        rows: &Range<usize>,
+        blocks: &Blocks,
+        delays: &Delays,
+    ) -> Option<Self> {
+        let held = recording.held_from_first(channel);
+        let delayed = delays.means(blocks, &held);
+        let size = held[rows.clone()].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let spread = fos_fit::signal::variance(&[&delayed[0]]).sqrt();
+        // not a number where nothing was ever logged
+        (spread > CHANGES * size).then_some(Self(delayed))
+    }
+
+    /// Without a delay.
+    fn means(&self) -> &[f64] {
+        &self.0[0]
+    }
 }
 
 /// Why there is no answer.
@@ -176,14 +243,11 @@ fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s:
 }
 
 fn of_axis(
-    recording: &Recording,
-    column: &str,
-    rows: Range<usize>,
-    left: &[f64],
-    learnt_from: Option<(&Recording, Range<usize>, &[f64])>,
+    Judged { blocks, means }: &Judged,
+    channels: Vec<(&Channel, &ChannelInBlocks)>,
+    (learnt_from, length_s): (Option<(&Recording, Range<usize>, &[f64])>, f64),
+    power: impl FnOnce() -> PowerMap,
 ) -> Option<Dependence> {
-    let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
-    let (blocks, means) = in_blocks(recording, &rows, left, length_s);
     if blocks.len() < MIN_BLOCKS {
         return None;
     }
@@ -194,37 +258,24 @@ fn of_axis(
         let prior = LevelPrior::of_log(&blocks, &means);
         (blocks.len() >= MIN_BLOCKS).then(|| prior.learnt(&blocks, &means, &[ones]).ok())?
     });
-    let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(&blocks, &means));
-    let remainder = Remainder { blocks: &blocks, means: &means, prior: &prior };
+    let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(blocks, means));
+    let remainder = Remainder { blocks, means, prior: &prior };
     let null = remainder.constant();
-    let grid = Grid::new(recording);
-    let of_channel = |channel: &Channel| -> Option<ChannelDependence> {
-        let held = recording.held_from_first(channel);
-        let values = blocks.means(&held);
-        let size = held[rows.clone()].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let spread = fos_fit::signal::variance(&[&values]).sqrt();
-        // not a number where nothing was ever logged
-        if spread.is_nan() || spread <= CHANGES * size {
-            return None;
-        }
-        let (curve, fitted) = channel::curve(&remainder, &null, &values)?;
+    let of_channel = |(channel, in_blocks): (&Channel, &ChannelInBlocks)| -> Option<ChannelDependence> {
+        let values = in_blocks.means();
+        let (curve, fitted) = channel::curve(&remainder, &null, values)?;
         let noise = Noise::of(&curve, &fitted);
         Some(ChannelDependence {
             channel: channel.name.clone(),
             unit: Column::named(&channel.name).unit().label().to_owned(),
             p_of_all: curve.p,
-            bins: channel::bins(&remainder, noise, &values, channel.unit == Unit::Celsius),
-            lag: lag::profile(&remainder, (&null, &fitted.levels), &grid, &held)?,
+            bins: channel::bins(&remainder, noise, values, channel.unit == Unit::Celsius),
+            lag: lag::profile(&remainder, (&null, &fitted.levels), &in_blocks.0)?,
             curve,
         })
     };
-    let others: Vec<&Channel> = recording
-        .channels()
-        .iter()
-        .filter(|channel| channel.name != column && !channel.column().is_of_model())
-        .collect();
     let mut channels: Vec<ChannelDependence> =
-        in_parallel(others, of_channel).into_iter().flatten().collect();
+        in_parallel(channels, of_channel).into_iter().flatten().collect();
     let tried = channels.len() as f64;
     channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));
     channels.sort_by(|a, b| a.curve.p.total_cmp(&b.curve.p).then(b.curve.score.total_cmp(&a.curve.score)));
@@ -234,6 +285,6 @@ fn of_axis(
         noise: null.levels,
         learnt: learnt.is_some(),
         channels,
-        power: bands::power_map(recording, rows, left),
+        power: power(),
     })
 }

@@ -77,7 +77,7 @@ fn count(of: impl Iterator<Item = bool>) -> usize {
 fn coloured_noise_looks_like_a_dependence_as_often_as_stated() {
     let blocks = Blocks::new(&rows(BLOCKS, BLOCK_S), BLOCK_S, vec![true; BLOCKS]);
     let ones = vec![1.0; BLOCKS];
-    let grid = lag::Grid::new(&rows(BLOCKS, BLOCK_S));
+    let delays = lag::Delays::new(&rows(BLOCKS, BLOCK_S));
     // (curve, lag, curve if the noise were white, bars beside zero, bars)
     let outcomes: Vec<(bool, bool, bool, usize, usize)> = (0..200_u64)
         .into_par_iter()
@@ -86,7 +86,9 @@ fn coloured_noise_looks_like_a_dependence_as_often_as_stated() {
             let remainder = log.remainder(&blocks);
             let null = remainder.constant();
             let (curve, fitted) = channel::curve(&remainder, &null, &log.channel).unwrap();
-            let profile = lag::profile(&remainder, (&null, &fitted.levels), &grid, &log.channel).unwrap();
+            let profile =
+                lag::profile(&remainder, (&null, &fitted.levels), &delays.means(&blocks, &log.channel))
+                    .unwrap();
             let bins = channel::bins(&remainder, Noise::of(&curve, &fitted), &log.channel, false).all;
             let beside = count(bins.iter().map(|bin| bin.level.abs() > bin.half_width));
             let spread = fos_fit::signal::variance(&[&log.means]).sqrt();
@@ -94,7 +96,7 @@ fn coloured_noise_looks_like_a_dependence_as_often_as_stated() {
                 NoiseLevels { white: spread * BLOCK_S.sqrt(), flicker: 1e-9, walk: 1e-9, gauss_markov: None };
             let columns = channel::natural_curve(&log.channel);
             let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-            let naive = Gls::new(&blocks, &white, &log.means, &[&ones]).gain(&blocks, &columns).0 > 9.49;
+            let naive = Gls::new(&blocks, &white, &log.means, &[&ones]).gain(&columns).0 > 9.49;
             (curve.p < 0.05, profile.p < 0.05, naive, beside, bins.len())
         })
         .collect();
@@ -141,15 +143,17 @@ fn a_dependence_of_five_standard_errors_is_found() {
 fn the_delay_and_the_slope_of_a_dependence_come_out() {
     let recording = rows(BLOCKS, BLOCK_S);
     let blocks = Blocks::new(&recording, BLOCK_S, vec![true; BLOCKS]);
-    let grid = lag::Grid::new(&recording);
+    let delays = lag::Delays::new(&recording);
     let mut log = Log::new(&blocks, &NOISE[0], 5);
     let slope = 3.0;
-    let delayed = grid.delayed(&log.channel, 30.0);
+    // a block has a row: of the delays this is 30 s
+    let [_, _, _, _, delayed, ..] = delays.means(&blocks, &log.channel);
     log.means.iter_mut().zip(delayed).for_each(|(mean, channel)| *mean += slope * channel);
     let remainder = log.remainder(&blocks);
     let null = remainder.constant();
     let (_, fitted) = channel::curve(&remainder, &null, &log.channel).unwrap();
-    let found = lag::profile(&remainder, (&null, &fitted.levels), &grid, &log.channel).unwrap();
+    let found =
+        lag::profile(&remainder, (&null, &fitted.levels), &delays.means(&blocks, &log.channel)).unwrap();
     assert_eq!((found.best_s, found.possible_s), (30.0, (30.0, 30.0)));
     let best = found.delays.iter().find(|delay| delay.delay_s == 30.0).unwrap();
     assert!((best.slope - slope).abs() < 4.0 * best.slope_error, "{best:?}");

@@ -2,6 +2,7 @@
 //! results are leads and not findings.
 
 use fos_data::column::Column;
+use fos_data::interrupt::in_parallel;
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
@@ -112,15 +113,12 @@ impl Left<'_> {
         let gls = &self.fitted.gls;
         let curves = self.curves();
         let price = |k: usize| k as f64 * (self.blocks.len() as f64).ln() + 2.0 * (curves.len() as f64).ln();
-        let mut ranked: Vec<(f64, usize, &Curve)> = curves
-            .iter()
-            .map(|curve| {
-                let columns: Vec<&[f64]> = curve.columns.iter().map(Vec::as_slice).collect();
-                let (gain, k) = gls.gain(self.blocks, &columns);
-                (gain - price(k), k, curve)
-            })
-            .filter(|(_, k, _)| *k > 0)
-            .collect();
+        let ranked = in_parallel(&curves, |curve| {
+            let columns: Vec<&[f64]> = curve.columns.iter().map(Vec::as_slice).collect();
+            let (gain, k) = gls.gain(&columns);
+            (gain - price(k), k, curve)
+        });
+        let mut ranked: Vec<(f64, usize, &Curve)> = ranked.into_iter().filter(|(_, k, _)| *k > 0).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut leads: Vec<Lead> = ranked
             .into_iter()

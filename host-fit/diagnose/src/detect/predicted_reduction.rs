@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::error_in_blocks::ErrorInBlocks;
+use fos_data::interrupt::{self, in_parallel};
 use fos_fit::noise::{Fitted, Regression, UnknownLevels};
 
 /// Draws of noise and coefficients.
@@ -99,25 +100,30 @@ impl PredictedReductions<'_> {
         }
         let correction = sum(&effect.corrected, &effect.found.coefficients, n);
         let levels = self.regression.draws(self.fitted, DRAWS, &mut random)?;
-        let mut falls: Vec<f64> = levels
+        // what is random is drawn one after the other, what comes of it is computed beside one another
+        let drawn: Vec<_> = levels
             .iter()
             .map(|levels| {
-                fos_data::interrupt::check();
                 let drawn = effect.draw(&mut random);
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                 let scatter = DVector::from_fn(drawn.coefficients.len(), |_, _| normal());
-                let coefficients = &drawn.coefficients + &drawn.factor * scatter;
-                let noise = levels.simulate(blocks, &mut random);
-                let truth = sum(&drawn.columns, &coefficients, n);
-                let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
-                let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
-                let error = |left: &[f64]| match effect.is_step {
-                    true => left.iter().map(|value| value * value).sum::<f64>() / n as f64,
-                    false => self.log.variance_in(left, 0..n),
-                };
-                1.0 - error(&after) / error(&before)
+                let units: Vec<f64> = (0..n).map(|_| normal()).collect();
+                (levels, drawn, scatter, units)
             })
             .collect();
+        let mut falls: Vec<f64> = in_parallel(drawn, |(levels, drawn, scatter, units)| {
+            interrupt::check();
+            let coefficients = &drawn.coefficients + &drawn.factor * scatter;
+            let noise = levels.realisation(blocks, &units);
+            let truth = sum(&drawn.columns, &coefficients, n);
+            let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
+            let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
+            let error = |left: &[f64]| match effect.is_step {
+                true => left.iter().map(|value| value * value).sum::<f64>() / n as f64,
+                false => self.log.variance_in(left, 0..n),
+            };
+            1.0 - error(&after) / error(&before)
+        });
         falls.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
         Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)], beyond: None })

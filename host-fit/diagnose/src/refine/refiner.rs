@@ -260,7 +260,11 @@ impl<'a> Refiner<'a> {
         &self,
         refinement: &Refinement,
         found: &[Finding],
-    ) -> Result<Recording, RefineError> {
+    ) -> Result<Cow<'_, Recording>, RefineError> {
+        let has_base = refinement.steps.first().is_some_and(|first| !first.model.axes[0].physical.is_empty());
+        if found.is_empty() && !has_base {
+            return Ok(Cow::Borrowed(&*self.field));
+        }
         let mut values = self.field.channel(&refinement.column)?.values.to_vec();
         if let Some(first) = refinement.steps.first() {
             let base = self.physical(&first.model, &self.field)?;
@@ -268,7 +272,7 @@ impl<'a> Refiner<'a> {
         }
         let taken = correction(found, &self.field, &self.field)?;
         values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
-        Ok(self.field.with_values(&refinement.column, values))
+        Ok(Cow::Owned(self.field.with_values(&refinement.column, values)))
     }
 
     /// The physical part of an axis, in its unit, one value per row of `log`.

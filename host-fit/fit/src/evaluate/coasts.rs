@@ -124,6 +124,11 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
+    /// Whether a coast goes on as it begins, as long as there is a sample in every row.
+    pub(super) fn is_held(&self) -> bool {
+        self.is_held
+    }
+
     /// Takes a coast of `reach` samples from `row` on, before which `predictor` has seen all rows.
     pub(super) fn begin(
         &mut self,

@@ -12,4 +12,5 @@ pub use errors::{AllanValue, CoastError, ModelErrors, SLOW_BLOCK_S, position_err
 pub use origins::HORIZONS_S;
 pub use rivals::{Rival, rival};
 pub use stretches::{Stretch, worst_stretches};
+pub(crate) use trace::trace_to_horizons;
 pub use trace::{AxisTrace, Trace, trace};

@@ -51,10 +51,42 @@ pub fn trace<R: Real>(
     rows: Range<usize>,
     progress: impl FnMut(usize),
 ) -> Result<Trace, ModelError> {
-    // a predictor is copied for every coast
+    run::<R>(model, playback, rows, Coasted::AllRows, progress)
+}
+
+/// As [`trace`], but coasts are kept at their horizons alone: `coast` and `coast_whole` are empty.
+///
+/// # Errors
+///
+/// What fos-core finds wrong with the model.
+pub(crate) fn trace_to_horizons<R: Real>(
+    model: &UnitModel,
+    playback: &Playback<'_>,
+    rows: Range<usize>,
+) -> Result<Trace, ModelError> {
+    run::<R>(model, playback, rows, Coasted::Horizons, |_| {})
+}
+
+/// Which coasts there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Coasted {
+    /// To the horizons.
+    Horizons,
+    /// Over all rows too.
+    AllRows,
+}
+
+fn run<R: Real>(
+    model: &UnitModel,
+    playback: &Playback<'_>,
+    rows: Range<usize>,
+    coasted: Coasted,
+    progress: impl FnMut(usize),
+) -> Result<Trace, ModelError> {
+    // a predictor's state is copied for every coast
     match model.with(SmallPredictor::<R>::new) {
-        Ok(small) => Ok(Run::new(small, model, playback, rows).trace(progress)),
-        Err(_) => Ok(Run::new(model.predictor::<R>()?, model, playback, rows).trace(progress)),
+        Ok(small) => Ok(Run::new(small, model, playback, rows, coasted).trace(progress)),
+        Err(_) => Ok(Run::new(model.predictor::<R>()?, model, playback, rows, coasted).trace(progress)),
     }
 }
 
@@ -65,6 +97,7 @@ struct Run<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> {
     origins: Origins,
     coasting: Coasting<'p, 'a, R, TERMS, HISTORY>,
     predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+    coasted: Coasted,
     trace: Trace,
 }
 
@@ -74,13 +107,17 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         model: &UnitModel,
         playback: &'p Playback<'a>,
         rows: Range<usize>,
+        coasted: Coasted,
     ) -> Self {
         let stretches = playback.still_stretches(rows.clone());
-        let origins = Origins::new(&stretches, model.period_s);
-        let axes = vec![AxisTrace::with_rows(rows.len()); model.axes.len()];
+        let mut origins = Origins::new(&stretches, model.period_s);
+        if coasted == Coasted::Horizons {
+            origins.blocks.clear();
+        }
+        let axes = model.axes.iter().map(|_| AxisTrace::with_rows(rows.len(), coasted)).collect();
         let trace = Trace { rows, period_s: model.period_s, stretches, axes };
         let coasting = Coasting::new(model, playback, &origins);
-        Self { playback, feed: playback.feed(), origins, coasting, predictor, trace }
+        Self { playback, feed: playback.feed(), origins, coasting, predictor, coasted, trace }
     }
 
     fn trace(mut self, mut progress: impl FnMut(usize)) -> Trace {
@@ -88,7 +125,8 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         for row in 0..rows.start {
             let _ = self.feed.step(&mut self.predictor, row);
         }
-        let mut whole = self.predictor.clone();
+        let mut whole =
+            Whole { predictor: self.predictor.clone(), is_held: self.coasting.is_held(), begun: false };
         let (mut reaches, mut blocks) = (
             std::mem::take(&mut self.origins.reaches).into_iter().peekable(),
             std::mem::take(&mut self.origins.blocks).into_iter().peekable(),
@@ -114,10 +152,11 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
                     keep_block(axes, row, axis, errors);
                 });
             }
-            self.playback.catch_up(&mut whole, row);
-            let corrections = self.feed.coast(&mut whole, row);
-            if self.playback.is_still(row) {
-                self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
+            if self.coasted == Coasted::AllRows {
+                let corrections = whole.coast(&mut self.feed, self.playback, row);
+                if self.playback.is_still(row) {
+                    self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
+                }
             }
             self.step(row);
         }
@@ -150,14 +189,36 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
     }
 }
 
+/// The coast that never starts anew.
+struct Whole<R: Real, const TERMS: usize, const HISTORY: usize> {
+    predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+    /// It goes on as it begins, as long as there is a sample in every row.
+    is_held: bool,
+    begun: bool,
+}
+
+impl<R: Real, const TERMS: usize, const HISTORY: usize> Whole<R, TERMS, HISTORY> {
+    #[inline]
+    fn coast(&mut self, feed: &mut Feed<'_, '_, R>, playback: &Playback<'_>, row: usize) -> &[Correction<R>] {
+        self.is_held &= playback.missing_before(row) == 0 && playback.is_measured(row..row + 1);
+        if self.is_held && self.begun {
+            return self.predictor.corrections();
+        }
+        self.begun = true;
+        playback.catch_up(&mut self.predictor, row);
+        feed.coast(&mut self.predictor, row)
+    }
+}
+
 impl AxisTrace {
-    fn with_rows(n_rows: usize) -> Self {
+    fn with_rows(n_rows: usize, coasted: Coasted) -> Self {
         let unknown = || vec![f64::NAN; n_rows];
+        let coasted = || if coasted == Coasted::AllRows { unknown() } else { Vec::new() };
         Self {
             measured: unknown(),
             one_step: unknown(),
-            coast: unknown(),
-            coast_whole: unknown(),
+            coast: coasted(),
+            coast_whole: coasted(),
             ..Self::default()
         }
     }

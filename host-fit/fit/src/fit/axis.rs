@@ -314,7 +314,7 @@ fn set_statistics(
 ) -> Result<(), ModelError> {
     // long enough that nothing fades while it is found out
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
-    let trace = evaluate::trace::<f64>(model, playback, training, |_| {})?;
+    let trace = evaluate::trace_to_horizons::<f64>(model, playback, training)?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
     let parameters = &mut model.axes[0].parameters;
     let scale = parameters.scale;

@@ -203,9 +203,21 @@ impl Blocks {
 
     /// Means of `column`, one value per row of the recording, over the rows that count.
     pub fn means(&self, column: &[f64]) -> Vec<f64> {
-        let mut averaging = self.averaging();
-        column.iter().for_each(|value| averaging.push(*value));
-        averaging.means
+        self.means_of(|row| [column[row]]).into_iter().map(|[mean]| mean).collect()
+    }
+
+    /// The same of several columns at once, whose values `of` tells of each row that counts, in their order.
+    pub fn means_of<const N: usize>(&self, mut of: impl FnMut(usize) -> [f64; N]) -> Vec<[f64; N]> {
+        let mean = |block: &Block| {
+            let mut sums = [0.0; N];
+            for row in block.rows.clone() {
+                if self.known[row] {
+                    sums.iter_mut().zip(of(row)).for_each(|(sum, value)| *sum += value);
+                }
+            }
+            sums.map(|sum| sum / block.count as f64)
+        };
+        self.blocks.iter().map(mean).collect()
     }
 
     /// The same of values that come one by one, of each row of the recording.

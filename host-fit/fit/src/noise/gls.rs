@@ -1,9 +1,11 @@
 //! Generalised least squares: a regression whose errors are sensor noise, on whitened columns.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::Blocks;
-use super::model::NoiseLevels;
+use super::model::{NoiseLevels, Whitening};
 
 /// A column of which less than this share of its squares is left after the columns before it are projected out is a
 /// combination of them.
@@ -24,7 +26,7 @@ pub struct Gls {
     projections: Vec<f64>,
     /// ln det of the noise covariance.
     pub log_determinant: f64,
-    levels: NoiseLevels,
+    whitening: Arc<Whitening>,
 }
 
 impl Gls {
@@ -32,7 +34,8 @@ impl Gls {
     pub fn new(blocks: &Blocks, levels: &NoiseLevels, y: &[f64], regressors: &[&[f64]]) -> Self {
         let mut columns = vec![y];
         columns.extend(regressors);
-        let mut whitened = levels.whiten(blocks, &columns);
+        let whitening = levels.whitening(blocks);
+        let mut whitened = whitening.whiten(&columns);
         let residual = whitened.columns.remove(0);
         let mut gls = Self {
             basis: Vec::new(),
@@ -42,7 +45,7 @@ impl Gls {
             residual,
             projections: Vec::new(),
             log_determinant: whitened.log_determinant,
-            levels: *levels,
+            whitening: Arc::new(whitening),
         };
         for (index, column) in whitened.columns.into_iter().enumerate() {
             if let Some((direction, coordinates)) = gls.orthonormal(column) {
@@ -92,8 +95,8 @@ impl Gls {
     }
 
     /// By how much further regressors, together, would lower χ², and how many of them are no combination of others.
-    pub fn gain(&self, blocks: &Blocks, regressors: &[&[f64]]) -> (f64, usize) {
-        let whitened = self.levels.whiten(blocks, regressors);
+    pub fn gain(&self, regressors: &[&[f64]]) -> (f64, usize) {
+        let whitened = self.whitening.whiten(regressors);
         let mut wider = Self { residual: self.residual.clone(), ..self.without_output() };
         let before = dot(&self.residual, &self.residual);
         let mut added = 0;

@@ -111,7 +111,7 @@ fn the_gain_is_the_fall_of_chi_squared_when_refitted() {
         // one that is a combination of what is there, one of what is added
         more.insert(1, columns[1].iter().map(|value| 3.0 * value - 1.0).collect());
         more.push(more[0].iter().zip(&more[2]).map(|(a, b)| a - b).collect());
-        let (gain, added) = narrow.gain(&blocks, &slices(&more));
+        let (gain, added) = narrow.gain(&slices(&more));
         columns.extend(more);
         let wide = Gls::new(&blocks, &levels(), &y, &slices(&columns));
         let fall = chi_squared(&narrow) - chi_squared(&wide);

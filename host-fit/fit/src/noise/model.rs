@@ -6,6 +6,7 @@
 //! diagonal transition, and a Kalman filter whitens n blocks in O(n): its normalised innovations are the whitened data,
 //! and the product of their variances is the determinant of the covariance, exactly.
 
+use pulp::{Arch, Simd, WithSimd};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -81,36 +82,30 @@ impl NoiseLevels {
     /// Whitens columns of block means. The bias at the first block is a matter of the constant, so that the random walk
     /// starts at 0.
     pub fn whiten(&self, blocks: &Blocks, columns: &[&[f64]]) -> Whitened {
-        let filter = self.filter(blocks);
-        let n = blocks.len();
-        let log_determinant = filter.variances.iter().map(|s| s.ln()).sum();
-        let columns = columns
-            .iter()
-            .map(|column| {
-                let mut state = [0.0; STATES];
-                let mut whitened = Vec::with_capacity(n);
-                for (step, value) in filter.steps.iter().zip(*column) {
-                    let predicted: f64 = state.iter().sum();
-                    let innovation = value - predicted;
-                    whitened.push(innovation * step.weight);
-                    step.advance(&mut state, innovation);
-                }
-                whitened
-            })
-            .collect();
-        Whitened { columns, log_determinant }
+        self.whitening(blocks).whiten(columns)
+    }
+
+    /// What whitens any column of these blocks.
+    pub fn whitening(&self, blocks: &Blocks) -> Whitening {
+        Arch::new().dispatch(Filtering { levels: self, blocks })
     }
 
     /// A realisation of the noise in block means.
     pub fn simulate(&self, blocks: &Blocks, random: &mut impl Rng) -> Vec<f64> {
+        let units: Vec<f64> = (0..blocks.len()).map(|_| StandardNormal.sample(random)).collect();
+        self.realisation(blocks, &units)
+    }
+
+    /// The realisation that independent standard normal values, one for each block, come to.
+    pub fn realisation(&self, blocks: &Blocks, units: &[f64]) -> Vec<f64> {
         // what a filter of these levels would whiten: innovations of its variances, run backwards through its gains
-        let filter = self.filter(blocks);
+        let filter = self.whitening(blocks);
         let mut state = [0.0; STATES];
         filter
             .steps
             .iter()
-            .map(|step| {
-                let unit: f64 = StandardNormal.sample(random);
+            .zip(units)
+            .map(|(step, unit)| {
                 let innovation = unit / step.weight;
                 let value = state.iter().sum::<f64>() + innovation;
                 step.advance(&mut state, innovation);
@@ -120,7 +115,8 @@ impl NoiseLevels {
     }
 
     /// The gains of the filter, which depend on the levels and the blocks alone.
-    fn filter(&self, blocks: &Blocks) -> Filter {
+    #[inline(always)]
+    fn filter(&self, blocks: &Blocks) -> Whitening {
         let length_s = blocks.length_s;
         let ladder_deviation = self.flicker * (3.0_f64.ln() / std::f64::consts::PI).sqrt();
         let mut decay = [1.0; STATES];
@@ -153,9 +149,12 @@ impl NoiseLevels {
             let seconds = block.count as f64 * blocks.period_s;
             // negative where a short process outweighs the white noise; the variance of the innovation never is
             let own = self.white * self.white * block.noise / seconds + white;
+            // of each row its sum; it is symmetric, so that all are added up at once
             let mut gain = [0.0; STATES];
-            for (gain, row) in gain.iter_mut().zip(&covariance) {
-                *gain = row.iter().sum();
+            for row in &covariance {
+                for (gain, value) in gain.iter_mut().zip(row) {
+                    *gain += value;
+                }
             }
             let variance: f64 = gain.iter().sum::<f64>() + own;
             let inverse = 1.0 / variance;
@@ -175,15 +174,102 @@ impl NoiseLevels {
             variances.push(variance);
             steps.push(Step { decay: over, gain: gain.map(|gain| gain * inverse), weight: inverse.sqrt() });
         }
-        Filter { steps, variances }
+        let log_determinant = variances.iter().map(|s| s.ln()).sum();
+        Whitening { steps, log_determinant }
     }
 }
 
-struct Filter {
-    steps: Vec<Step>,
-    variances: Vec<f64>,
+/// [`NoiseLevels::filter`] in the widest vectors that the processor has.
+struct Filtering<'a> {
+    levels: &'a NoiseLevels,
+    blocks: &'a Blocks,
 }
 
+impl WithSimd for Filtering<'_> {
+    type Output = Whitening;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Whitening {
+        self.levels.filter(self.blocks)
+    }
+}
+
+/// The gains of a Kalman filter for noise of some levels over some blocks.
+#[derive(Debug)]
+pub struct Whitening {
+    steps: Vec<Step>,
+    log_determinant: f64,
+}
+
+/// Columns that are whitened side by side.
+const LANES: usize = 8;
+
+impl Whitening {
+    /// Whitens columns of block means.
+    pub fn whiten(&self, columns: &[&[f64]]) -> Whitened {
+        let mut whitened = Vec::with_capacity(columns.len());
+        let mut left = columns;
+        while !left.is_empty() {
+            // no more lanes than there are columns
+            let taken = match left.len() {
+                LANES.. => self.side_by_side::<LANES>(left, &mut whitened),
+                4.. => self.side_by_side::<4>(left, &mut whitened),
+                2.. => self.side_by_side::<2>(left, &mut whitened),
+                _ => self.side_by_side::<1>(left, &mut whitened),
+            };
+            left = &left[taken..];
+        }
+        Whitened { columns: whitened, log_determinant: self.log_determinant }
+    }
+
+    /// Whitens the first `N` columns; how many that is.
+    fn side_by_side<const N: usize>(&self, columns: &[&[f64]], whitened: &mut Vec<Vec<f64>>) -> usize {
+        let mut into = [const { Vec::new() }; N];
+        into.iter_mut().for_each(|into| into.reserve_exact(self.steps.len()));
+        Arch::new().dispatch(SideBySide { steps: &self.steps, columns, into: &mut into });
+        whitened.extend(into);
+        N
+    }
+}
+
+/// One pass over the blocks of `N` columns.
+struct SideBySide<'a, const N: usize> {
+    steps: &'a [Step],
+    columns: &'a [&'a [f64]],
+    into: &'a mut [Vec<f64>; N],
+}
+
+impl<const N: usize> WithSimd for SideBySide<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { steps, columns, into } = self;
+        let mut states = [[0.0; N]; STATES];
+        let lengths = columns.iter().map(|column| column.len());
+        let n = lengths.fold(steps.len(), usize::min);
+        for (block, step) in steps.iter().enumerate().take(n) {
+            let mut predicted = [0.0; N];
+            for state in &states {
+                for lane in 0..N {
+                    predicted[lane] += state[lane];
+                }
+            }
+            let mut innovation = predicted;
+            for lane in 0..N {
+                innovation[lane] = columns[lane][block] - predicted[lane];
+                into[lane].push(innovation[lane] * step.weight);
+            }
+            for (state, (decay, gain)) in states.iter_mut().zip(step.decay.iter().zip(&step.gain)) {
+                for lane in 0..N {
+                    state[lane] = decay * (state[lane] + gain * innovation[lane]);
+                }
+            }
+        }
+    }
+}
+
+#[derive(Debug)]
 struct Step {
     decay: [f64; STATES],
     gain: [f64; STATES],

@@ -3,6 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::blocks::cumulative_sums;
+use fos_data::interrupt::in_parallel;
 
 /// Allan deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -49,7 +50,7 @@ pub fn allan_deviation(stretches: &[&[f64]], sample_period_s: f64, taus_s: &[f64
     let mut averaging: Vec<usize> =
         taus_s.iter().map(|tau| ((tau / sample_period_s).round() as usize).max(1)).collect();
     averaging.dedup();
-    averaging.into_iter().filter_map(|m| point(&integrals, sample_period_s, m)).collect()
+    in_parallel(averaging, |m| point(&integrals, sample_period_s, m)).into_iter().flatten().collect()
 }
 
 /// Averaging times per decade of every curve that is shown.

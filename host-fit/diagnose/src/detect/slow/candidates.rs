@@ -80,7 +80,7 @@ impl SlowSearch<'_> {
             let mut best: Option<(f64, Hypothesis)> = None;
             for value in self.hypotheses.grid(effect) {
                 let hypothesis = self.hypotheses.make(effect, value)?;
-                let (gain, k) = null.gls.gain(self.blocks, &hypothesis.columns());
+                let (gain, k) = null.gls.gain(&hypothesis.columns());
                 if k == 0 {
                     continue;
                 }

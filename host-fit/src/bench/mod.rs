@@ -3,6 +3,8 @@
 //! Times are the least of several runs on one thread; the yardstick is the rate of multiply-adds the same
 //! machine reaches in the same process, when nothing but multiply-adds is done.
 
+pub mod commands;
+
 use std::hint::black_box;
 
 use pulp::{Arch, Simd, WithSimd};
