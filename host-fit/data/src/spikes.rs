@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::statistics::{MAD_TO_SD, median};
 
 /// Values on either side that a value is held against: so many in a row, at most, can be a spike.
@@ -93,12 +95,30 @@ fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
         (around.len() > REACH).then(|| median(&mut around))
     };
     medians.extend((0..REACH.min(n)).map(at_an_end));
-    // as many windows at once as a processor takes in a few registers, each a value further on
-    while let Some(around) = values.get(medians.len() - REACH.min(n)..).and_then(<[f64]>::first_chunk) {
-        medians.extend(medians_of(around).map(Some));
-    }
+    Arch::new().dispatch(Inside { values, medians: &mut medians });
     medians.extend((medians.len()..n).map(at_an_end));
     medians
+}
+
+/// Medians of whole windows, as many at once as a processor takes in a few registers, each a value further on.
+struct Inside<'a> {
+    values: &'a [f64],
+    medians: &'a mut Vec<Option<f64>>,
+}
+
+impl WithSimd for Inside<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { values, medians } = self;
+        let begun = medians.len();
+        for around in values.windows(LANES + WINDOW - 1).step_by(LANES) {
+            if let (Some(around), true) = (around.first_chunk(), begun == REACH) {
+                medians.extend(medians_of(around).map(Some));
+            }
+        }
+    }
 }
 
 /// Windows that are looked at at once.
@@ -110,6 +130,7 @@ const WINDOW: usize = 2 * REACH + 1;
 /// The medians of windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
 /// least nor the most is the median: both go, the next value comes, and so on until one is left (Paeth, Median finding
 /// on a 3 × 3 grid, Graphics Gems, 1990).
+#[inline(always)]
 fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     let mut window: [[f64; LANES]; WINDOW] =
         std::array::from_fn(|at| std::array::from_fn(|lane| values[lane + at]));

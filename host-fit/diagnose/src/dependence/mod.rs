@@ -18,6 +18,7 @@ use fos_data::interrupt::in_parallel;
 use fos_data::unit::Unit;
 use std::ops::Range;
 
+use fos_core::Predictor;
 use serde::{Deserialize, Serialize};
 
 pub use bands::{Cell, PowerMap};
@@ -29,7 +30,7 @@ use crate::detect::MIN_BLOCKS;
 use channel::Noise;
 use fos_data::recording::{Channel, Recording, RecordingError};
 use fos_data::stillness::Stillness;
-use fos_fit::model::{HostPredictor, UnitModel};
+use fos_fit::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
 use fos_fit::playback::Playback;
 use lag::Delays;
@@ -222,16 +223,25 @@ fn remainders(
     }
     physical.drop_unused();
     let playback = Playback::new(recording, &physical, &stillness.still)?;
-    let mut predictor: HostPredictor<f64> = physical.predictor()?;
-    let mut left = vec![Vec::with_capacity(recording.n_rows()); physical.axes.len()];
+    match physical.with(SmallPredictor::new) {
+        Ok(small) => Ok(innovations(small, &playback)),
+        Err(_) => Ok(innovations(physical.predictor::<f64>()?, &playback)),
+    }
+}
+
+/// Of each axis the innovation in every row; without a stochastic part it is the remainder.
+fn innovations<const TERMS: usize, const HISTORY: usize>(
+    mut predictor: Predictor<f64, AXES, INPUTS, TERMS, HISTORY>,
+    playback: &Playback<'_>,
+) -> Vec<Vec<f64>> {
+    let mut left = vec![Vec::with_capacity(playback.n_rows()); predictor.n_axes()];
     let mut feed = playback.feed();
-    for row in 0..recording.n_rows() {
-        // without a stochastic part the innovation is the remainder
+    for row in 0..playback.n_rows() {
         for (left, correction) in left.iter_mut().zip(feed.step(&mut predictor, row)) {
             left.push(correction.innovation.unwrap_or(f64::NAN));
         }
     }
-    Ok(left)
+    left
 }
 
 /// Blocks of the rows in which `left` is known, and its means.
