@@ -68,11 +68,15 @@ mod generated_log_tests;
 #[cfg(test)]
 mod load_tests;
 #[cfg(test)]
+mod memo_tests;
+#[cfg(test)]
 mod pause_tests;
 #[cfg(test)]
 mod real_log_tests;
 
+use std::any::Any;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::closest::closest;
 use crate::column::AXES;
@@ -207,6 +211,11 @@ impl Recording {
     /// The same with other rows known to be still, and from which of them on gravity may have turned.
     pub fn with_rests(&self, still: Vec<bool>, turns: Vec<usize>) -> Self {
         Self { still: Some(still), turns, memo: memo::Memo::default(), ..self.clone() }
+    }
+
+    /// What `find` makes of the recording, which is asked once for each type `T`: of a recording that is made of another, anew.
+    pub(crate) fn once<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
+        self.memo.once(|| find(self))
     }
 
     /// From the first sample to the last by the sample grid, s: stamps may go back.

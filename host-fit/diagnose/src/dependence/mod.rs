@@ -126,7 +126,7 @@ pub fn dependence(
     let n_axes = model.axes.len();
     let judged: Vec<Judged> = in_parallel(0..n_axes, |axis| {
         let (blocks, means) = in_blocks(recording, &rows, &left[axis], length_s);
-        Judged { blocks, means }
+        Judged { blocks, means, length_s }
     });
     // most often the axes are known in the same rows, and what a channel comes to in their blocks is computed once
     let first_alike = |axis: usize| {
@@ -155,7 +155,7 @@ pub fn dependence(
             .filter(|((first, channel), _)| *first == first_alike[axis] && channel.name != *column);
         let channels = alike.filter_map(|((_, channel), in_blocks)| Some((*channel, in_blocks.as_ref()?)));
         let power = || bands::power_map(recording, rows.clone(), &left[axis]);
-        of_axis(&judged[axis], channels.collect(), (learnt_from, length_s), power)
+        of_axis(&judged[axis], channels.collect(), learnt_from, power)
     }))
 }
 
@@ -164,6 +164,8 @@ struct Judged {
     blocks: Blocks,
     /// Of what is left.
     means: Vec<f64>,
+    /// Of a block as it was asked for, s.
+    length_s: f64,
 }
 
 impl Judged {
@@ -253,16 +255,16 @@ fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s:
 }
 
 fn of_axis(
-    Judged { blocks, means }: &Judged,
+    Judged { blocks, means, length_s }: &Judged,
     channels: Vec<(&Channel, &ChannelInBlocks)>,
-    (learnt_from, length_s): (Option<(&Recording, Range<usize>, &[f64])>, f64),
+    learnt_from: Option<(&Recording, Range<usize>, &[f64])>,
     power: impl FnOnce() -> PowerMap,
 ) -> Option<Dependence> {
     if blocks.len() < MIN_BLOCKS {
         return None;
     }
     let learnt = learnt_from.and_then(|(recording, rows, left)| {
-        let (blocks, means) = in_blocks(recording, &rows, left, length_s);
+        let (blocks, means) = in_blocks(recording, &rows, left, *length_s);
         let ones = vec![1.0; blocks.len()];
         // a log that does not tell its levels is as none: the wide prior below stands
         let prior = LevelPrior::of_log(&blocks, &means);
