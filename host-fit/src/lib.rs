@@ -26,4 +26,5 @@ pub mod record;
 pub mod replay;
 pub mod report;
 mod timing;
+#[cfg(feature = "workbench")]
 pub mod workbench;

@@ -76,6 +76,9 @@ pub struct AxisComparison {
     pub dependence: Option<Dependence>,
 }
 
+/// Traces of rivals that are held at a time, bytes.
+const TRACES_AT_ONCE: usize = 400 << 20;
+
 /// A model and its plain rivals on rows of a log.
 struct Judged {
     /// Of each axis, what no causal predictor can beat.
@@ -110,25 +113,18 @@ fn judge(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
+    let of_rival = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
+        let trace = trace::<f64>(&rival(model, *kind, lag_1), &playback, rows.clone(), |_| {})?;
+        Ok(of(kind.name(), &trace))
+    };
+    // a trace may be larger than the log; the model's own, which is kept, comes last
+    let at_once = (TRACES_AT_ONCE / Trace::bytes(rows.len(), n_axes).max(1)).clamp(1, Rival::ALL.len());
+    let rivals: Vec<_> = Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, of_rival)).collect();
     progress(MODEL);
-    // the model takes longest and begins first; a trace may be as large as the log, so as many at a time as there are cores,
-    // and none of a rival is kept
-    let kinds = [None].into_iter().chain(Rival::ALL.map(Some)).collect::<Vec<_>>();
-    let judged = in_parallel(kinds, |kind| -> Result<_, CompareError> {
-        let Some(kind) = kind else {
-            let trace = trace::<f64>(model, &playback, rows.clone(), |_| {})?;
-            return Ok((of(MODEL, &trace), Some(trace)));
-        };
-        let trace = trace::<f64>(&rival(model, kind, lag_1), &playback, rows.clone(), |_| {})?;
-        Ok((of(kind.name(), &trace), None))
-    });
-    let mut judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
-    // the rivals, then the model
-    judged.rotate_left(1);
-    let trace = judged.last_mut().and_then(|(_, trace)| trace.take()).expect("the model's own is the last");
+    let trace = trace::<f64>(model, &playback, rows, |_| {})?;
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
-    for (of_model, _) in judged {
-        errors.iter_mut().zip(of_model).for_each(|(errors, of_axis)| errors.push(of_axis));
+    for of_model in rivals.into_iter().chain([Ok(of(MODEL, &trace))]) {
+        errors.iter_mut().zip(of_model?).for_each(|(errors, of_axis)| errors.push(of_axis));
     }
     Ok(Judged { floors, errors, trace })
 }

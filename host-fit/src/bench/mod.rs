@@ -4,6 +4,7 @@
 //! machine reaches in the same process, when nothing but multiply-adds is done.
 
 pub mod commands;
+pub mod evaluator;
 
 use std::hint::black_box;
 
@@ -90,6 +91,9 @@ pub enum BenchError {
     /// Nor by an autoregression.
     #[error(transparent)]
     Autoregression(#[from] AutoregressionError),
+    /// The evaluator cannot be run.
+    #[error(transparent)]
+    Model(#[from] fos_core::ModelError),
 }
 
 /// Times a fit of a simulated record, y(n) = 1.6 y(n−1) − 0.95 y(n−2) + 0.42 y(n−3) − 0.13 y(n−4) + e(n).

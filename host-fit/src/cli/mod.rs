@@ -30,6 +30,7 @@ mod record;
 mod refinement;
 mod replay;
 mod report;
+#[cfg(feature = "workbench")]
 mod serve;
 mod simulate;
 mod simulate_case;
@@ -77,6 +78,7 @@ enum Command {
     Replay(replay::Replay),
     Record(record::Record),
     Report(report::Report),
+    #[cfg(feature = "workbench")]
     Serve(serve::Serve),
     Bench(bench::Bench),
     Completions(completions::Completions),
@@ -114,6 +116,7 @@ pub fn run(prepare: impl FnOnce(Lifetime)) -> ExitCode {
         Err(answer) => return answer_of_clap(&answer),
     };
     prepare(match command {
+        #[cfg(feature = "workbench")]
         Command::Serve(_) => Lifetime::UntilEnded,
         _ => Lifetime::UntilDone,
     });
@@ -159,6 +162,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Replay(command) => command.run(),
         Command::Record(command) => command.run(),
         Command::Report(command) => command.run(),
+        #[cfg(feature = "workbench")]
         Command::Serve(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::Completions(command) => command.run(all),

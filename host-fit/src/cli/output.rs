@@ -40,6 +40,7 @@ macro_rules! print_text {
 }
 
 /// Prints a line on standard error.
+#[cfg(feature = "workbench")]
 macro_rules! print_note {
     ($($text:tt)*) => {
         $crate::cli::output::print_aside(format_args!($($text)*))
@@ -55,7 +56,9 @@ macro_rules! say {
     };
 }
 
-pub(super) use {print_line, print_note, print_text, say};
+#[cfg(feature = "workbench")]
+pub(super) use print_note;
+pub(super) use {print_line, print_text, say};
 
 /// What nobody reads any more is no error; what cannot be written for another reason, as on a full disk, ends with exit
 /// code 1.
@@ -72,6 +75,7 @@ pub(super) fn print(text: Arguments<'_>) {
     }
 }
 
+#[cfg(feature = "workbench")]
 pub(super) fn print_aside(text: Arguments<'_>) {
     tell(format_args!("{}", visible_lines(&text.to_string())));
 }

@@ -242,13 +242,18 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
             });
             (lanes, kept)
         });
-        let alone = in_parallel(waiting.alone.par_drain(..), |Alone { predictor, rows }| {
+        let of_alone = |Alone { predictor, rows }| {
             let mut kept = T::default();
             self.alone(predictor, &rows, &when, |axis, ahead, error| {
                 keep(&mut kept, (&rows, 0), axis, ahead, error);
             });
             (vec![rows], kept)
-        });
+        };
+        let alone: Vec<_> = match self.is_held {
+            // one step each: nothing to wait for others with, who would begin a trace of their own meanwhile
+            true => waiting.alone.drain(..).map(of_alone).collect(),
+            false => in_parallel(waiting.alone.par_drain(..), of_alone),
+        };
         waiting.n_begun = 0;
         self.waiting[length] = waiting;
         side_by_side.into_iter().chain(alone).collect()

@@ -225,6 +225,12 @@ impl AxisTrace {
 }
 
 impl Trace {
+    /// The memory that the series of so many rows of so many axes take.
+    pub fn bytes(n_rows: usize, n_axes: usize) -> usize {
+        const SERIES: usize = 4;
+        n_rows * n_axes * SERIES * size_of::<f64>()
+    }
+
     /// What `corrections` leave of the error in `row`, in one series of each axis.
     #[inline]
     fn keep<R: Real>(

@@ -1,0 +1,138 @@
+//! What a step of the evaluator costs on the host, beside what it cannot do without.
+
+use std::hint::black_box;
+
+use fos_core::{
+    Axis, AxisModel, AxisParameters, Coasts, FittedOn, InnovationStatistics, Model, ModelError, Predictor,
+    Range, Sample, Term, y,
+};
+use pulp::{Arch, Simd, WithSimd};
+use serde::Serialize;
+
+use crate::timing::least_time;
+
+/// Axes and terms of each.
+const AXES: usize = 6;
+const TERMS: usize = 10;
+
+/// Values that the history holds.
+const HISTORY: usize = 128;
+
+/// Coasts side by side, as a fit judges its models.
+const LANES: usize = 8;
+
+const STEPS: usize = 100_000;
+const REPEATS: usize = 7;
+
+type Judge = Predictor<f64, AXES, 1, { AXES * TERMS }, HISTORY>;
+
+/// Of one axis with ten linear terms, a step, s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StepTimes {
+    /// Tracked, with all checks.
+    pub tracked_s: f64,
+    /// Coasting, one of eight side by side.
+    pub side_by_side_s: f64,
+    /// Loads of coefficients and values, multiplications and additions in their order, and nothing else.
+    pub bare_s: f64,
+}
+
+/// Times six axes with ten linear terms each.
+///
+/// # Errors
+///
+/// What fos-core finds wrong with the model.
+pub fn measure() -> Result<StepTimes, ModelError> {
+    let axes = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+    let terms: Vec<Term<f64>> =
+        (1..=TERMS as u16).map(|lag| Term::new(0.09 / f64::from(lag), &[y(lag)])).collect();
+    let axes = axes.map(|axis| AxisModel { parameters: parameters(axis), physical: &[], stochastic: &terms });
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        inputs: &[],
+        quantities: &[],
+        axes: &axes,
+    };
+    let mut predictor = Judge::new(&model)?;
+    // noise of a fixed pattern: no value is the one before it
+    let measured: Vec<[f64; AXES]> = (0..256)
+        .map(|n| std::array::from_fn(|axis| (f64::from(n * 37 % 101) - 50.0) * 0.01 + axis as f64 * 1e-3))
+        .collect();
+    let steps = STEPS * AXES;
+    let (tracked, _) = least_time(REPEATS, || {
+        for measured in measured.iter().cycle().take(STEPS) {
+            let _ = black_box(predictor.track(&Sample { measured, quantities: &[] }));
+        }
+    });
+    let side_by_side = Coasts::<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>::new(predictor.evaluator());
+    let side_by_side_s = side_by_side.map_or(f64::NAN, |mut coasts| {
+        least_time(REPEATS, || Arch::new().dispatch(SideBySide(&mut coasts))).0
+    });
+    let mut history = [0.1; 2 * HISTORY];
+    let coefficients: [f64; TERMS] = black_box(std::array::from_fn(|lag| 0.09 / (lag + 1) as f64));
+    let places: [usize; TERMS] = black_box(std::array::from_fn(|lag| (TERMS - 1 - lag) * AXES));
+    let (bare, _) = least_time(REPEATS, || {
+        let mut begin = 0;
+        for measured in measured.iter().cycle().take(STEPS) {
+            for (axis, measured) in measured.iter().enumerate() {
+                let window = &history[begin + axis..];
+                let mut sum = 0.0;
+                for (coefficient, place) in coefficients.iter().zip(&places) {
+                    sum += coefficient * window[*place];
+                }
+                black_box(sum);
+                history[(begin + axis + TERMS * AXES) % (2 * HISTORY)] = *measured;
+            }
+            begin = (begin + AXES) % HISTORY;
+        }
+    });
+    Ok(StepTimes {
+        tracked_s: tracked / steps as f64,
+        side_by_side_s: side_by_side_s / (steps * LANES) as f64,
+        bare_s: bare / steps as f64,
+    })
+}
+
+struct SideBySide<'a>(&'a mut Coasts<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>);
+
+impl WithSimd for SideBySide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for _ in 0..STEPS {
+            black_box(self.0.step(&[]));
+        }
+    }
+}
+
+fn parameters(axis: Axis) -> AxisParameters<f64> {
+    AxisParameters {
+        axis,
+        reference: 0.0,
+        offset: 0.0,
+        scale: 1.0,
+        constant: 0.0,
+        range: Range::new(-10.0, 10.0),
+        physical_range: Range::new(0.0, 0.0),
+        full_scale: 0.0,
+        stuck_after_repeats: 0,
+        gap_limit_samples: 1,
+        // never faded: numbers near zero are slow on some processors
+        coast_limit_s: 1e9,
+        innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_step_takes_time() {
+        let StepTimes { tracked_s, side_by_side_s, bare_s } = measure().unwrap();
+        assert!(tracked_s > 0.0 && side_by_side_s > 0.0 && bare_s > 0.0);
+    }
+}
