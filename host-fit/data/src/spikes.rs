@@ -112,11 +112,9 @@ impl WithSimd for Inside<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { values, medians } = self;
-        let begun = medians.len();
-        for around in values.windows(LANES + WINDOW - 1).step_by(LANES) {
-            if let (Some(around), true) = (around.first_chunk(), begun == REACH) {
-                medians.extend(medians_of(around).map(Some));
-            }
+        let around = values.windows(LANES + WINDOW - 1).step_by(LANES);
+        for around in around.filter_map(<[f64]>::first_chunk) {
+            medians.extend(medians_of(around).map(Some));
         }
     }
 }

@@ -45,14 +45,15 @@ pub const MAD_TO_SD: f64 = 1.4826;
 
 /// Median of what is finite, which a few wild values do not move; `None` of nothing.
 pub fn finite_median(values: &[f64]) -> Option<f64> {
-    let mut finite = Vec::with_capacity(values.len());
-    finite.extend(values.iter().copied().filter(|value| value.is_finite()));
-    (!finite.is_empty()).then(|| median(&mut finite))
+    median_of(values.iter().copied().filter(|value| value.is_finite()))
 }
 
 /// The same of values that come one by one; `None` of none.
 pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.into_iter().collect();
+    let given = values.into_iter();
+    // a filter says no more than how many there are at most
+    let mut values = Vec::with_capacity(given.size_hint().1.unwrap_or(0));
+    values.extend(given);
     (!values.is_empty()).then(|| median(&mut values))
 }
 

@@ -1,4 +1,9 @@
-//! Numbers for people, and types that are stored as they are written on the command line.
+//! Numbers for people, digests as text, and types that are stored as they are written on the command line.
+
+/// Bytes as text, two digits each: how digests are written everywhere.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
 
 /// Serialises a type by its `Display` and reads it back by its `FromStr`.
 #[macro_export]

@@ -16,6 +16,7 @@ use crate::study::Tool;
 use fos_data::case::{Case, CaseError, CaseMeta};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{Recording, RecordingError, write_columns};
+use fos_data::text::hexadecimal;
 
 /// Schema of the answers.
 pub const SCHEMA: &str = "fos-answers/1";
@@ -192,7 +193,7 @@ fn key(folder: &Path, library: &Library, program: &str) -> String {
         .collect();
     files.sort_unstable();
     files.iter().for_each(|file| digest.update(file));
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&digest.finalize())
 }
 
 fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Result<Answer, BatchError> {

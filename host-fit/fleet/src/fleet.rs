@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fos_data::file::{self, FileError, write_atomically};
 use fos_data::statistics::median_of;
+use fos_data::text::hexadecimal;
 use fos_diagnose::effects::Library;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,6 @@ use sha2::{Digest, Sha256};
 
 use crate::estimate::BIAS;
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
-use crate::hexadecimal::hexadecimal;
 use crate::odd::{Distance, discoveries, judge};
 use crate::population::{Member, Population};
 use crate::row::{Asked, Unit, UnitRow, unit_row};
@@ -247,7 +247,7 @@ fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
     if asked.diagnosed {
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
     }
-    hexadecimal(digest)
+    hexadecimal(&digest.finalize())
 }
 
 impl Fleet {
@@ -369,7 +369,7 @@ impl Fleet {
 fn digest_of(units: &[GatheredUnit<'_>]) -> String {
     let mut digest = Sha256::new();
     units.iter().for_each(|unit| digest.update(unit.digest()));
-    hexadecimal(digest)
+    hexadecimal(&digest.finalize())
 }
 
 /// Of a unit, its axis that is furthest from its population, and the p-value of that.

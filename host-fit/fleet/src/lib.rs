@@ -6,7 +6,6 @@ mod estimate;
 mod fleet;
 mod folder;
 mod gathered;
-mod hexadecimal;
 mod known;
 mod odd;
 mod population;

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use fos_core::{StillnessLimits, Transform};
 use fos_data::recording::{LoadOptions, Recording, Source, load};
 use fos_data::stillness;
+use fos_data::text::hexadecimal;
 use fos_diagnose::detect::{Question, Verdict, diagnose};
 use fos_diagnose::effects::{Inputs, Library, Regressor};
 use fos_fit::fit::InputSpec;
@@ -14,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::estimate::{AxisEstimate, EstimateError, estimate, from_reference};
-use crate::hexadecimal::hexadecimal;
 
 /// What is asked of every unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -169,7 +169,7 @@ fn digest_of(sources: &[Source]) -> String {
         several => {
             let mut digest = Sha256::new();
             several.iter().for_each(|source| digest.update(format!("{}\n", source.sha256)));
-            hexadecimal(digest)
+            hexadecimal(&digest.finalize())
         }
     }
 }

@@ -47,7 +47,7 @@ pub struct CommandTime {
     pub took: Took,
     /// By the other one.
     pub before: Option<Took>,
-    /// Whether both wrote and said the same; none where neither writes anything that can be told from one run to the next.
+    /// Whether both wrote and said the same; none without another build.
     pub is_same: Option<bool>,
 }
 
@@ -99,6 +99,9 @@ struct Row {
     /// What it prints is the same, but for times.
     prints: bool,
 }
+
+/// Commands that are timed, without the long log.
+pub const COMMANDS: usize = ROWS.len();
 
 const ROWS: [Row; 9] = [
     Row {

@@ -13,6 +13,7 @@ use super::cases::Cases;
 use super::outcome::Outcome;
 use crate::program::this_build;
 use fos_data::file::{FileError, write_atomically};
+use fos_data::text::hexadecimal;
 use fos_diagnose::effects::Library;
 
 /// Behind the name of the file with the outcomes stands this.
@@ -38,7 +39,7 @@ impl Heading {
         digest.update(this_build());
         digest.update(serde_json::to_vec(cases).unwrap_or_default());
         digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
-        Self { cases: digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect() }
+        Self { cases: hexadecimal(&digest.finalize()) }
     }
 }
 

@@ -6,15 +6,12 @@ use clap::Args;
 
 use super::numbers::count;
 use super::output::{Failure, print_json, print_line, progress, table};
-use crate::bench::commands::{CommandSettings, CommandTime, CommandTimes, Took, time_commands};
+use crate::bench::commands::{COMMANDS, CommandSettings, CommandTime, CommandTimes, Took, time_commands};
 use crate::bench::evaluator::{self, StepTimes};
 use crate::bench::{Settings, Timings, measure};
 
 /// Lengths of the records, samples: the paper's three minutes and an hour at 200 Hz.
 const SAMPLES: [usize; 2] = [36_000, 720_000];
-
-/// Commands that are timed, without the long log.
-const COMMANDS: u64 = 9;
 
 /// Time a fit on this machine, one thread: moments, search and refit, against a textbook search and against the
 /// machine's peak rate of multiply-adds, as ratios in one run; or with --commands whole commands, as one waits for them
@@ -83,7 +80,7 @@ impl Bench {
             against: self.against.as_ref().map(std::path::absolute).transpose()?,
         };
         let folder = tempfile::tempdir()?;
-        let bar = progress(COMMANDS + u64::from(self.long > 0), "timing");
+        let bar = progress(COMMANDS as u64 + u64::from(self.long > 0), "timing");
         let times = time_commands(&std::env::current_exe()?, folder.path(), &settings, || bar.inc(1))?;
         bar.finish_and_clear();
         if self.json { print_json(&times) } else { print_commands(&times) }

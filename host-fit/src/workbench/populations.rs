@@ -13,6 +13,7 @@ use super::desk::Desk;
 use super::folders::{Folders, Listed};
 use crate::report::fleet::{FleetReport, UnitReport};
 use fos_data::file::open;
+use fos_data::text::hexadecimal;
 use fos_fleet::{Fleet, UnitRow, rows_beside};
 
 /// A population, as `host-fit fleet report --json` prints it, and its units.
@@ -109,7 +110,7 @@ fn digest_of(path: &Path) -> Option<String> {
     let mut piece = vec![0; 1 << 16];
     loop {
         match std::io::Read::read(&mut file, &mut piece).ok()? {
-            0 => return Some(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            0 => return Some(hexadecimal(&digest.finalize())),
             length => digest.update(&piece[..length]),
         }
     }

@@ -49,13 +49,12 @@ pub(super) struct Shared {
 
 /// Looks on all time scales at all axes. Where a reference says how the unit moves, slow motion is not looked for: what
 /// is left of it is the error.
-pub(super) fn find(recording: &Recording, axes: Vec<Vec<f64>>, is_vouched: bool) -> Shared {
+pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: bool) -> Shared {
     let period_s = recording.rate.period_s;
     let n = recording.n_rows();
     let mut moved = vec![false; n];
     let mut shaken = vec![false; n];
     let mut violent = vec![false; n];
-    let mut means = axes;
     // by how much the slowest vibration of each axis is above its least, window by window
     let mut leaking: Vec<(Scale, Vec<f64>)> = Vec::new();
     for level in 0.. {

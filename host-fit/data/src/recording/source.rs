@@ -1,6 +1,5 @@
 //! Where data came from: the file, and a checksum of its bytes.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -10,6 +9,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::format::ReadAs;
 use crate::file::folder_of;
+use crate::text::hexadecimal;
 
 /// The file a recording was read from.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -56,10 +56,7 @@ impl Source {
 
     /// Names what was read, by its digest.
     pub(super) fn of(path: &Path, bytes: u64, digest: &[u8]) -> Source {
-        let mut sha256 = String::new();
-        for byte in digest {
-            let _ = write!(sha256, "{byte:02x}"); // writing to a String cannot fail
-        }
+        let sha256 = hexadecimal(digest);
         let found = found(path);
         Source { path: path.display().to_string(), bytes, sha256, from_study: None, read_as: None, found }
     }

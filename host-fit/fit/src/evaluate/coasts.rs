@@ -237,8 +237,14 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         let side_by_side = in_parallel(waiting.groups[..waiting.n_begun].par_iter_mut(), |group| {
             let lanes = std::mem::take(&mut group.lanes);
             let mut kept = T::default();
-            self.side_by_side(&mut group.coasts, &lanes, &when, |lane, axis, ahead, error| {
-                keep(&mut kept, (&lanes[lane], lane), axis, ahead, error);
+            Arch::new().dispatch(SideBySide {
+                playback: self.playback,
+                coasts: &mut group.coasts,
+                lanes: &lanes,
+                when: &when,
+                keep: |lane: usize, axis, ahead, error| {
+                    keep(&mut kept, (&lanes[lane], lane), axis, ahead, error);
+                },
             });
             (lanes, kept)
         });
@@ -257,17 +263,6 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         waiting.n_begun = 0;
         self.waiting[length] = waiting;
         side_by_side.into_iter().chain(alone).collect()
-    }
-
-    /// The coasts of a group, by one instruction for several of them.
-    fn side_by_side(
-        &self,
-        coasts: &mut Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>,
-        lanes: &[Range<usize>],
-        when: impl Fn(usize) -> bool,
-        keep: impl FnMut(usize, usize, usize, f64),
-    ) {
-        Arch::new().dispatch(SideBySide { playback: self.playback, coasts, lanes, when, keep });
     }
 
     /// One coast, sample by sample.
@@ -298,7 +293,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
     }
 }
 
-/// The coasts of a group, over their rows.
+/// The coasts of a group over their rows, by one instruction for several of them.
 struct SideBySide<'s, 'a, R: Real, W, K, const TERMS: usize, const HISTORY: usize> {
     playback: &'s Playback<'a>,
     coasts: &'s mut Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>,

@@ -100,16 +100,16 @@ impl NoiseLevels {
     pub fn realisation(&self, blocks: &Blocks, units: &[f64]) -> Vec<f64> {
         // what a filter of these levels would whiten: innovations of its variances, run backwards through its gains
         let filter = self.whitening(blocks);
-        let mut state = [0.0; STATES];
+        let mut states = [[0.0]; STATES];
         filter
             .steps
             .iter()
             .zip(units)
             .map(|(step, unit)| {
                 let innovation = unit / step.weight;
-                let value = state.iter().sum::<f64>() + innovation;
-                step.advance(&mut state, innovation);
-                value
+                let [predicted] = predicted(&states);
+                step.advance(&mut states, &[innovation]);
+                predicted + innovation
             })
             .collect()
     }
@@ -249,22 +249,12 @@ impl<const N: usize> WithSimd for SideBySide<'_, N> {
         let lengths = columns.iter().map(|column| column.len());
         let n = lengths.fold(steps.len(), usize::min);
         for (block, step) in steps.iter().enumerate().take(n) {
-            let mut predicted = [0.0; N];
-            for state in &states {
-                for lane in 0..N {
-                    predicted[lane] += state[lane];
-                }
-            }
-            let mut innovation = predicted;
+            let mut innovations = predicted(&states);
             for lane in 0..N {
-                innovation[lane] = columns[lane][block] - predicted[lane];
-                into[lane].push(innovation[lane] * step.weight);
+                innovations[lane] = columns[lane][block] - innovations[lane];
+                into[lane].push(innovations[lane] * step.weight);
             }
-            for (state, (decay, gain)) in states.iter_mut().zip(step.decay.iter().zip(&step.gain)) {
-                for lane in 0..N {
-                    state[lane] = decay * (state[lane] + gain * innovation[lane]);
-                }
-            }
+            step.advance(&mut states, &innovations);
         }
     }
 }
@@ -277,10 +267,25 @@ struct Step {
 }
 
 impl Step {
-    /// The state at the next block, once the innovation of this one is known.
-    fn advance(&self, state: &mut [f64; STATES], innovation: f64) {
-        for ((state, decay), gain) in state.iter_mut().zip(&self.decay).zip(&self.gain) {
-            *state = decay * (*state + gain * innovation);
+    /// The states at the next block, of as many columns as there are innovations, once these are known.
+    #[inline(always)]
+    fn advance<const N: usize>(&self, states: &mut [[f64; N]; STATES], innovations: &[f64; N]) {
+        for ((state, decay), gain) in states.iter_mut().zip(&self.decay).zip(&self.gain) {
+            for lane in 0..N {
+                state[lane] = decay * (state[lane] + gain * innovations[lane]);
+            }
         }
     }
+}
+
+/// What the states let expect of each column at this block.
+#[inline(always)]
+fn predicted<const N: usize>(states: &[[f64; N]; STATES]) -> [f64; N] {
+    let mut predicted = [0.0; N];
+    for state in states {
+        for lane in 0..N {
+            predicted[lane] += state[lane];
+        }
+    }
+    predicted
 }
