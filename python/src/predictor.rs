@@ -16,6 +16,9 @@ use crate::error::{raised, said};
 use crate::recording::Recording;
 use crate::work;
 
+/// Most steps of one forecast, as in `predictor.py`.
+const MOST_STEPS: usize = 10_000_000;
+
 /// The model of an image and its state.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Predictor {
@@ -187,6 +190,10 @@ impl Predictor {
     ) -> PyResult<Arrays<'py>> {
         let n_quantities = self.model.quantities.len();
         let quantities = rows(py, "quantities", &quantities, n_quantities)?;
+        if steps > MOST_STEPS {
+            let text = format!("{steps} steps: a forecast has at most {MOST_STEPS}\nhelp: forecast in pieces");
+            return Err(said(py, "PredictorError", &text));
+        }
         if quantities.len() != steps * n_quantities {
             return Err(said(py, "PredictorError", "quantities has another number of rows than steps"));
         }
@@ -194,6 +201,9 @@ impl Predictor {
             let mut state = self.lock();
             let mut found = Rows::default();
             for row in 0..steps {
+                if row.is_multiple_of(1024) {
+                    fos_data::interrupt::check();
+                }
                 found.push(state.forecast(&quantities[row * n_quantities..(row + 1) * n_quantities]));
             }
             found

@@ -102,3 +102,24 @@ def test_what_is_no_image_is_refused(unit):
         predictor.step(np.zeros((3, 5)), np.zeros((3, 1)))
     with pytest.raises(PredictorError, match="differ in their rows"):
         predictor.step(np.zeros((3, 6)), np.zeros((2, 1)))
+
+
+@pytest.mark.parametrize("steps", [-1, 10_000_001, 10**12, 10**30])
+def test_a_forecast_has_a_bounded_number_of_steps(unit, steps):
+    with pytest.raises(PredictorError, match="steps: a forecast has"):
+        fos.Predictor(unit).forecast(steps)
+    with pytest.raises(PredictorError, match="cannot be skipped"):
+        fos.Predictor(unit).skip(steps if steps < 0 else 1 << 32)
+
+
+def test_masked_samples_are_samples_without_a_value(unit):
+    predictor = fos.Predictor(unit)
+    measured = np.zeros((50, len(predictor.axes)))
+    quantities = np.full((50, len(predictor.quantities)), 25.0)
+    mask = np.zeros(measured.shape, bool)
+    mask[20:30] = True
+    with_nan = predictor.step(np.where(mask, np.nan, measured), quantities)
+    predictor.reset()
+    masked = predictor.step(np.ma.masked_array(np.where(mask, 99.0, measured), mask), quantities)
+    assert masked.predicted.tobytes() == with_nan.predicted.tobytes()
+    assert np.array_equal(masked.validity, with_nan.validity)

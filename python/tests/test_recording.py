@@ -156,3 +156,25 @@ def test_it_is_a_table_of_pandas(short):
     frame = short.to_pandas()
     assert list(frame.columns) == list(short)
     assert np.array_equal(frame.index, short.time_s)
+
+
+@pytest.mark.parametrize("kind", ["numpy", "pandas", "polars", "pyarrow"])
+@pytest.mark.parametrize("values", [[1.5, 99.0, 2.5, 3.0], [1, 99, 2, 3], [True, True, False, True]])
+def test_cells_without_a_value_are_empty_in_every_table(kind, values):
+    """Masked cells of 99 were taken for measured ones."""
+    missing = [False, True, False, False]
+    if kind == "numpy":
+        column = np.ma.masked_array(values, missing)
+    else:
+        package = pytest.importorskip(kind)
+        with_none = [None if gone else value for value, gone in zip(values, missing, strict=True)]
+        names = {float: "Float64", int: "Int64", bool: "boolean"}
+        column = {
+            "pandas": lambda: package.array(with_none, names[type(values[0])]),
+            "polars": lambda: package.Series(with_none),
+            "pyarrow": lambda: package.array(with_none),
+        }[kind]()
+    log = fos.Recording.from_arrays({"t_s": [0.0, 0.01, 0.02, 0.03], "temp_c": column})
+    expected = np.where(missing, np.nan, np.array(values, float))
+    np.testing.assert_array_equal(log["temp_c"], expected)
+    assert not np.array_equal(np.array(values, float), expected, equal_nan=True), "without the mask it is noticed"

@@ -82,13 +82,28 @@ def values_of(name: str, column: object) -> Array:
         ) from None
 
 
+def unmasked(values: object) -> Any:
+    """A masked array of NumPy as a plain one, NaN (or no time) where a cell is masked; everything else as it is."""
+    if not isinstance(values, np.ma.MaskedArray):
+        return values
+    masked = cast("np.ma.MaskedArray[Any, Any]", values)
+    if masked.dtype.kind in "mM":
+        return masked.filled(np.array("NaT", masked.dtype))
+    if not np.ma.getmaskarray(masked).any():
+        return masked.data
+    return masked.astype(np.float64).filled(np.nan)
+
+
 def _as_array(column: object) -> Array:
     if isinstance(column, np.ndarray):
-        return cast("Array", column)
+        return cast("Array", unmasked(column))
     # nullable columns of pandas give objects, unless asked for floats; without gaps others give their own type
     dtype = getattr(column, "dtype", None)
     if hasattr(dtype, "na_value") and getattr(dtype, "kind", "O") in "fiub" and hasattr(column, "to_numpy"):
         return cast("Array", cast("Any", column).to_numpy(dtype=np.float64, na_value=np.nan))
+    if type(column).__module__.startswith("pyarrow"):
+        # an array with nulls cannot be shown without a copy
+        return np.asarray(cast("Any", column).to_numpy(zero_copy_only=False))
     if hasattr(column, "to_numpy"):
         return np.asarray(cast("Any", column).to_numpy())
     return np.asarray(column)

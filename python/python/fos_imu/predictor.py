@@ -13,14 +13,18 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _engine, _html
+from ._columns import unmasked
 from ._results import build
-from .errors import FosWarning
+from .errors import FosWarning, PredictorError
 from .recording import Recording, engine_of
 
 if TYPE_CHECKING:
     import pandas
 
 Floats = npt.NDArray[np.float32]
+
+MOST_STEPS = 10_000_000
+"""Most steps of one forecast: its corrections of six axes take 840 MB."""
 
 
 class Validity(enum.IntFlag):
@@ -174,7 +178,9 @@ class Predictor:
         """
         samples = _rows(measured, len(self.axes))
         given = np.zeros((len(samples), 0), np.float32) if quantities is None else quantities
-        flags = np.broadcast_to(np.asarray(still, bool), (len(samples),))
+        # where the flag is masked the true value is not known
+        known = np.ma.filled(still, False) if isinstance(still, np.ma.MaskedArray) else still
+        flags = np.broadcast_to(np.asarray(known, bool), (len(samples),))
         arrays = self._engine.step(samples, _rows(given, len(self.quantities)), flags.tolist())
         return Corrections(self.axes, *arrays, flags.copy())
 
@@ -184,13 +190,27 @@ class Predictor:
         Args:
             steps: How many.
             quantities: Shape `(steps, n_quantities)`; not needed where the model has none.
+
+        Raises:
+            PredictorError: More steps than `MOST_STEPS`, or fewer than none; shapes that do not fit the model.
         """
+        if not 0 <= steps <= MOST_STEPS:
+            raise PredictorError(
+                f"{steps} steps: a forecast has 0 to {MOST_STEPS}",
+                remedy="forecast in pieces: each goes on from the last",
+            )
         given = np.zeros((steps, 0), np.float32) if quantities is None else quantities
         arrays = self._engine.forecast(_rows(given, len(self.quantities)), steps)
         return Corrections(self.axes, *arrays, np.zeros(steps, bool))
 
     def skip(self, samples: int) -> None:
-        """So many samples are missing."""
+        """So many samples are missing.
+
+        Raises:
+            PredictorError: Fewer than none, or more than 32 bits hold.
+        """
+        if not 0 <= samples < 1 << 32:
+            raise PredictorError(f"{samples} samples cannot be skipped", remedy="0 to 4294967295; or `reset`")
         self._engine.skip(samples)
 
     def reset(self) -> None:
@@ -218,5 +238,5 @@ class Predictor:
 
 
 def _rows(values: npt.ArrayLike, columns: int) -> Floats:
-    array = np.asarray(values, np.float32)
+    array = np.asarray(unmasked(values), np.float32)
     return array.reshape(-1, 1) if array.ndim == 1 and columns == 1 else np.atleast_2d(array)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _engine
-from ._columns import columns_of
+from ._columns import columns_of, unmasked
 from ._results import build
 from .errors import RegressorError
 
@@ -288,7 +288,7 @@ def _inputs(X: object, rows: int | None) -> tuple[Floats, list[str] | None]:
         names = [name for name, _ in columns] if all(isinstance(name, str) for name in raw) else None
         array = np.column_stack([values for _, values in columns]) if columns else np.zeros((rows or 0, 0))
     else:
-        array = np.asarray(X)
+        array = np.asarray(unmasked(X))
     if np.iscomplexobj(array):
         raise RegressorError("Complex data not supported")
     if array.ndim != 2:
@@ -310,7 +310,7 @@ def _inputs(X: object, rows: int | None) -> tuple[Floats, list[str] | None]:
 def _output(y: object) -> Floats:
     if y is None:
         raise RegressorError("requires y to be passed, but the target y is None")
-    array = np.asarray(cast("Any", y).to_numpy() if hasattr(y, "to_numpy") else y)
+    array = np.asarray(cast("Any", y).to_numpy() if hasattr(y, "to_numpy") else unmasked(y))
     if np.iscomplexobj(array):
         raise RegressorError("Complex data not supported")
     if array.ndim == 2 and array.shape[1] == 1:
