@@ -10,7 +10,9 @@
 //! The offset x of a window is where S(x) = Σ |p(t) − ω⊥(t + x)|² is least; over the windows in which the unit turns, a line
 //! x = offset + drift (t − middle) is fitted, weighted by the curvature of S, which says how much a window knows. Its standard
 //! errors are from the scatter of the windows about it. A drift is taken only where it is significant and comes to something:
-//! else the offset is assumed to be constant. That it is rotation in gravity that both see, and no vibration, which shows on both with any phase,
+//! else the offset is assumed to be constant. Motion that repeats, as a steady swing, has one minimum of S a period: of minima
+//! that the scatter of the windows leaves indistinguishable, the one nearest to zero is taken, and the period is reported.
+//! That it is rotation in gravity that both see, and no vibration, which shows on both with any phase,
 //! is told by p having the size of ω⊥, and most of it.
 
 use std::fmt;
@@ -43,6 +45,10 @@ pub struct Apart {
     pub drift: f64,
     /// Its standard error, s/s.
     pub drift_error: f64,
+    /// From it to the nearest other offset that explains the motion as well, s; `None` where it is the only one. Of several
+    /// it is the one nearest to zero: delays within one device are shorter than most swings last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeats_s: Option<f64>,
     /// Whether it was added to the stamps: it is significant, and more than a tenth of the stream's period somewhere.
     pub applied: bool,
     /// The middle of the log, as the stream stamped it, ns.
@@ -94,6 +100,16 @@ const SHARE: f64 = 0.6;
 /// Standard errors from which on an offset, and a drift, is significant.
 const SIGNIFICANT: f64 = 5.0;
 
+/// Two minima of S are one where S between them rises by less than this share of its range above the higher of them.
+const BARRIER: f64 = 0.1;
+
+/// A minimum explains the motion as well as the least where S is higher by no more than `EQUAL_SIGMAS` standard errors (of
+/// the differences of all windows) and `EQUAL_SHARE` of the range of S; or by `EXACT_SHARE` of it, which the curve between
+/// steps of the grid may be off.
+const EQUAL_SIGMAS: f64 = 3.0;
+const EQUAL_SHARE: f64 = 0.1;
+const EXACT_SHARE: f64 = 0.01;
+
 /// Share of the stream's period from which on an offset, or what a drift comes to, is worth taking out.
 const WORTH: f64 = 0.1;
 
@@ -122,7 +138,8 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     windows
         .iter_mut()
         .for_each(|window| window.from_middle_s = window.start_ns.saturating_sub(middle_ns) as f64 * 1e-9);
-    let Some(found) = Line::best(&windows, half_s) else { return Clocks::Unlike };
+    let Some(least) = Line::best(&windows, half_s) else { return Clocks::Unlike };
+    let (found, repeats_s) = least.nearest_to_zero(&windows);
 
     let at = |sums: &[f64], window: &Window| found.in_steps(window).map_or(0.0, |lag| between(sums, lag));
     let left: f64 = windows.iter().map(|window| at(&window.left, window)).sum();
@@ -138,7 +155,7 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     let significant = line.offset_s.abs() > SIGNIFICANT * line.offset_error_s || line.drift != 0.0;
     let applied = significant && most_s > worth_s;
     let Line { offset_s, offset_error_s, drift, drift_error } = line;
-    Clocks::Apart(Apart { offset_s, offset_error_s, drift, drift_error, applied, middle_ns })
+    Clocks::Apart(Apart { offset_s, offset_error_s, drift, drift_error, repeats_s, applied, middle_ns })
 }
 
 /// Begins of windows in which the unit turns, ns.
@@ -275,6 +292,72 @@ impl Line {
         best.map(|(_, line)| line)
     }
 
+    /// Of the lines of the same drift that explain the motion as well, the one nearest to zero, and how far from it the
+    /// nearest other one is, s; of a motion that does not repeat, the line itself.
+    fn nearest_to_zero(self, windows: &[Window]) -> (Self, Option<f64>) {
+        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        let curve: Vec<(Self, f64)> = (-offsets..=offsets)
+            .map(|step| Self { offset_s: f64::from(step) * STEP_S, ..self })
+            .filter_map(|line| {
+                let left = windows.iter().map(|window| Some(between(&window.left, line.in_steps(window)?)));
+                Some((line, left.sum::<Option<f64>>()?))
+            })
+            .collect();
+        let (low, high) = curve.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, left)| {
+            (low.min(*left), high.max(*left))
+        });
+        let Some(least) = curve.iter().position(|(_, left)| *left == low) else { return (self, None) };
+        let is_minimum =
+            |at: &usize| curve[*at].1 <= curve[at - 1].1 && curve[*at].1 <= curve[at + 1].1 && *at != least;
+        let is_apart = |at: &usize| {
+            let between = &curve[least.min(*at)..=least.max(*at)];
+            let ridge = between.iter().map(|(_, left)| *left).fold(low, f64::max);
+            ridge - curve[*at].1 > BARRIER * (high - low)
+        };
+        let at_least: Vec<f64> =
+            windows.iter().map(|window| self.lowest_near(&curve, least, window)).collect();
+        let explains_as_well = |at: &usize| {
+            let higher: Vec<f64> = windows
+                .iter()
+                .zip(&at_least)
+                .map(|(window, least)| self.lowest_near(&curve, *at, window) - least)
+                .collect();
+            let n = higher.len() as f64;
+            let mean = higher.iter().sum::<f64>() / n;
+            let scatter = higher.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            let share = n * mean / (high - low);
+            share <= EXACT_SHARE || share <= EQUAL_SHARE && mean <= EQUAL_SIGMAS * (scatter / n).sqrt()
+        };
+        let mut equal: Vec<usize> = (1..curve.len().saturating_sub(1))
+            .filter(|at| is_minimum(at) && is_apart(at) && explains_as_well(at))
+            .collect();
+        equal.push(least);
+        let offset_s = |at: &usize| curve[*at].0.offset_s;
+        let Some(nearest) =
+            equal.iter().copied().min_by(|a, b| offset_s(a).abs().total_cmp(&offset_s(b).abs()))
+        else {
+            return (self, None);
+        };
+        let others = equal.iter().filter(|at| **at != nearest);
+        let repeats_s = others.map(|at| (offset_s(at) - offset_s(&nearest)).abs()).reduce(f64::min);
+        (curve[nearest].0, repeats_s)
+    }
+
+    /// S of a window at a minimum of the curve of all windows, which lies between steps of its grid: by parabolas through
+    /// three steps.
+    fn lowest_near(&self, curve: &[(Self, f64)], at: usize, window: &Window) -> f64 {
+        let parabola = |[before, at, after]: [f64; 3]| (0.5 * (after - before), after - 2.0 * at + before);
+        let sides =
+            |of: &dyn Fn(usize) -> f64| [of(at.saturating_sub(1)), of(at), of((at + 1).min(curve.len() - 1))];
+        let (slope, curvature) = parabola(sides(&|index| curve[index].1));
+        let share = if curvature > 0.0 { (-slope / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+        let own = sides(&|index| {
+            curve[index].0.in_steps(window).map_or(f64::INFINITY, |lag| between(&window.left, lag))
+        });
+        let (slope, curvature) = parabola(own);
+        own[1] + share * slope + 0.5 * share * share * curvature
+    }
+
     fn at_s(&self, window: &Window) -> f64 {
         self.offset_s + self.drift * window.from_middle_s
     }
@@ -374,7 +457,7 @@ impl fmt::Display for Clocks {
                 "its motion and that of the lead do not tell whether its clock is off, and it is taken as right",
             ),
             Self::Apart(apart) => {
-                write!(f, "its stamps lack {:.2} ± {:.2} ms", 1e3 * apart.offset_s, 1e3 * apart.offset_error_s)?;
+                write!(f, "its timestamps lack {:.2} ± {:.2} ms", 1e3 * apart.offset_s, 1e3 * apart.offset_error_s)?;
                 if apart.drift != 0.0 {
                     write!(
                         f,
@@ -384,7 +467,15 @@ impl fmt::Display for Clocks {
                     )?;
                 }
                 f.write_str(" by what both see of the motion, ")?;
-                f.write_str(if apart.applied { "which was added" } else { "too little to be added" })
+                f.write_str(if apart.applied { "which was added" } else { "too little to be added" })?;
+                match apart.repeats_s {
+                    None => Ok(()),
+                    Some(repeats_s) => write!(
+                        f,
+                        "; the motion repeats every {repeats_s:.2} s, so the offset is known up to multiples of that: the one \
+                         nearest to zero was taken. Turn the device irregularly for 10 s to determine it"
+                    ),
+                }
             }
         }
     }
