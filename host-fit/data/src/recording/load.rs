@@ -10,12 +10,13 @@ use super::error::RecordingError;
 use super::format::{self, Extent, Meaning, Opened};
 use super::grid::{Boundary, Grid, Mark, Segment};
 use super::load_options::LoadOptions;
+use super::quality::Quality;
 use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
 use super::source::Source;
 use super::table::{Column, Skipped, Table, check_names};
 use super::unusable::refuse_unusable;
-use super::{Recording, failed_reads, gaps, streams};
+use super::{Recording, Stream, failed_reads, gaps, own_rate, streams};
 use crate::closest::closest;
 use crate::unit::Unit;
 
@@ -53,7 +54,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
                     recording.quality.first_unusable = of_table.first_unusable;
                     Ok(recording)
                 }
-                None => assemble(source, *table, &meaning, options),
+                None => assemble(source, *table, &meaning, options, MayHaveRates::Yes),
             }
         }
         Opened::Streams(streams, read_as) => {
@@ -95,6 +96,16 @@ impl Recording {
         columns: Vec<(String, Vec<f64>)>,
         options: &LoadOptions,
     ) -> Result<Recording, RecordingError> {
+        Self::of_columns(source, columns, options, MayHaveRates::Yes)
+    }
+
+    /// As [`Recording::from_columns`], of columns of one rate or of several.
+    pub(super) fn of_columns(
+        source: Source,
+        columns: Vec<(String, Vec<f64>)>,
+        options: &LoadOptions,
+        rates: MayHaveRates,
+    ) -> Result<Recording, RecordingError> {
         let expected = columns.first().map_or(0, |(_, values)| values.len());
         if let Some((name, values)) = columns.iter().find(|(_, values)| values.len() != expected) {
             return Err(RecordingError::Lengths { name: name.clone(), expected, found: values.len() });
@@ -110,8 +121,15 @@ impl Recording {
         for i in 0..table.columns.len() {
             table.note_missing_cells(i, 0);
         }
-        assemble(source, table, &Meaning::told(options), options)
+        assemble(source, table, &Meaning::told(options), options, rates)
     }
+}
+
+/// Whether axes of a table may have rates of their own: once they are resampled they have not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MayHaveRates {
+    Yes,
+    No,
 }
 
 /// Gives the columns of a table their meaning.
@@ -120,6 +138,7 @@ fn assemble(
     mut table: Table,
     meaning: &Meaning,
     options: &LoadOptions,
+    rates: MayHaveRates,
 ) -> Result<Recording, RecordingError> {
     let path = Path::new(&source.path).to_owned();
     let map = &meaning.map;
@@ -155,6 +174,22 @@ fn assemble(
     quality.perhaps.clone_from(&meaning.perhaps);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
+    if rates == MayHaveRates::Yes
+        && let Some(streams) = streams_of(&channels, n_rows, options)
+    {
+        let options = LoadOptions { rate_hz: None, columns: ColumnMap::default(), ..options.clone() };
+        let mut recording = Recording::from_streams(source, streams, &options)?;
+        recording.quality = Quality {
+            stamps_repeated: recording.quality.stamps_repeated,
+            clock_back: recording.quality.clock_back,
+            gaps: recording.quality.gaps,
+            samples_missing: recording.quality.samples_missing,
+            pauses: recording.quality.pauses,
+            paused_s: recording.quality.paused_s,
+            ..quality
+        };
+        return Ok(recording);
+    }
     let mut take = |name: &str| {
         let index = channels.iter().position(|channel| channel.name == name)?;
         // nobody else has it yet
@@ -209,6 +244,18 @@ fn assemble(
         alignment: None,
         memo: Default::default(),
     })
+}
+
+/// The streams that a table was merged from, if an axis has a rate of its own.
+fn streams_of(channels: &[Channel], n_rows: usize, options: &LoadOptions) -> Option<Vec<Stream>> {
+    let (time, others): (Vec<&Channel>, Vec<&Channel>) =
+        channels.iter().partition(|channel| channel.name == "t_s");
+    let time_s = match (time.first(), options.rate_hz) {
+        (Some(time), _) => time.values.to_vec(),
+        (None, Some(rate_hz)) => (0..n_rows).map(|row| row as f64 / rate_hz).collect(),
+        (None, None) => return None,
+    };
+    own_rate::streams(&time_s, &others)
 }
 
 /// Refuses a map that names columns the log does not have.

@@ -12,7 +12,7 @@ const TRIAD: usize = 3;
 const DEPTH: usize = 4;
 
 /// Whether a column is interpolated: an axis, or the true value of one.
-pub(super) fn is_followed(name: &str) -> bool {
+pub(in super::super) fn is_followed(name: &str) -> bool {
     let is_axis = |name: &str| AXES.contains(&name);
     is_axis(name) || AXES.iter().any(|axis| Column::named(axis).reference() == name)
 }

@@ -32,11 +32,13 @@ use super::source::Source;
 use super::{LoadOptions, Recording, Stream};
 use crate::column::{ACCELEROMETERS, GYROS};
 use beside::Beside;
-use follow::is_followed;
 use lead::Group;
+
+use super::load::MayHaveRates;
 
 pub use alignment::{Alignment, HowJoined, JoinedStream};
 pub use clocks::{Apart, Clocks};
+pub(super) use follow::is_followed;
 
 /// Columns of one length, the first is `t_s`.
 #[derive(Debug)]
@@ -56,7 +58,7 @@ impl Recording {
         options: &LoadOptions,
     ) -> Result<Self, RecordingError> {
         let Joined { columns, alignment } = join(Path::new(&source.path), streams)?;
-        let mut recording = Self::from_columns(source, columns, options)?;
+        let mut recording = Self::of_columns(source, columns, options, MayHaveRates::No)?;
         recording.alignment = (!alignment.others.is_empty()).then_some(alignment);
         Ok(recording)
     }
