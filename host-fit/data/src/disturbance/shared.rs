@@ -12,7 +12,8 @@ pub(super) const LONGEST_PERIOD_S: f64 = 0.2;
 /// The longest blocks, s: the slowest sway of a building takes ten seconds.
 const LONGEST_BLOCK_S: f64 = 2.6;
 
-/// Up to here a block is of vibration, s; beyond it of motion.
+/// Up to here a block is of vibration, s; beyond it of motion. In a log slower than this the single samples stand for
+/// vibration: the scales of motion are judged against the level of a shorter one.
 const VIBRATION_BLOCK_S: f64 = 0.1;
 
 /// Pieces of the local level of vibration, s: what lasts for less than two and a half of them is an event.
@@ -65,7 +66,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         }
         let joins = joins(recording, scale.block, means[0].len());
         let energies: Vec<Vec<f64>> = in_parallel(&means, |means| scale.log_energy(means, &joins));
-        let is_vibration = block_s <= VIBRATION_BLOCK_S;
+        let is_vibration = level == 0 || block_s <= VIBRATION_BLOCK_S;
         let levels: Vec<Vec<f64>> = match is_vibration {
             true => {
                 let piece = (PIECE_S / (scale.window as f64 * period_s)).ceil() as usize;
