@@ -15,7 +15,7 @@ use super::physical_range::{Part, physical_range};
 use super::poses::Poses;
 use super::regressors::Regressors;
 use super::stochastic;
-use crate::evaluate;
+use crate::evaluate::{self, Trace};
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
@@ -35,6 +35,10 @@ const GAP_LIMIT_S: f64 = 0.1;
 /// A value repeated this many times as often as it ever was while fitting counts as stuck.
 const STUCK_RATIO: usize = 4;
 const STUCK_AT_LEAST: usize = 20;
+
+/// Widths of the range of the error in the fitted rows by which a prediction for these rows may leave it: as far as
+/// the evaluator lets inputs go beyond their fitted ranges.
+const FURTHEST: f64 = 1.0;
 
 /// The validated coast where not even the shortest horizon does better than the mean, s.
 const SHORTEST_COAST_S: f64 = 1.0;
@@ -150,7 +154,8 @@ pub fn fit_axis(
     set_ranges(&mut model, &regressors);
     model.drop_unused();
     let playback = Playback::new(recording, &model, &stillness.still)?;
-    set_statistics(&mut model, &playback, training).map_err(model_error)?;
+    let trace = set_statistics(&mut model, &playback, training).map_err(model_error)?;
+    refuse_divergent(&column, &trace)?;
     Ok(AxisFit { model, report })
 }
 
@@ -306,12 +311,30 @@ fn stuck_after(recording: &Recording, column: &str, training: &Range<usize>) -> 
     u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
 }
 
+/// Refuses a model whose predictions over the rows that it was fitted to, from measured history or from its own, leave the
+/// range of the error in those rows by more than `FURTHEST` of its widths.
+fn refuse_divergent(column: &str, trace: &Trace) -> Result<(), AxisError> {
+    let axis = &trace.axes[0];
+    let known = || axis.measured.iter().copied().filter(|error| error.is_finite());
+    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    let most = (1.0 + FURTHEST) * (high - low);
+    let tracked = axis.one_step.iter().copied().filter(|left| left.is_finite());
+    let coasted = axis.horizons.iter().flatten().map(|square| square.sqrt());
+    // from anywhere in the range to its furthest end and so many widths beyond
+    let furthest =
+        tracked.chain(coasted).fold(0.0, |most: f64, left| if left.abs() > most.abs() { left } else { most });
+    match furthest.abs() <= most || low >= high {
+        true => Ok(()),
+        false => Err(AxisError::Diverges { column: column.to_owned(), off: furthest.abs(), low, high }),
+    }
+}
+
 /// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.
 fn set_statistics(
     model: &mut UnitModel,
     playback: &Playback<'_>,
     training: Range<usize>,
-) -> Result<(), ModelError> {
+) -> Result<Trace, ModelError> {
     // long enough that nothing fades while it is found out
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
     let trace = evaluate::trace_to_horizons::<f64>(model, playback, training)?;
@@ -324,7 +347,7 @@ fn set_statistics(
         // an exact model has none left; the monitor divides by it
         variance: variance.max(f64::from(f32::MIN_POSITIVE)),
         lag_1_correlation: autocorrelation(&innovations, 1)
-            .map_or(0.0, |result| result.values[1].clamp(-1.0, 1.0)),
+            .map_or(0.0, |result| result.lag_1().clamp(-1.0, 1.0)),
     };
     let mean_square = signal::variance(&trace.stretches_of(&trace.axes[0].measured));
     let beats_the_mean = evaluate::HORIZONS_S
@@ -332,7 +355,7 @@ fn set_statistics(
         .zip(&trace.axes[0].horizons)
         .filter(|(_, squares)| !squares.is_empty() && signal::mean(&[squares]) <= mean_square);
     parameters.coast_limit_s = beats_the_mean.map(|(horizon, _)| *horizon).fold(SHORTEST_COAST_S, f64::max);
-    Ok(())
+    Ok(trace)
 }
 
 /// Sets the fitted ranges of the inputs, of the physical part and of the remainder.

@@ -87,7 +87,7 @@ pub enum AxisError {
         column: String,
     },
     /// The candidates do not make a pool.
-    #[error("{column}: {source}")]
+    #[error("{column}: {source}\nhelp: a smaller `max_lag`, `input_lags` or `degree`")]
     Candidates {
         /// The column.
         column: String,
@@ -95,7 +95,9 @@ pub enum AxisError {
         source: CandidatesError,
     },
     /// The search or the final solution.
-    #[error("{column}: {source}")]
+    #[error(
+        "{column}: {source}\nhelp: a longer log at rest without empty cells, a larger `train`, a smaller `max_lag`, or fewer inputs (`physical`, `input`)"
+    )]
     Search {
         /// The column.
         column: String,
@@ -103,12 +105,28 @@ pub enum AxisError {
         source: FitError,
     },
     /// An autoregression cannot be estimated.
-    #[error("{column}: {source}")]
+    #[error(
+        "{column}: {source}\nhelp: a smaller `max_lag`, a longer log at rest without empty cells, or `method` fos"
+    )]
     Autoregression {
         /// The column.
         column: String,
         /// Why.
         source: AutoregressionError,
+    },
+    /// The model does not follow the rows that it was fitted to.
+    #[error(
+        "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or leave out inputs that hardly change in it (`physical`, `input`)"
+    )]
+    Diverges {
+        /// The column.
+        column: String,
+        /// The largest error of a prediction, in the axis' unit.
+        off: f64,
+        /// The least error in the fitted rows, in the axis' unit.
+        low: f64,
+        /// The largest.
+        high: f64,
     },
     /// fos-core refuses the model.
     #[error(
