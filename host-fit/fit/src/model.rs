@@ -94,7 +94,7 @@ impl Plain {
         Self {
             mean: signal::mean(&[values]),
             range: Range::new(extreme(f64::min), extreme(f64::max)),
-            lag_1: autocorrelation(stretches, 1).map_or(0.0, |result| result.values[1]),
+            lag_1: autocorrelation(stretches, 1).map_or(0.0, |result| result.lag_1()),
         }
     }
 }

@@ -60,7 +60,9 @@ pub enum DiagnoseError {
         effect: String,
     },
     /// An effect that was asked for does not show in the log.
-    #[error("{effect} cannot be estimated from this log: {reason}")]
+    #[error(
+        "{effect} cannot be estimated from this log: {reason}\nhelp: a log in which what the effect follows is logged and changes"
+    )]
     NotThere {
         /// The effect.
         effect: String,

@@ -174,7 +174,7 @@ fn about(
         lag_1: match (&axis.plain, axis.physical.is_empty()) {
             // nothing was taken off since then
             (Some(plain), true) => plain.lag_1,
-            _ => autocorrelation(&known, 1).map_or(0.0, |result| result.values[1]),
+            _ => autocorrelation(&known, 1).map_or(0.0, |result| result.lag_1()),
         },
     }
 }

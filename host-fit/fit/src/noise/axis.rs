@@ -1,5 +1,7 @@
 //! The noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
 
+use std::ops::Range;
+
 use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
@@ -67,6 +69,20 @@ pub enum AxisNoiseError {
     },
 }
 
+/// Most poses that a constant is estimated for, the longest: the time that the estimate takes grows with their square, and
+/// a calibration in more orientations is rare.
+const MOST_POSES: usize = 32;
+
+/// Counts no rows but those of the longest poses.
+fn keep_longest_poses(known: &mut [bool], turns: &[usize]) {
+    let mut poses = pose::levels_between(turns, 0..known.len());
+    let rows = |pose: &Range<usize>| known[pose.clone()].iter().filter(|known| **known).count();
+    poses.sort_by_cached_key(|pose| std::cmp::Reverse(rows(pose)));
+    for pose in poses.split_off(MOST_POSES.min(poses.len())) {
+        known[pose].fill(false);
+    }
+}
+
 /// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.
 ///
 /// An accelerometer has a constant of its own in each pose, as gravity is in each. What the axis measures besides, such
@@ -84,9 +100,11 @@ pub fn axis_noise(
     let rows = 0..recording.n_rows();
     let (cleaned, left_out) = recording.only_measurements(&column, rows.clone(), &stillness.still);
     let series = cleaned.error_series(&column)?;
-    let known: Vec<bool> = rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
+    let mut known: Vec<bool> =
+        rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
     let in_poses = pose::has_unknown_level(&column, &series.reference);
     let turns = if in_poses { &stillness.turns[..] } else { &[] };
+    keep_longest_poses(&mut known, turns);
 
     let length_s = (length_for(recording) / FINER).max(SHORTEST_S);
     let blocks = Blocks::new(recording, length_s, known);
@@ -98,7 +116,8 @@ pub fn axis_noise(
     }
     let y = blocks.means(&series.values);
     let constants = blocks.levels(turns);
-    let constants: Vec<&[f64]> = constants.iter().map(Vec::as_slice).collect();
+    let has_blocks = |constant: &&Vec<f64>| constant.iter().any(|value| *value != 0.0);
+    let constants: Vec<&[f64]> = constants.iter().filter(has_blocks).map(Vec::as_slice).collect();
     // what is far from zero would leave fewer digits to the noise
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let centred: Vec<f64> = y.iter().map(|value| value - mean).collect();

@@ -140,7 +140,8 @@ impl Gls {
                 upper.solve_upper_triangular(&column).unwrap_or_else(|| DVector::zeros(k))
             })
             .collect();
-        let inverse = DMatrix::from_columns(&columns);
+        // `from_columns` panics where no regressor was kept
+        let inverse = DMatrix::from_fn(k, k, |i, j| columns[j][i]);
         &inverse * inverse.transpose()
     }
 }

@@ -15,6 +15,11 @@ pub struct Autocorrelation {
 }
 
 impl Autocorrelation {
+    /// Value at a lag of one sample; 0 where no two neighbouring samples are known.
+    pub fn lag_1(&self) -> f64 {
+        self.values.get(1).copied().unwrap_or(0.0)
+    }
+
     /// Half-width of the band that holds 95 % of the values at lags ≥ 1 if the series is white: 1.96/√N.
     ///
     /// (Bartlett 1946.) The values are already divided by the variance, so the variance does not appear.

@@ -34,7 +34,7 @@ pub(crate) struct Line {
 /// Share of the log in which a line is there: (Σ p)²/(m·Σ p²) of its power p over m stretches, above the noise; 1 for a
 /// constant amplitude.
 pub(super) fn duty(series: &Series, line: &Line) -> f64 {
-    let stretch = (DUTY_STRETCH_S / series.period_s) as usize;
+    let stretch = ((DUTY_STRETCH_S / series.period_s) as usize).max(1);
     let width_hz = (line.band_hz.1 - line.band_hz.0).max(1.0 / DUTY_STRETCH_S);
     let centre = 0.5 * (line.band_hz.0 + line.band_hz.1);
     // a few frequencies across the band, each as wide as a stretch is long

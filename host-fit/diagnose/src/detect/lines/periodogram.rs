@@ -5,7 +5,7 @@ use std::ops::Range;
 use fos_fit::signal::transforms;
 
 use super::line::Line;
-use super::series::{Series, lowest_hz};
+use super::series::{SPARSEST, Series, lowest_hz};
 use fos_data::statistics::median;
 
 /// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
@@ -42,7 +42,7 @@ pub(super) struct Periodogram {
 impl Periodogram {
     pub(super) fn of(series: &Series) -> Option<Self> {
         let n = series.values.len();
-        if n < 2000 || series.known < n / 4 {
+        if n < 2000 || series.known < n / SPARSEST as usize {
             return None;
         }
         let transform = transforms::forward(n);

@@ -13,7 +13,10 @@ const SLOW_S: f64 = 3.0;
 const SLOW_PERIODS: f64 = 10.0;
 const TURNS: f64 = 0.8;
 
-/// Samples on the grid of ticks, 0 where not known.
+/// Most ticks of the grid for each known sample: with fewer known samples no lines are looked for.
+pub(super) const SPARSEST: u64 = 4;
+
+/// Samples on the grid of ticks, 0 where not known; none of a log that is sparser than [`SPARSEST`].
 pub(super) struct Series {
     pub(super) values: Vec<f64>,
     pub(super) known: usize,
@@ -24,8 +27,10 @@ impl Series {
     /// Of `error` without its slow part.
     pub(super) fn new(recording: &Recording, slow: &Blocks, error: &[f64]) -> Self {
         let last = recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
+        // a pause of a year between two rows is a grid of more ticks than any memory holds
+        let is_dense = last <= SPARSEST * recording.n_rows() as u64;
         // lengths whose transform is fast lose a fraction of a percent of the log
-        let length = fast_length(last as usize);
+        let length = if is_dense { fast_length(last as usize) } else { 0 };
         let mut values = vec![0.0; length];
         let mut known = 0;
         let slow = Slow { blocks: slow, means: &slow.means(error) };
@@ -92,7 +97,8 @@ struct Slow<'a> {
 impl Slow<'_> {
     /// At a time; `near` is the block that was near the last time asked for.
     fn at(&self, time_s: f64, near: &mut usize) -> f64 {
-        let last = self.blocks.len() - 1;
+        // no block has enough known rows: nothing is known of the slow part
+        let Some(last) = self.blocks.len().checked_sub(1) else { return 0.0 };
         while *near < last && self.blocks.middle_s(*near + 1) <= time_s {
             *near += 1;
         }

@@ -54,6 +54,7 @@ impl SlowSearch<'_> {
         let best = choices.iter().map(|(deviance, _)| *deviance).fold(f64::INFINITY, f64::min);
         choices.retain(|(deviance, _)| *deviance < best + AS_GOOD);
         choices.sort_by(|a, b| a.1.terms.len().cmp(&b.1.terms.len()).then_with(|| a.1.terms.cmp(&b.1.terms)));
-        choices.swap_remove(0).1
+        // of numbers beyond the range of f64 no deviance is finite, and no choice is better than all terms
+        if choices.is_empty() { hypothesis } else { choices.swap_remove(0).1 }
     }
 }
