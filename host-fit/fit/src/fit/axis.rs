@@ -388,3 +388,79 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
     let rows = regressors.stretches.iter().cloned().flatten();
     model.axes[0].parameters.physical_range = physical_range(&model.inputs, &regressors.inputs, rows, &parts);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_data::recording::{LoadOptions, Source};
+    use fos_testkit::series::every_kind;
+
+    fn recording(values: &[f64]) -> Recording {
+        let columns = vec![
+            ("t_s".to_owned(), (0..values.len()).map(|row| row as f64 / 20.0).collect()),
+            ("gx_rads".to_owned(), values.to_vec()),
+            ("temp_c".to_owned(), (0..values.len()).map(|row| 25.0 + (row as f64 / 300.0).sin()).collect()),
+        ];
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
+    }
+
+    /// The furthest that a prediction over the fitted rows, from measured or own history, is off, in widths of their range.
+    fn furthest(fit: &AxisFit, recording: &Recording, rest: &Stillness, rows: Range<usize>) -> f64 {
+        let playback = Playback::new(recording, &fit.model, &rest.still).unwrap();
+        let trace = evaluate::trace::<f64>(&fit.model, &playback, rows, |_| {}).unwrap();
+        let axis = &trace.axes[0];
+        let known = || axis.measured.iter().copied().filter(|error| error.is_finite());
+        let width = known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
+        let left = axis.one_step.iter().chain(&axis.coast).chain(&axis.coast_whole);
+        left.filter(|left| left.is_finite()).fold(0.0, |most: f64, left| most.max(left.abs())) / width
+    }
+
+    #[test]
+    fn fitted_models_stay_near_the_rows_that_they_were_fitted_to() {
+        let (mut fitted, mut refused) = (0, Vec::new());
+        for (name, values) in every_kind(800) {
+            let recording = recording(&values);
+            let options = FitOptions {
+                max_lag: 4,
+                max_terms: 8,
+                train: Train::Share(0.6),
+                physical: vec!["temp_c".parse().unwrap()],
+                ..FitOptions::default()
+            };
+            let rest = rest(&recording, options.train);
+            match fit_axis(&recording, &rest, "gx", &options) {
+                Ok(fit) => {
+                    fitted += 1;
+                    let rows = training_rows(&recording, options.train);
+                    let off = furthest(&fit, &recording, &rest, rows);
+                    assert!(off <= 1.0 + FURTHEST, "{name}: {off} widths");
+                }
+                Err(error @ AxisError::Diverges { .. }) => refused.push(format!("{name}: {error}")),
+                Err(_) => {}
+            }
+        }
+        assert!(fitted > 20, "{fitted} fits, refused: {refused:?}");
+    }
+
+    #[test]
+    fn a_model_that_diverges_is_refused() {
+        let recording = recording(&fos_testkit::noise::autoregression(1, 1200, &[0.8], 1e-3));
+        let options = FitOptions { max_lag: 2, ..FitOptions::default() };
+        let rest = rest(&recording, options.train);
+        let fit = fit_axis(&recording, &rest, "gx", &options).unwrap();
+        let rows = training_rows(&recording, options.train);
+        let verdict = |model: &UnitModel| {
+            let mut model = model.clone();
+            let playback = Playback::new(&recording, &model, &rest.still).unwrap();
+            let trace = set_statistics(&mut model, &playback, rows.clone()).unwrap();
+            refuse_divergent("gx_rads", &trace)
+        };
+        assert!(verdict(&fit.model).is_ok());
+        // negative control: a coefficient with a digit too many
+        let mut wrong = fit.model.clone();
+        wrong.axes[0].stochastic[0].coefficient *= 10.0;
+        let error = verdict(&wrong).unwrap_err();
+        assert!(error.to_string().starts_with("gx_rads: the model diverges"), "{error}");
+        assert!(furthest(&AxisFit { model: wrong, ..fit }, &recording, &rest, rows) > 1.0 + FURTHEST);
+    }
+}
