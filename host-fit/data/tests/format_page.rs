@@ -105,7 +105,7 @@ fn what_is_known_of_every_format_stands_on_the_page() {
     for known in KNOWN_FORMATS {
         let _ = write!(
             text,
-            "**{}** (`--format {}`; {})\n\n- read: {}\n- units: {}; clock: {}; temperature: {}\n- look out for: {}\n- refused: {}\n\n",
+            "**{}** (`--format {}`; {})\n\n- read: {}\n- units: {}; clock: {}; temperature: {}\n- values: {}\n- look out for: {}\n- refused: {}\n\n",
             known.name,
             known.id,
             known.files,
@@ -113,6 +113,7 @@ fn what_is_known_of_every_format_stands_on_the_page() {
             known.units,
             known.clock,
             known.temperature,
+            known.values,
             known.traps,
             known.refused
         );

@@ -126,7 +126,7 @@ fn what_px4_decimates_is_read_where_it_is_not_and_said() {
 }
 
 #[test]
-fn what_ardupilot_did_to_a_sample_is_taken_back() {
+fn undoes_what_ardupilot_did_to_a_sample() {
     let flight = flight();
     let parameters = [
         ("AHRS_ORIENTATION", 4.0),
@@ -138,7 +138,7 @@ fn what_ardupilot_did_to_a_sample_is_taken_back() {
     for raw in [false, true] {
         let recording = read("a.bin", &dataflash(&flight, &parameters, raw));
         let (_, assumed) = format_of(&recording);
-        assert!(assumed.contains("taken back: offsets, AHRS_ORIENTATION 4"), "{assumed}");
+        assert!(assumed.contains("undone: offsets, AHRS_ORIENTATION 4"), "{assumed}");
         // turned by half a turn about z
         let x = recording.channel("ax_mps2").unwrap();
         let expected = flight.acceleration.iter().map(|value| -f64::from(value[0]) + 0.25);

@@ -11,6 +11,9 @@ pub enum Rate {
     Decimated,
     /// Every sample, in batches of ten.
     Fifo,
+    /// The same from a version of PX4 that logs the samples in the sensor's axes, of a sensor turned by 90° about z: a
+    /// field `rotation` of 2 says so.
+    FifoOfTurned,
 }
 
 struct Log(Vec<u8>);
@@ -43,11 +46,18 @@ pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
     log.0.extend(flight.stamps_us[0].to_le_bytes());
     // flag bits: none set, nothing appended
     log.message(b'B', &[0; 40]);
+    let fifo = |name: &str| {
+        let rotation = if rate == Rate::FifoOfTurned { "uint8_t rotation;" } else { "" };
+        format!(
+            "{name}:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float dt;float scale;uint8_t samples;uint8_t[3] _padding0;int16_t[32] x;int16_t[32] y;int16_t[32] z;{rotation}"
+        )
+    };
+    for format in [fifo("sensor_accel_fifo"), fifo("sensor_gyro_fifo")] {
+        log.message(b'F', format.as_bytes());
+    }
     for format in [
         "sensor_accel:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;uint32_t error_count;uint8_t[3] clip_counter;uint8_t samples;",
         "sensor_gyro:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;uint32_t error_count;uint8_t[3] clip_counter;uint8_t samples;",
-        "sensor_accel_fifo:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float dt;float scale;uint8_t samples;uint8_t[3] _padding0;int16_t[32] x;int16_t[32] y;int16_t[32] z;",
-        "sensor_gyro_fifo:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float dt;float scale;uint8_t samples;uint8_t[3] _padding0;int16_t[32] x;int16_t[32] y;int16_t[32] z;",
         "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;float[3] accelerometer_m_s2;uint32_t accelerometer_integral_dt;uint8_t accelerometer_clipping;",
     ] {
         log.message(b'F', format.as_bytes());
@@ -69,14 +79,14 @@ pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
         // what PX4 calls the time of publication is later
         let published = (us + 137).to_le_bytes();
         let stamp = us.to_le_bytes();
-        let device = 2_818_058_u32.to_le_bytes();
+        let device = |instance: u8| (2_818_058 + u32::from(instance)).to_le_bytes();
         let temperature = flight.temperature[sample].to_le_bytes();
         let triad =
             |values: [f32; 3]| -> Vec<u8> { values.iter().flat_map(|value| value.to_le_bytes()).collect() };
         let (force, turn) = (triad(flight.acceleration[sample]), triad(flight.rate[sample]));
         if is_logged {
-            for (id, values) in [(0, &force), (1, &turn), (5, &turn)] {
-                log.data(id, &[&published, &stamp, &device, values, &temperature, &[0; 7], &[1]]);
+            for (id, instance, values) in [(0, 0, &force), (1, 0, &turn), (5, 1, &turn)] {
+                log.data(id, &[&published, &stamp, &device(instance), values, &temperature, &[0; 7], &[1]]);
             }
         }
         match rate {
@@ -87,34 +97,42 @@ pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
                 let dt = 5000_u32.to_le_bytes();
                 log.data(4, &[&stamp, &turn, &dt, &relative, &force, &dt, &[0]]);
             }
-            Rate::Fifo if sample % 10 == 9 => {
+            Rate::Fifo | Rate::FifoOfTurned if sample % 10 == 9 => {
                 let first = sample - 9;
                 let dt_us = (us - flight.stamps_us[first]) as f32 / 9.0;
                 for (id, values, scale) in
                     [(2, &flight.acceleration, 16.0 * 9.80665 / 32768.0), (3, &flight.rate, 35.0 / 32768.0)]
                 {
                     let scale: f32 = scale;
+                    // as the sensor sees it: its x is the board's y, its y the board's −x
+                    let of_sensor = |[x, y, z]: [f32; 3]| match rate {
+                        Rate::FifoOfTurned => [y, -x, z],
+                        _ => [x, y, z],
+                    };
                     let axes: Vec<u8> = (0..3)
                         .flat_map(|axis| {
-                            let counts = values[first..=sample].iter().map(move |value| value[axis] / scale);
+                            let counts = values[first..=sample].iter();
+                            let counts = counts.map(move |value| of_sensor(*value)[axis] / scale);
                             let counts = counts.map(|count| count.round() as i16).chain([0; 22]);
                             counts.flat_map(i16::to_le_bytes)
                         })
                         .collect();
-                    let fields: [&[u8]; 8] = [
+                    let rotation: &[u8] = if rate == Rate::FifoOfTurned { &[2] } else { &[] };
+                    let fields: [&[u8]; 9] = [
                         &published,
                         &stamp,
-                        &device,
+                        &device(0),
                         &dt_us.to_le_bytes(),
                         &scale.to_le_bytes(),
                         &[10],
                         &[0; 3],
                         &axes,
+                        rotation,
                     ];
                     log.data(id, &fields);
                 }
             }
-            Rate::Fifo => {}
+            Rate::Fifo | Rate::FifoOfTurned => {}
         }
     }
     log.0

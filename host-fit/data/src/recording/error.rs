@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::column_map::MapError;
+use super::column_map::{MapError, quoted};
 use super::format::Format;
 use super::quality::BadRow;
 use super::rate::RATES_HZ;
@@ -38,6 +38,58 @@ pub enum RecordingError {
         rate_hz: f64,
         /// That of the others, Hz.
         expected_hz: f64,
+    },
+    /// Recordings of different sensors, or of differently corrected values.
+    #[error(
+        "{path} and {others} do not go together: the {sensor} of {others} are {here}, those of {path} {there}\nhelp: fit logs of one sensor, recorded in one way; --topic chooses the sensor of a log"
+    )]
+    OtherSensor {
+        /// As it was given.
+        path: String,
+        /// The logs before it.
+        others: String,
+        /// Accelerometers or gyros.
+        sensor: &'static str,
+        /// Provenance of the logs before it, in words.
+        here: String,
+        /// Its provenance, in words.
+        there: String,
+    },
+    /// A column whose header states a unit that cannot be read.
+    #[error(
+        "{}: column {column:?}: its header states the unit {unit:?}, which is none of {target}\nhelp: state it in the column map, as in --map '{target}={}:{example}'",
+        path.display(), quoted(column)
+    )]
+    HeaderUnit {
+        /// As it was given.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// The unit as the header states it.
+        unit: String,
+        /// The channel that the column stands for, as `gx_rads`.
+        target: &'static str,
+        /// A unit of the channel.
+        example: &'static str,
+    },
+    /// Accelerometers whose values contradict their unit.
+    #[error(
+        "{}: the accelerometers are in {unit} by {stated}, and show {magnitude:.4} together (median), which is gravity in {fits}\nhelp: if they are in {fits}, state it in the column map: {map}; if gravity is missing in them, record the accelerometers with gravity",
+        path.display()
+    )]
+    GravityUnit {
+        /// As it was given.
+        path: PathBuf,
+        /// The unit that they are said to be in.
+        unit: String,
+        /// Where that is said.
+        stated: &'static str,
+        /// Median of the magnitude, in the unit of the file.
+        magnitude: f64,
+        /// The unit in which it is gravity.
+        fits: &'static str,
+        /// Entries of a column map with that unit.
+        map: String,
     },
     /// Recordings without a channel in common.
     #[error(

@@ -13,7 +13,8 @@ impl Recording {
     /// Times go on from one to the next.
     ///
     /// # Errors
-    /// None is given, they were sampled at different rates, or no channel is in all of them.
+    /// None is given, they were sampled at different rates, are of different sensors or differently corrected, or no
+    /// channel is in all of them.
     pub fn join(recordings: Vec<Self>) -> Result<Self, RecordingError> {
         let mut rest = recordings.into_iter();
         let mut joined = rest.next().ok_or(RecordingError::NothingToJoin)?;
@@ -32,6 +33,7 @@ impl Recording {
                 expected_hz: here,
             });
         }
+        self.refuse_other_sensor(&next)?;
         let rows = self.n_rows();
         self.channels.retain(|channel| next.channels.iter().any(|other| same(channel, other)));
         if self.channels.is_empty() {

@@ -54,6 +54,7 @@ mod parquet_input;
 #[cfg(feature = "parquet")]
 mod parquet_write;
 mod preview;
+mod provenance;
 mod quality;
 mod rate;
 mod source;
@@ -95,6 +96,7 @@ pub use held::back_filled;
 pub use load::load;
 pub use load_options::LoadOptions;
 pub use preview::{ColumnPreview, Preview, preview};
+pub use provenance::{Frame, Provenance, SensorProvenance, Values};
 pub use quality::{BadRow, MissingCells, Place, Problem, Quality};
 pub use rate::{RATES_HZ, Rate, Stamps};
 pub use source::Source;

@@ -1,9 +1,13 @@
 //! Betaflight's blackbox, decoded to CSV: its columns, and the scale of its accelerometer.
 
+use std::path::Path;
+
+use super::super::error::RecordingError;
 use super::super::guess::gravity;
+use super::super::provenance::{Frame, Provenance, Values};
 use super::super::table::{Column, Table};
-use super::Format;
 use super::found::Found;
+use super::{Format, header};
 use crate::column::{ACCELEROMETERS, GYROS};
 
 /// Counts to 1 g of the accelerometers that flight controllers have: a power of two.
@@ -13,33 +17,37 @@ const COUNTS_PER_G: [f64; 7] = [256.0, 512.0, 1024.0, 2048.0, 4096.0, 8192.0, 16
 const WITHIN: f64 = 1.25;
 
 /// The columns of a blackbox, if it is one.
-pub(super) fn decoded(table: &Table) -> Option<Found> {
+///
+/// # Errors
+///
+/// A header states a unit that cannot be read.
+pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, RecordingError> {
     let of = |name: &str| {
         // as `gyroADC[0]` or `gyroADC[0] (deg/s)`
-        let is = |column: &&Column| column.name.split(" (").next().is_some_and(|first| first == name);
+        let is = |column: &&Column| header::split(&column.name).0 == name;
         table.columns.iter().find(is)
     };
     let triad = |name: &str| -> Option<[&Column; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| of(&format!("{name}[{axis}]")));
         Some([x?, y?, z?])
     };
-    let time = of("time")?;
-    let gyro_name = ["gyroUnfilt", "gyroADC"].into_iter().find(|name| triad(name).is_some())?;
-    let stamps =
-        ["s", "ms"].into_iter().find(|unit| time.name.ends_with(&format!("({unit})"))).unwrap_or("us");
+    let gyro = ["gyroUnfilt", "gyroADC"].into_iter().find_map(|name| Some((name, triad(name)?)));
+    let (Some(time), Some((gyro_name, gyro))) = (of("time"), gyro) else { return Ok(None) };
+    let stamps = header::unit_of(path, &time.name, "t_s", "us")?;
     let mut entries = vec![("t_s", time.name.clone(), stamps.to_owned())];
-    for (target, column) in GYROS.into_iter().zip(triad(gyro_name)?) {
-        let unit = if column.name.ends_with("(rad/s)") { "rad/s" } else { "dps" };
+    for (target, column) in GYROS.into_iter().zip(gyro) {
+        let unit = header::unit_of(path, &column.name, target, "dps")?;
         entries.push((target, column.name.clone(), unit.to_owned()));
     }
     let filtered = if gyro_name == "gyroADC" { ", filtered by the flight controller" } else { "" };
-    let mut assumed = format!("time in {stamps}; {gyro_name} in °/s, rounded{filtered}");
+    let gyro_unit = entries.last().map_or("dps", |(_, _, unit)| unit);
+    let mut assumed =
+        format!("time in {stamps}; {gyro_name} in {gyro_unit}, rounded, less its mean at start-up{filtered}");
     if let Some(columns) = triad("accSmooth") {
-        let how = match columns[0].name.rsplit_once('(').map(|(_, unit)| unit) {
-            Some("g)") => Some(("g".to_owned(), "in g".to_owned())),
-            Some("m/s/s)" | "m/s2)" | "m/s^2)") => Some(("m/s2".to_owned(), "in m/s²".to_owned())),
-            _ => counts_per_g(columns)
+        let how = match header::unit_of(path, &columns[0].name, ACCELEROMETERS[0], "")? {
+            "" => counts_per_g(columns)
                 .map(|counts| (format!("/{counts}:g"), format!("in counts, {counts} to 1 g by gravity"))),
+            unit => Some((unit.to_owned(), format!("in {unit}"))),
         };
         match how {
             Some((how, said)) => {
@@ -51,7 +59,9 @@ pub(super) fn decoded(table: &Table) -> Option<Found> {
             None => assumed.push_str("; accSmooth left out: gravity does not tell how many counts are 1 g"),
         }
     }
-    Some(Found { format: Format::Betaflight, entries, assumed, gyro_clock: None })
+    let by = "Betaflight (gyro zero and accelerometer trim subtracted, turned to the vehicle)";
+    let provenance = Provenance::of_both(Values::Corrected(by.into()), Frame::Vehicle);
+    Ok(Some(Found { format: Format::Betaflight, entries, assumed, provenance, gyro_clock: None }))
 }
 
 /// Counts to 1 g.

@@ -1,44 +1,69 @@
 //! Tables whose columns have names that a known program gives them: what each column is, and in what unit.
 
-use super::super::guess::unit_in;
-use super::super::table::Table;
-use super::Format;
-use super::found::Entry;
+use std::path::Path;
 
-/// How a known program names its columns. A name that ends in `*` stands for all that begin so; capitals do not count.
+use super::super::error::RecordingError;
+use super::super::load_options::LoadOptions;
+use super::super::provenance::{Frame, Provenance, Values};
+use super::super::table::Table;
+use super::found::Entry;
+use super::{Format, header};
+
+/// How a known program names its columns: the name before the unit, which a header may state in any spelling. A name
+/// that ends in `()` is found only with a unit. Capitals do not count.
 pub(super) struct Dialect {
     pub(super) format: Format,
     /// Columns that are all there.
     marks: &'static [&'static str],
-    /// Channel, column, and what stands behind the column in an entry of a column map: arithmetic and unit. `[]`: the
-    /// unit is the one in the column's name.
+    /// Channel, column, and what stands behind the column in an entry of a column map: arithmetic, and the unit where the
+    /// header states none.
     columns: &'static [(&'static str, &'static str, &'static str)],
     /// The stamps of the gyros, where they have their own.
     pub(super) gyro_clock: Option<&'static str>,
     /// What is assumed.
     pub(super) assumed: &'static str,
+    /// What the values were corrected by; empty where they are raw, none where the program does not say.
+    corrected_by: Option<&'static str>,
+    frame: Frame,
     /// Why it cannot be used, and what to record instead.
     pub(super) refused: Option<(&'static str, &'static str)>,
 }
 
 /// Nothing of a dialect that need not be said.
-const PLAIN: Dialect =
-    Dialect { format: Format::Log, marks: &[], columns: &[], gyro_clock: None, assumed: "", refused: None };
+const PLAIN: Dialect = Dialect {
+    format: Format::Log,
+    marks: &[],
+    columns: &[],
+    gyro_clock: None,
+    assumed: "",
+    corrected_by: None,
+    frame: Frame::Unstated,
+    refused: None,
+};
+
+/// Phones subtract their estimate of the bias from what TYPE_ACCELEROMETER and TYPE_GYROSCOPE deliver (Android), and from
+/// what Core Motion fuses (iOS).
+pub(super) const PHONE: &str = "the phone (factory calibration and its own bias estimate)";
+
+/// Android's uncalibrated sensors are after factory calibration and temperature compensation (docs/phone.md).
+pub(super) const PHONE_FACTORY: &str = "the phone's factory calibration";
 
 const DIALECTS: &[Dialect] = &[
     Dialect {
         format: Format::Euroc,
-        marks: &["timestamp*", "w_RS_S_x*", "a_RS_S_x*"],
+        marks: &["timestamp", "w_RS_S_x", "a_RS_S_x"],
         columns: &[
-            ("t_s", "timestamp*", "ns"),
-            ("gx_rads", "w_RS_S_x*", "rad/s"),
-            ("gy_rads", "w_RS_S_y*", "rad/s"),
-            ("gz_rads", "w_RS_S_z*", "rad/s"),
-            ("ax_mps2", "a_RS_S_x*", "m/s2"),
-            ("ay_mps2", "a_RS_S_y*", "m/s2"),
-            ("az_mps2", "a_RS_S_z*", "m/s2"),
+            ("t_s", "timestamp", "ns"),
+            ("gx_rads", "w_RS_S_x", "rad/s"),
+            ("gy_rads", "w_RS_S_y", "rad/s"),
+            ("gz_rads", "w_RS_S_z", "rad/s"),
+            ("ax_mps2", "a_RS_S_x", "m/s2"),
+            ("ay_mps2", "a_RS_S_y", "m/s2"),
+            ("az_mps2", "a_RS_S_z", "m/s2"),
         ],
-        assumed: "stamps in ns; rad/s and m/s² with gravity in the sensor's frame; not corrected",
+        assumed: "units as in the header, else ns, rad/s and m/s² with gravity",
+        corrected_by: Some(""),
+        frame: Frame::Sensor,
         ..PLAIN
     },
     Dialect {
@@ -53,28 +78,30 @@ const DIALECTS: &[Dialect] = &[
             ("ay_mps2", "alpha_y", "m/s2"),
             ("az_mps2", "alpha_z", "m/s2"),
         ],
-        assumed: "stamps in ns; omega in rad/s, alpha is specific force in m/s² with gravity; not corrected",
+        assumed: "stamps in ns; omega in rad/s, alpha is specific force in m/s² with gravity",
         ..PLAIN
     },
     Dialect {
         format: Format::SensorLog,
-        marks: &["accelerometerTimestamp_sinceReboot(s)", "accelerometerAccelerationX(G)"],
+        marks: &["accelerometerTimestamp_sinceReboot", "accelerometerAccelerationX"],
         columns: &[
-            ("t_s", "accelerometerTimestamp_sinceReboot(s)", "s"),
-            ("ax_mps2", "accelerometerAccelerationX(G)", "*-1:g"),
-            ("ay_mps2", "accelerometerAccelerationY(G)", "*-1:g"),
-            ("az_mps2", "accelerometerAccelerationZ(G)", "*-1:g"),
-            ("gx_rads", "gyroRotationX(rad/s)", "rad/s"),
-            ("gy_rads", "gyroRotationY(rad/s)", "rad/s"),
-            ("gz_rads", "gyroRotationZ(rad/s)", "rad/s"),
+            ("t_s", "accelerometerTimestamp_sinceReboot", "s"),
+            ("ax_mps2", "accelerometerAccelerationX", "*-1:g"),
+            ("ay_mps2", "accelerometerAccelerationY", "*-1:g"),
+            ("az_mps2", "accelerometerAccelerationZ", "*-1:g"),
+            ("gx_rads", "gyroRotationX", "rad/s"),
+            ("gy_rads", "gyroRotationY", "rad/s"),
+            ("gz_rads", "gyroRotationZ", "rad/s"),
         ],
-        gyro_clock: Some("gyroTimestamp_sinceReboot(s)"),
-        assumed: "each sensor by its own stamps since reboot; g with the sign turned, so that gravity counts up; rad/s; not corrected",
+        gyro_clock: Some("gyroTimestamp_sinceReboot"),
+        assumed: "each sensor by its own stamps since reboot; g with the sign turned, so that gravity counts up; rad/s",
+        corrected_by: Some(""),
+        frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::SensorLog,
-        marks: &["motionUserAccelerationX(G)"],
+        marks: &["motionUserAccelerationX"],
         refused: Some((
             "it holds the fused motion… columns of SensorLog alone, which are without bias and gravity",
             "switch on \"Accelerometer\" and \"Gyroscope\" in its settings, and record again",
@@ -83,21 +110,23 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::StTools,
-        marks: &["timestamp [*", "A_X [*"],
+        marks: &["timestamp ()", "A_X ()"],
         columns: &[
-            ("t_s", "timestamp [*", "[]"),
-            ("ax_mps2", "A_X [*", "[]"),
-            ("ay_mps2", "A_Y [*", "[]"),
-            ("az_mps2", "A_Z [*", "[]"),
-            ("gx_rads", "G_X [*", "[]"),
-            ("gy_rads", "G_Y [*", "[]"),
-            ("gz_rads", "G_Z [*", "[]"),
-            ("mag_x_ut", "M_X [*", "[]"),
-            ("mag_y_ut", "M_Y [*", "[]"),
-            ("mag_z_ut", "M_Z [*", "[]"),
-            ("temp_c", "T [*", "[]"),
+            ("t_s", "timestamp ()", ""),
+            ("ax_mps2", "A_X ()", ""),
+            ("ay_mps2", "A_Y ()", ""),
+            ("az_mps2", "A_Z ()", ""),
+            ("gx_rads", "G_X ()", ""),
+            ("gy_rads", "G_Y ()", ""),
+            ("gz_rads", "G_Z ()", ""),
+            ("mag_x_ut", "M_X ()", ""),
+            ("mag_y_ut", "M_Y ()", ""),
+            ("mag_z_ut", "M_Z ()", ""),
+            ("temp_c", "T ()", ""),
         ],
-        assumed: "units as in the header; the sensor's frame, with gravity; not corrected",
+        assumed: "units as in the header; with gravity",
+        corrected_by: Some(""),
+        frame: Frame::Sensor,
         ..PLAIN
     },
     Dialect {
@@ -112,44 +141,52 @@ const DIALECTS: &[Dialect] = &[
             ("gy_rads", "wy", "rad/s"),
             ("gz_rads", "wz", "rad/s"),
         ],
-        assumed: "time in s; gFx … in g with gravity, wx … in rad/s; ax, ay, az are without gravity and left alone; not corrected beyond what the phone does itself",
+        assumed: "time in s; gFx … in g with gravity, wx … in rad/s; ax, ay, az are without gravity and left alone",
+        corrected_by: Some(PHONE),
+        frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::AndroSensor,
-        marks: &["ACCELEROMETER X (*", "Time since start in ms*"],
+        marks: &["ACCELEROMETER X ()", "Time since start"],
         columns: &[
-            ("t_s", "Time since start in ms*", "ms"),
-            ("ax_mps2", "ACCELEROMETER X (*", "m/s2"),
-            ("ay_mps2", "ACCELEROMETER Y (*", "m/s2"),
-            ("az_mps2", "ACCELEROMETER Z (*", "m/s2"),
-            ("gx_rads", "GYROSCOPE X (*", "rad/s"),
-            ("gy_rads", "GYROSCOPE Y (*", "rad/s"),
-            ("gz_rads", "GYROSCOPE Z (*", "rad/s"),
-            ("mag_x_ut", "MAGNETIC FIELD X (*", "uT"),
-            ("mag_y_ut", "MAGNETIC FIELD Y (*", "uT"),
-            ("mag_z_ut", "MAGNETIC FIELD Z (*", "uT"),
+            ("t_s", "Time since start", "ms"),
+            ("ax_mps2", "ACCELEROMETER X ()", "m/s2"),
+            ("ay_mps2", "ACCELEROMETER Y ()", "m/s2"),
+            ("az_mps2", "ACCELEROMETER Z ()", "m/s2"),
+            ("gx_rads", "GYROSCOPE X ()", "rad/s"),
+            ("gy_rads", "GYROSCOPE Y ()", "rad/s"),
+            ("gz_rads", "GYROSCOPE Z ()", "rad/s"),
+            ("mag_x_ut", "MAGNETIC FIELD X ()", "uT"),
+            ("mag_y_ut", "MAGNETIC FIELD Y ()", "uT"),
+            ("mag_z_ut", "MAGNETIC FIELD Z ()", "uT"),
         ],
-        assumed: "time in ms; m/s² with gravity, rad/s; rows are written at a rate of their own; GRAVITY and LINEAR ACCELERATION are estimates and left alone; not corrected beyond what the phone does itself",
+        assumed: "time in ms; m/s² with gravity, rad/s; rows are written at a rate of their own; GRAVITY and LINEAR ACCELERATION are estimates and left alone",
+        corrected_by: Some(PHONE),
+        frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::Phyphox,
-        marks: &["Time (s)", "Acceleration x (m/s^2)"],
+        marks: &["Time ()", "Acceleration x ()"],
         columns: PHYPHOX,
         assumed: PHYPHOX_ASSUMED,
+        corrected_by: Some(PHONE),
+        frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::Phyphox,
-        marks: &["Time (s)", "Gyroscope x (rad/s)"],
+        marks: &["Time ()", "Gyroscope x ()"],
         columns: PHYPHOX,
         assumed: PHYPHOX_ASSUMED,
+        corrected_by: Some(PHONE),
+        frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::Phyphox,
-        marks: &["Time (s)", "Linear Acceleration x (m/s^2)"],
+        marks: &["Time ()", "Linear Acceleration x ()"],
         refused: Some((
             "it holds acceleration without g of phyphox alone, which is an estimate of the phone",
             "record \"Acceleration with g\" and \"Gyroscope\" instead",
@@ -159,22 +196,24 @@ const DIALECTS: &[Dialect] = &[
 ];
 
 const PHYPHOX: &[(&str, &str, &str)] = &[
-    ("t_s", "Time (s)", "s"),
-    ("ax_mps2", "Acceleration x (m/s^2)", "m/s2"),
-    ("ay_mps2", "Acceleration y (m/s^2)", "m/s2"),
-    ("az_mps2", "Acceleration z (m/s^2)", "m/s2"),
-    ("gx_rads", "Gyroscope x (rad/s)", "rad/s"),
-    ("gy_rads", "Gyroscope y (rad/s)", "rad/s"),
-    ("gz_rads", "Gyroscope z (rad/s)", "rad/s"),
+    ("t_s", "Time ()", "s"),
+    ("ax_mps2", "Acceleration x ()", "m/s2"),
+    ("ay_mps2", "Acceleration y ()", "m/s2"),
+    ("az_mps2", "Acceleration z ()", "m/s2"),
+    ("gx_rads", "Gyroscope x ()", "rad/s"),
+    ("gy_rads", "Gyroscope y ()", "rad/s"),
+    ("gz_rads", "Gyroscope z ()", "rad/s"),
 ];
 
-const PHYPHOX_ASSUMED: &str = "time in s since the start; m/s² with gravity, rad/s, in the phone's frame; not corrected beyond what the phone does itself";
+const PHYPHOX_ASSUMED: &str = "time in s since the start; m/s² with gravity, rad/s";
 
 /// Whether a column is the one of a pattern.
 pub(super) fn is_named(column: &str, pattern: &str) -> bool {
-    match pattern.strip_suffix('*') {
-        Some(begin) => column.get(..begin.len()).is_some_and(|column| column.eq_ignore_ascii_case(begin)),
-        None => column.eq_ignore_ascii_case(pattern),
+    let (name, unit) = header::split(column);
+    match pattern.strip_suffix(" ()") {
+        Some(with_unit) => unit.is_some() && name.eq_ignore_ascii_case(with_unit),
+        // the unit of some names is a part of them: `time in ms` is no `time`
+        None => name.eq_ignore_ascii_case(pattern),
     }
 }
 
@@ -191,22 +230,223 @@ impl Dialect {
             .find(|dialect| dialect.marks.iter().all(has))
     }
 
-    /// Channel, column, arithmetic and unit of what a table has.
-    pub(super) fn entries(&self, table: &Table) -> Vec<Entry> {
-        let find = |pattern: &str| table.columns.iter().find(|column| is_named(&column.name, pattern));
-        let entry = |(target, pattern, how): &(&'static str, &str, &str)| {
-            let column = find(pattern)?.name.clone();
-            let how = match *how {
-                "[]" => unit_in(&column, target)?,
-                how => how,
+    /// Channel, column, arithmetic and unit of what a table has. The unit is the one in the header, where it states one.
+    ///
+    /// # Errors
+    ///
+    /// A header states a unit that cannot be read, of a column that the user does not map.
+    pub(super) fn entries(
+        &self,
+        path: &Path,
+        table: &Table,
+        options: &LoadOptions,
+    ) -> Result<Vec<Entry>, RecordingError> {
+        let mut entries = Vec::new();
+        for &(target, pattern, how) in self.columns {
+            let Some(column) = table.columns.iter().find(|column| is_named(&column.name, pattern)) else {
+                continue;
             };
-            Some((*target, column, how.to_owned()))
-        };
-        self.columns.iter().filter_map(entry).collect()
+            if options.columns.column_of(target) != target || options.columns.ignores(&column.name) {
+                continue;
+            }
+            let (arithmetic, default) = match how.rsplit_once(':') {
+                Some((arithmetic, unit)) => (Some(arithmetic), unit),
+                None => (None, how),
+            };
+            let unit = header::unit_of(path, &column.name, target, default)?;
+            let how = arithmetic.map_or_else(|| unit.to_owned(), |chain| format!("{chain}:{unit}"));
+            entries.push((target, column.name.clone(), how));
+        }
+        Ok(entries)
     }
 
     /// The column of the stamps, if the dialect says which one it is.
     pub(super) fn clock(&self) -> Option<&'static str> {
         self.columns.iter().find(|(target, ..)| *target == "t_s").map(|(_, pattern, _)| *pattern)
+    }
+
+    /// Corrections and frame of the values.
+    pub(super) fn provenance(&self) -> Provenance {
+        let values = match self.corrected_by {
+            None => Values::Unstated,
+            Some("") => Values::Raw,
+            Some(by) => Values::Corrected(by.into()),
+        };
+        Provenance::of_both(values, self.frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use super::super::super::{Recording, load};
+    use super::*;
+    use crate::unit::Unit;
+
+    /// Spellings in headers, and SI per unit; by the definitions of the units, apart from the table under test.
+    fn spellings(unit: Unit) -> &'static [(&'static str, f64)] {
+        const DEGREE: f64 = std::f64::consts::PI / 180.0;
+        match unit {
+            Unit::Second => &[
+                ("s", 1.0),
+                ("ms", 1e-3),
+                ("us", 1e-6),
+                ("µs", 1e-6),
+                ("\u{3bc}s", 1e-6),
+                ("ns", 1e-9),
+                ("seconds", 1.0),
+            ],
+            Unit::MetrePerSecondSquared => &[
+                ("m/s^2", 1.0),
+                ("m/s²", 1.0),
+                ("m s^-2", 1.0),
+                ("m/sÂ²", 1.0),
+                ("g", 9.80665),
+                ("G", 9.80665),
+                ("mg", 9.80665e-3),
+            ],
+            Unit::RadianPerSecond => &[
+                ("rad/s", 1.0),
+                ("rad s^-1", 1.0),
+                ("deg/s", DEGREE),
+                ("deg s^-1", DEGREE),
+                ("°/s", DEGREE),
+                ("dps", DEGREE),
+                ("mdps", DEGREE * 1e-3),
+            ],
+            Unit::Microtesla => &[("µT", 1.0), ("uT", 1.0), ("mgauss", 0.1), ("gauss", 100.0), ("mT", 1e3)],
+            _ => &[("°C", 1.0), ("degC", 1.0)],
+        }
+    }
+
+    /// What a channel holds in a row, in SI.
+    fn truth(target: &str, row: usize) -> f64 {
+        let n = row as f64;
+        let wave = (0.7 * n + target.len() as f64).sin();
+        match target {
+            "t_s" => 10.0 + 0.005 * n,
+            "az_mps2" => 9.7 + 0.01 * wave,
+            "temp_c" => 25.0 + 0.01 * n,
+            _ if target.starts_with("mag") => 30.0 + wave,
+            _ => 0.2 + 0.01 * wave,
+        }
+    }
+
+    /// A file of a dialect in which columns of `kind` state `spelling` and hold the truth in `per_unit`; the others are
+    /// as the program writes them.
+    fn file(dialect: &Dialect, kind: Unit, spelling: &str, per_unit: f64, brackets: [char; 2]) -> String {
+        const ROWS: usize = 200;
+        let clock = dialect.gyro_clock.map(|clock| ("t_s", clock, "s"));
+        let columns: Vec<_> = dialect.columns.iter().copied().chain(clock).collect();
+        let mut scales = Vec::new();
+        let mut headers = Vec::new();
+        for (target, pattern, how) in &columns {
+            let unit = Unit::of_column(target);
+            let (arithmetic, default) = how.rsplit_once(':').unwrap_or(("", how));
+            let name = pattern.trim_end_matches(" ()");
+            let (stated, scale) = if unit == kind {
+                (Some(spelling), per_unit)
+            } else {
+                let scale = crate::unit::parse_unit(default).map_or(1.0, |(_, to_si)| to_si.scale);
+                // those that state their unit in every file
+                let is_stated = name != *pattern;
+                (is_stated.then(|| spellings(unit)[0].0), if is_stated { 1.0 } else { scale })
+            };
+            scales.push(if arithmetic == "*-1" { -scale } else { scale });
+            headers.push(match stated {
+                Some(stated) => format!("{name} {}{stated}{}", brackets[0], brackets[1]),
+                None => name.to_owned(),
+            });
+        }
+        let mut text = headers.join(",");
+        for row in 0..ROWS {
+            let cells = columns.iter().zip(&scales);
+            let cells: Vec<String> =
+                cells.map(|((target, ..), scale)| format!("{:?}", truth(target, row) / scale)).collect();
+            write!(text, "\n{}", cells.join(",")).unwrap();
+        }
+        text
+    }
+
+    /// The first channel of a dialect whose values are not the truth.
+    fn first_wrong(dialect: &Dialect, recording: &Recording) -> Option<&'static str> {
+        let is_right = |target: &str| {
+            let values: &[f64] = match target {
+                "t_s" => &recording.time_s,
+                _ => &recording.channel(target).ok()?.values,
+            };
+            let same = |(row, value): (usize, &f64)| (value / truth(target, row) - 1.0).abs() < 1e-9;
+            Some(values.iter().enumerate().all(same))
+        };
+        dialect.columns.iter().map(|(target, ..)| *target).find(|target| is_right(target) != Some(true))
+    }
+
+    fn read(folder: &Path, text: &str) -> Result<Recording, String> {
+        let path = folder.join("log.csv");
+        std::fs::write(&path, text).unwrap();
+        load(&path, &LoadOptions::default()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn reads_the_unit_that_a_header_states_in_every_dialect() {
+        let folder = tempfile::tempdir().unwrap();
+        for dialect in DIALECTS.iter().filter(|dialect| dialect.refused.is_none()) {
+            let mut kinds: Vec<Unit> = Vec::new();
+            for (target, ..) in dialect.columns {
+                let kind = Unit::of_column(target);
+                if !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+            }
+            for kind in kinds {
+                for (spelling, per_unit) in spellings(kind) {
+                    for brackets in [['[', ']'], ['(', ')']] {
+                        let text = file(dialect, kind, spelling, *per_unit, brackets);
+                        let what = format!("{:?} in {spelling} {brackets:?}", dialect.format);
+                        let recording =
+                            read(folder.path(), &text).unwrap_or_else(|error| panic!("{what}: {error}"));
+                        let read_as = recording.sources[0].read_as.as_ref().unwrap();
+                        assert_eq!(read_as.format, dialect.format, "{what}");
+                        assert_eq!(first_wrong(dialect, &recording), None, "{what}");
+                    }
+                }
+                // a unit that cannot be read is refused, not taken for another
+                let text = file(dialect, kind, "furlong", 1.0, ['[', ']']);
+                let error = read(folder.path(), &text).expect_err("a refusal");
+                assert!(error.contains("\"furlong\"") && error.contains("--map '"), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_that_are_not_in_the_stated_unit_are_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let euroc = DIALECTS.iter().find(|dialect| dialect.format == Format::Euroc).unwrap();
+        // the rule of before: the header states µs, the values are ns
+        let old = file(euroc, Unit::Second, "us", 1e-9, ['[', ']']);
+        match read(folder.path(), &old) {
+            Ok(recording) => assert_eq!(first_wrong(euroc, &recording), Some("t_s")),
+            Err(error) => assert!(error.contains("another unit") || error.contains("unit"), "{error}"),
+        }
+        // gravity says so itself: in g, and stated as m/s²
+        let error =
+            read(folder.path(), &file(euroc, Unit::MetrePerSecondSquared, "m s^-2", 9.80665, ['[', ']']));
+        let error = error.expect_err("a contradiction");
+        assert!(
+            error.contains("in m/s2 by their headers")
+                && error.contains("--map 'ax_mps2=a_RS_S_x [m s^-2]:g'"),
+            "{error}"
+        );
+        // and the entry of the map that it names reads it
+        let options = LoadOptions {
+            columns: super::super::super::ColumnMap::from_specs(
+                error.split('\'').filter(|part| part.starts_with('a') && part.contains("_mps2=")),
+            )
+            .unwrap(),
+            ..LoadOptions::default()
+        };
+        let recording = load(folder.path().join("log.csv"), &options).unwrap();
+        assert_eq!(first_wrong(euroc, &recording), None);
     }
 }

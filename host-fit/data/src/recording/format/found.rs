@@ -1,5 +1,6 @@
 //! What was found out of a table by the names of its columns.
 
+use super::super::provenance::Provenance;
 use super::Format;
 
 /// Channel, column, and what stands behind the column in an entry of a column map.
@@ -11,6 +12,8 @@ pub(super) struct Found {
     pub(super) entries: Vec<Entry>,
     /// What is assumed.
     pub(super) assumed: String,
-    /// The stamps of the gyros, where they have their own.
-    pub(super) gyro_clock: Option<String>,
+    /// Corrections and frame of the values.
+    pub(super) provenance: Provenance,
+    /// The stamps of the gyros and their unit, where they have their own.
+    pub(super) gyro_clock: Option<(String, &'static str)>,
 }

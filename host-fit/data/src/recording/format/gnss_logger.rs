@@ -6,7 +6,9 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 use super::super::error::RecordingError;
+use super::super::provenance::{Frame, Provenance, SensorProvenance, Values};
 use super::super::stream::Stream;
+use super::dialect::{PHONE, PHONE_FACTORY};
 use super::opened::Opened;
 use super::{Format, ReadAs};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
@@ -63,11 +65,20 @@ pub(super) fn read(path: &Path, mut input: impl BufRead) -> Result<Opened, Recor
         values.iter_mut().zip([x, y, z]).for_each(|(values, value)| values.push(value));
     }
     let mut streams = Vec::new();
+    let mut provenance = Provenance::default();
     for (sensor, (kinds, names)) in SENSORS.iter().enumerate() {
         let taken = (0..2).find(|kind| rows[2 * sensor + kind].0.len() > 1);
         let Some(taken) = taken else { continue };
         let (stamps_ns, values) = std::mem::take(&mut rows[2 * sensor + taken]);
         let columns = names.iter().zip(values).map(|(name, values)| ((*name).to_owned(), values));
+        let by = if taken == 0 { PHONE_FACTORY } else { PHONE };
+        let values = Values::Corrected(by.into());
+        let of_sensor = SensorProvenance { values, frame: Frame::Phone, ..SensorProvenance::default() };
+        match *names {
+            ACCELEROMETERS => provenance.accelerometers = of_sensor,
+            GYROS => provenance.gyros = of_sensor,
+            _ => {}
+        }
         streams.push(Stream { name: kinds[taken].to_owned(), stamps_ns, columns: columns.collect() });
     }
     if !streams.iter().any(|stream| !stream.name.ends_with("Mag")) {
@@ -79,9 +90,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead) -> Result<Opened, Recor
     }
     let names: Vec<&str> = streams.iter().map(|stream| stream.name.as_str()).collect();
     let lost = if unusable > 0 { format!("; {unusable} rows cannot be used") } else { String::new() };
-    let assumed = format!(
-        "{}; m/s² with gravity, rad/s; each by elapsedRealtimeNanos; in the phone's frame; the phone's own bias not taken off{lost}",
-        names.join(", ")
-    );
-    Ok(Opened::Streams(streams, ReadAs { format: Format::GnssLogger, assumed }))
+    let assumed =
+        format!("{}; m/s² with gravity, rad/s; each by elapsedRealtimeNanos{lost}", names.join(", "));
+    Ok(Opened::Streams(streams, ReadAs { format: Format::GnssLogger, assumed, provenance: Some(provenance) }))
 }

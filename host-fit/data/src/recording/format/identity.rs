@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::super::provenance::Provenance;
 use super::known::{FormatKnowledge, KNOWN_FORMATS};
 use super::names::Format;
 
@@ -69,11 +70,18 @@ pub struct ReadAs {
     pub format: Format,
     /// Columns, units, clock, frame, gravity, corrections already applied: in words.
     pub assumed: String,
+    /// Sensor, corrections and frame of the inertial values; absent in studies of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
 }
 
 impl fmt::Display for ReadAs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "read as {}: {}", self.format, self.assumed)
+        write!(f, "read as {}: {}", self.format, self.assumed)?;
+        match &self.provenance {
+            Some(provenance) => write!(f, "; {provenance}"),
+            None => Ok(()),
+        }
     }
 }
 

@@ -6,12 +6,14 @@ use super::super::column_map::{ColumnMap, quoted};
 use super::super::error::RecordingError;
 use super::super::guess::{Guess, guesses};
 use super::super::load_options::LoadOptions;
+use super::super::provenance::Provenance;
 use super::super::stream::{Stream, stamps};
 use super::super::table::Table;
 use super::dialect::{Dialect, is_named};
 use super::found::Found;
-use super::{Format, ReadAs, betaflight, several};
-use crate::column::AXES;
+use super::{Format, ReadAs, betaflight, header, several};
+use crate::column::{AXES, Triad};
+use crate::unit::{Affine, parse_unit};
 
 /// Which column is which channel, and what that rests on.
 #[derive(Debug, Default)]
@@ -20,8 +22,8 @@ pub(in super::super) struct Meaning {
     pub(in super::super) map: ColumnMap,
     /// As what the table was read; none if it is in the log format.
     pub(in super::super) read_as: Option<ReadAs>,
-    /// The stamps of the gyros, where they have their own.
-    pub(in super::super) gyro_clock: Option<String>,
+    /// The stamps of the gyros and their unit, where they have their own.
+    pub(in super::super) gyro_clock: Option<(String, &'static str)>,
     /// Entries of a column map that may be right, but that nothing states.
     pub(in super::super) perhaps: Vec<String>,
 }
@@ -43,8 +45,16 @@ pub(in super::super) fn meaning(
         None if has_axes && has_time => return Ok(Meaning::told(options)),
         _ => {}
     }
-    if let Some(Found { format, entries, assumed, gyro_clock }) = of_program(path, table, options)? {
-        let read_as = Some(ReadAs { format, assumed });
+    if let Some(found) = of_program(path, table, options)? {
+        let Found { format, entries, assumed, mut provenance, gyro_clock } = found;
+        header::refuse_other_gravity(path, table, &entries, options)?;
+        // what the user maps may be anything
+        for triad in [Triad::Accelerometers, Triad::Gyros] {
+            if triad.columns().iter().any(|axis| map.column_of(axis) != *axis) {
+                provenance.forget(triad);
+            }
+        }
+        let read_as = Some(ReadAs { format, assumed, provenance: Some(provenance) });
         return Ok(Meaning { map: filled(map, table, entries), read_as, gyro_clock, perhaps: Vec::new() });
     }
     if let Some(format) = options.format.filter(|format| *format != Format::Named) {
@@ -62,7 +72,10 @@ fn of_program(path: &Path, table: &Table, options: &LoadOptions) -> Result<Optio
     if let Some(dialect) = Dialect::of(table, options.format) {
         return of_dialect(path, table, options, dialect).map(Some);
     }
-    Ok(betaflight::decoded(table).filter(|_| may_be(Format::Betaflight)))
+    if !may_be(Format::Betaflight) {
+        return Ok(None);
+    }
+    betaflight::decoded(path, table)
 }
 
 fn of_dialect(
@@ -88,8 +101,16 @@ fn of_dialect(
     let gyro_clock = dialect.gyro_clock.and_then(|pattern| {
         table.columns.iter().map(|column| &column.name).find(|name| is_named(name, pattern)).cloned()
     });
-    let (format, assumed) = (dialect.format, dialect.assumed.to_owned());
-    Ok(Found { format, entries: dialect.entries(table), assumed, gyro_clock })
+    let gyro_clock = match gyro_clock {
+        Some(column) => {
+            let unit = header::unit_of(path, &column, "t_s", "s")?;
+            Some((column, unit))
+        }
+        None => None,
+    };
+    let (format, assumed, provenance) = (dialect.format, dialect.assumed.to_owned(), dialect.provenance());
+    let entries = dialect.entries(path, table, options)?;
+    Ok(Found { format, entries, assumed, provenance, gyro_clock })
 }
 
 /// By names that state what they are. Where they do not, it is left to the user.
@@ -118,11 +139,12 @@ fn by_names(table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> M
     let said: Vec<String> =
         sure.iter().map(|(target, column, unit)| format!("{column} is {target} in {unit}")).collect();
     let frame = if sure.iter().any(|(target, ..)| is_axis(target)) {
-        "; with gravity and not corrected, if nothing else is known"
+        "; with gravity, if nothing else is known"
     } else {
         ""
     };
-    let read_as = ReadAs { format: Format::Named, assumed: format!("{}{frame}", said.join(", ")) };
+    let assumed = format!("{}{frame}", said.join(", "));
+    let read_as = ReadAs { format: Format::Named, assumed, provenance: Some(Provenance::default()) };
     Meaning { map: filled(map, table, sure), read_as: Some(read_as), perhaps, gyro_clock: None }
 }
 
@@ -150,10 +172,16 @@ impl Meaning {
     /// The channels by sensor, each with its own stamps, where the gyros have a clock of their own; the table stays
     /// where they have none.
     pub(in super::super) fn streams(&self, table: &Table) -> Option<Vec<Stream>> {
-        let gyro_clock = table.index_of(self.gyro_clock.as_ref()?)?;
+        let (gyro_clock, gyro_unit) = self.gyro_clock.as_ref()?;
+        let gyro_clock = table.index_of(gyro_clock)?;
         let clock = table.index_of(self.map.column_of("t_s"))?;
-        let of = |clock: usize, is_gyro: bool| {
-            let stamps_ns = stamps(&table.columns[clock].values);
+        let mapped = self.map.mappings().iter().find(|mapping| mapping.target == "t_s");
+        let to_s = mapped.map_or(Affine::IDENTITY, |mapping| mapping.conversion);
+        let gyro_to_s = parse_unit(gyro_unit).map_or(Affine::IDENTITY, |(_, conversion)| conversion);
+        let of = |clock: usize, to_s: Affine, is_gyro: bool| {
+            let mut seconds = table.columns[clock].values.clone();
+            to_s.apply(&mut seconds);
+            let stamps_ns = stamps(&seconds);
             let mut kept: Vec<bool> = stamps_ns.iter().map(Option::is_some).collect();
             // a row that repeats the sample before it
             for row in 1..stamps_ns.len() {
@@ -181,7 +209,7 @@ impl Meaning {
             }
         };
         Some(
-            [of(clock, false), of(gyro_clock, true)]
+            [of(clock, to_s, false), of(gyro_clock, gyro_to_s, true)]
                 .into_iter()
                 .filter(|stream| !stream.columns.is_empty())
                 .collect(),

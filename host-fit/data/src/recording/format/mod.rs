@@ -17,6 +17,7 @@ mod dataflash;
 mod dialect;
 mod found;
 mod gnss_logger;
+mod header;
 mod identity;
 mod known;
 #[cfg(feature = "mcap")]
@@ -26,6 +27,8 @@ mod names;
 mod opened;
 #[cfg(any(feature = "bag", feature = "mcap"))]
 mod ros;
+#[cfg(any(feature = "dataflash", feature = "ulog"))]
+mod rotation;
 mod several;
 #[cfg(feature = "ulog")]
 mod ulog;

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use super::super::error::RecordingError;
+use super::super::provenance::Provenance;
 use super::super::stream::Stream;
 use super::opened::Opened;
 use super::{Format, ReadAs, choice};
@@ -204,7 +205,7 @@ impl Topics {
             .collect();
         let slow = if slow.is_empty() { String::new() } else { format!(", with {}", slow.join(", ")) };
         let assumed = format!(
-            "{name}{others}{slow}{frame}; m/s² with gravity, rad/s; by the stamps in the headers; as the driver gives it, which may have corrected it{unreadable}{damage}"
+            "{name}{others}{slow}{frame}; m/s² with gravity, rad/s; by the stamps in the headers{unreadable}{damage}"
         );
         // of each other kind the one with most messages
         let mut streams: Vec<Stream> = Vec::new();
@@ -215,7 +216,7 @@ impl Topics {
             streams.extend(found.map(|at| topics.swap_remove(at).stream()));
             topics.sort_by_key(|topic| std::cmp::Reverse(topic.stamps_ns.len()));
         }
-        Ok(Opened::Streams(streams, ReadAs { format, assumed }))
+        Ok(Opened::Streams(streams, ReadAs { format, assumed, provenance: Some(Provenance::default()) }))
     }
 }
 

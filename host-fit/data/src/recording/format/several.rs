@@ -8,17 +8,18 @@ use super::super::csv_file;
 use super::super::error::RecordingError;
 use super::super::guess::force_unit;
 use super::super::load_options::LoadOptions;
+use super::super::provenance::{Frame, Provenance, SensorProvenance, Values};
 use super::super::stream::{Stream, stamps};
 use super::super::table::Table;
 use super::super::unusable::refuse_unusable;
 use super::archive::{Archive, member_path};
 use super::bytes::{BAG_IN_SQLITE, unpacked};
+use super::dialect::{PHONE, PHONE_FACTORY, is_named};
 use super::found::Found;
 use super::known::may_be_log_within;
 use super::opened::{Extent, Opened};
-use super::{Format, ReadAs};
+use super::{Format, ReadAs, header};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
-use crate::unit::STANDARD_GRAVITY;
 
 /// A sensor that a file is of.
 #[derive(Clone, Copy, PartialEq)]
@@ -37,29 +38,41 @@ impl Sensor {
         }
     }
 
-    /// The unit that a phone gives it in.
-    fn unit(self, triad: [&[f64]; 3]) -> PhoneUnit {
-        let [written, unit] = match self {
+    /// The unit that a phone gives it in where the header states none, as a column map has it.
+    fn unit(self, triad: [&[f64]; 3]) -> &'static str {
+        match self {
             // an iPhone's own
-            Self::Accelerometer if force_unit(triad) == Some("g") => {
-                return PhoneUnit { written: "g", unit: "g", factor: STANDARD_GRAVITY };
-            }
-            Self::Accelerometer => ["m/s²", "m/s2"],
-            Self::Gyroscope => ["rad/s", "rad/s"],
-            Self::Magnetometer => ["µT", "uT"],
-        };
-        PhoneUnit { written, unit, factor: 1.0 }
+            Self::Accelerometer if force_unit(triad) == Some("g") => "g",
+            Self::Accelerometer => "m/s2",
+            Self::Gyroscope => "rad/s",
+            Self::Magnetometer => "uT",
+        }
     }
 }
 
-/// The unit that a phone gives a sensor in.
-struct PhoneUnit {
-    /// As people write it.
-    written: &'static str,
-    /// As a column map has it.
-    unit: &'static str,
-    /// To the unit of the channel.
-    factor: f64,
+/// Whether Core Motion's sign is in the accelerometers, by which gravity counts down. Sensor Logger gives g only where it
+/// leaves an iPhone's values as they are (its UNITS.md, CROSSPLATFORM.md), so that the unit tells without any metadata;
+/// of values in m/s² the metadata do.
+fn has_sign_of_ios(unit: &str, platform: Platform) -> bool {
+    unit == "g" || platform == Platform::Ios
+}
+
+/// The phone by the metadata of a recording of Sensor Logger.
+#[derive(Clone, Copy, PartialEq)]
+enum Platform {
+    /// There are none.
+    Unknown,
+    /// An iPhone whose values are as its system has them.
+    Ios,
+    /// Android, or an iPhone whose values were standardised.
+    Android,
+}
+
+/// What was done to the values of a phone, by the name of their sensor.
+fn provenance_of(stem: &str) -> SensorProvenance {
+    let by = if stem.contains("uncalibrated") { PHONE_FACTORY } else { PHONE };
+    let values = Values::Corrected(by.into());
+    SensorProvenance { values, frame: Frame::Phone, ..SensorProvenance::default() }
 }
 
 /// Reads what belongs together.
@@ -112,8 +125,7 @@ pub(super) fn read(
 struct Chosen {
     format: Format,
     files: Vec<(Sensor, String)>,
-    /// What the phone's system calls up is down here: its accelerometers are turned.
-    is_turned: bool,
+    platform: Platform,
 }
 
 impl Chosen {
@@ -136,7 +148,7 @@ impl Chosen {
         let header = archive.look_into(any, first_line)?.to_lowercase();
         let format = if header.contains("seconds_elapsed") {
             Format::SensorLogger
-        } else if header.contains("time (s)") {
+        } else if header.contains("time (") {
             Format::Phyphox
         } else {
             return Ok(None);
@@ -152,11 +164,11 @@ impl Chosen {
             let path = member_path(path, any);
             return Err(RecordingError::OtherFormat { path, is: is.to_owned(), help });
         }
-        let is_turned = match find(&["metadata"]).filter(|_| format == Format::SensorLogger) {
-            Some(name) => archive.look_into(name, |_, input| Ok(is_turned(input)))?,
-            None => false,
+        let platform = match find(&["metadata"]).filter(|_| format == Format::SensorLogger) {
+            Some(name) => archive.look_into(name, |_, input| Ok(platform(input)))?,
+            None => Platform::Unknown,
         };
-        Ok(Some(Self { format, files, is_turned }))
+        Ok(Some(Self { format, files, platform }))
     }
 
     fn read(
@@ -167,6 +179,7 @@ impl Chosen {
     ) -> Result<Opened, RecordingError> {
         let mut streams = Vec::new();
         let mut said = Vec::new();
+        let mut provenance = Provenance::default();
         for (sensor, name) in &self.files {
             let read = |member: &Path, input: &mut dyn BufRead| {
                 csv_file::read(member, input, &ColumnMap::default(), false, false)
@@ -180,6 +193,12 @@ impl Chosen {
             }
             let n_rows = table.n_rows();
             let (stream, unit) = self.stream(path, *sensor, name, table)?;
+            let of_sensor = provenance_of(&name.to_lowercase());
+            match sensor {
+                Sensor::Accelerometer => provenance.accelerometers = of_sensor,
+                Sensor::Gyroscope => provenance.gyros = of_sensor,
+                Sensor::Magnetometer => {}
+            }
             let lost = match unusable + (n_rows - stream.stamps_ns.len()) as u64 {
                 0 => String::new(),
                 n => format!(" ({n} of {rows} rows cannot be used)"),
@@ -187,13 +206,8 @@ impl Chosen {
             said.push(format!("{name} in {unit}{lost}"));
             streams.push(stream);
         }
-        let turned =
-            if self.is_turned { ", the accelerometer's sign turned so that gravity counts up" } else { "" };
-        let assumed = format!(
-            "{}; with gravity{turned}; each sensor by its own stamps; in the phone's frame; not corrected beyond what the phone does itself",
-            said.join(", ")
-        );
-        Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed }))
+        let assumed = format!("{}; with gravity; each sensor by its own stamps", said.join(", "));
+        Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed, provenance: Some(provenance) }))
     }
 
     fn stream(
@@ -202,9 +216,10 @@ impl Chosen {
         sensor: Sensor,
         name: &str,
         mut table: Table,
-    ) -> Result<(Stream, &'static str), RecordingError> {
+    ) -> Result<(Stream, String), RecordingError> {
         let index = |is: &dyn Fn(&str) -> bool| table.columns.iter().position(|column| is(&column.name));
-        let time = index(&|name| name == "seconds_elapsed" || name.eq_ignore_ascii_case("time (s)"));
+        // the time of Sensor Logger is that of day, and states no unit
+        let time = index(&|name| name == "seconds_elapsed" || is_named(name, "time ()"));
         let axis = |letter: &str| {
             index(&|name: &str| {
                 name.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case(letter))
@@ -219,13 +234,39 @@ impl Chosen {
             });
         };
         table.drop_rows_without_time(time);
-        let [x, y, z] = [x, y, z].map(|column| table.columns[column].values.as_slice());
-        let PhoneUnit { written, factor, .. } = sensor.unit([x, y, z]);
-        let scale = if sensor == Sensor::Accelerometer && self.is_turned { -factor } else { factor };
+        let member = member_path(path, name);
+        let default = sensor.unit([x, y, z].map(|column| table.columns[column].values.as_slice()));
+        let (to_s, _) = header::conversion_of(&member, &table.columns[time].name, "t_s", "s")?;
+        to_s.apply(&mut table.columns[time].values);
+        let mut units = Vec::new();
+        let mut is_turned = false;
+        for (target, column) in sensor.channels().into_iter().zip([x, y, z]) {
+            let column = &mut table.columns[column];
+            let (conversion, unit) = header::conversion_of(&member, &column.name, target, default)?;
+            conversion.apply(&mut column.values);
+            is_turned = self.format == Format::SensorLogger
+                && sensor == Sensor::Accelerometer
+                && has_sign_of_ios(unit, self.platform);
+            if is_turned {
+                column.values.iter_mut().for_each(|value| *value = -*value);
+            }
+            if !units.contains(&unit) {
+                units.push(unit);
+            }
+        }
+        let sign = match (sensor, self.format, self.platform) {
+            _ if is_turned => ", its sign turned so that gravity counts up",
+            (Sensor::Accelerometer, Format::SensorLogger, Platform::Unknown) => {
+                ", taken for Android's as no Metadata.csv says otherwise (an iPhone's has the other sign)"
+            }
+            _ => "",
+        };
+        let written = format!("{}{sign}", units.join(" and "));
         let stamps = stamps(&table.columns[time].values);
-        let columns = sensor.channels().into_iter().zip([x, y, z]).map(|(name, values)| {
-            let stamped = values.iter().zip(&stamps).filter(|(_, stamp)| stamp.is_some());
-            (name.to_owned(), stamped.map(|(value, _)| value * scale).collect())
+        let columns = sensor.channels().into_iter().zip([x, y, z]).map(|(name, column)| {
+            let stamped =
+                table.columns[column].values.iter().zip(&stamps).filter(|(_, stamp)| stamp.is_some());
+            (name.to_owned(), stamped.map(|(value, _)| *value).collect())
         });
         let columns = columns.collect();
         Ok((
@@ -262,21 +303,35 @@ pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, Recordi
         }
         _ => return None,
     };
-    let PhoneUnit { unit, .. } = sensor.unit(triad.map(|column| column.values.as_slice()));
+    let unit = sensor.unit(triad.map(|column| column.values.as_slice()));
+    let is_force = sensor == Sensor::Accelerometer;
+    let is_turned = is_force && has_sign_of_ios(unit, Platform::Unknown);
+    let how = if is_turned { format!("*-1:{unit}") } else { unit.to_owned() };
     let mut entries = vec![("t_s", "seconds_elapsed".to_owned(), "s".to_owned())];
     for (target, column) in sensor.channels().into_iter().zip(triad) {
-        entries.push((target, column.name.clone(), unit.to_owned()));
+        entries.push((target, column.name.clone(), how.clone()));
     }
-    let assumed = format!(
-        "{stem} in {unit}, by its name; seconds_elapsed in s; in the phone's frame; not corrected beyond what the phone does itself"
-    );
-    Some(Ok(Found { format: Format::SensorLogger, entries, assumed, gyro_clock: None }))
+    let sensor_provenance = provenance_of(&stem);
+    let sign = match (is_force, is_turned) {
+        (true, true) => ", its sign turned so that gravity counts up",
+        (true, false) => {
+            ", taken for Android's as no Metadata.csv says otherwise (an iPhone's has the other sign)"
+        }
+        _ => "",
+    };
+    let assumed = format!("{stem} in {unit}, by its name{sign}; seconds_elapsed in s");
+    let mut provenance = Provenance::default();
+    match sensor {
+        Sensor::Accelerometer => provenance.accelerometers = sensor_provenance,
+        Sensor::Gyroscope => provenance.gyros = sensor_provenance,
+        Sensor::Magnetometer => {}
+    }
+    Some(Ok(Found { format: Format::SensorLogger, entries, assumed, provenance, gyro_clock: None }))
 }
 
-/// Whether the accelerometers of an iPhone are as its system has them: gravity counts down.
-fn is_turned(input: &mut dyn BufRead) -> bool {
+/// The phone, by the table of one row in Metadata.csv.
+fn platform(input: &mut dyn BufRead) -> Platform {
     let mut text = String::new();
-    // a table of one row
     let read = input.take(1 << 16).read_to_string(&mut text);
     let mut rows = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
     let names: Vec<String> =
@@ -285,7 +340,11 @@ fn is_turned(input: &mut dyn BufRead) -> bool {
     let cell = |wanted: &str| names.iter().position(|name| name == wanted).and_then(|at| row.get(at));
     let is_apple = cell("platform").is_some_and(|platform| platform.eq_ignore_ascii_case("ios"));
     let is_standardised = cell("standardisation").is_some_and(|said| said.eq_ignore_ascii_case("true"));
-    read.is_ok() && is_apple && !is_standardised
+    match (read.is_ok() && cell("platform").is_some(), is_apple && !is_standardised) {
+        (false, _) => Platform::Unknown,
+        (true, true) => Platform::Ios,
+        (true, false) => Platform::Android,
+    }
 }
 
 fn first_line(_: &Path, input: &mut dyn BufRead) -> Result<String, RecordingError> {

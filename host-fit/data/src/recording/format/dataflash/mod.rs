@@ -1,22 +1,22 @@
 //! ArduPilot's DataFlash logs: a stream of messages whose layouts stand in the log itself, in messages named FMT.
 //!
 //! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; what is done to a sample
-//! before it is logged, and is taken back here, is that of `AP_InertialSensor_Backend.cpp` (`correction`).
+//! before it is logged, and is undone here, is that of `AP_InertialSensor_Backend.cpp` (`correction`).
 
 mod correction;
 mod messages;
-mod rotation;
 
 use std::io::BufRead;
 use std::path::Path;
 
 use super::super::error::RecordingError;
 use super::super::load_options::LoadOptions;
+use super::super::provenance::{Frame, Provenance, SensorProvenance, Values};
 use super::super::stream::Stream;
 use super::opened::Opened;
 use super::{Format, ReadAs, choice};
 use crate::column::Triad;
-use correction::{Correction, Parameters};
+use correction::{Correction, Parameters, Undone, device_ids};
 use messages::{Messages, Reader};
 
 /// Messages of one kind by their own stamps, a column for each of their fields.
@@ -70,10 +70,11 @@ pub(super) fn read(
     let warmth = Some((&imu_ns[..], &temperature[..])).filter(|(stamps, _)| stamps.len() > 1);
     let correction = Correction::of(&parameters, wanted);
     let mut streams = Vec::new();
+    let mut done = Vec::new();
     let said = if is_raw {
         for (name, triad, samples) in [("ACC", Triad::Accelerometers, acc), ("GYR", Triad::Gyros, gyr)] {
             let Samples { stamps_ns, mut values } = samples;
-            correction.take_back(triad, &stamps_ns, &mut values, warmth);
+            done.push(correction.undo(triad, &stamps_ns, &mut values, warmth));
             let columns = named(triad, values).collect();
             streams.push(Stream { name: format!("{name} {wanted}"), stamps_ns, columns });
         }
@@ -84,8 +85,8 @@ pub(super) fn read(
         format!("ACC and GYR {wanted}, every sample, by SampleUS")
     } else {
         let (mut force, mut rate) = ([ax, ay, az], [gx, gy, gz]);
-        correction.take_back(Triad::Accelerometers, &imu_ns, &mut force, warmth);
-        correction.take_back(Triad::Gyros, &imu_ns, &mut rate, warmth);
+        done.push(correction.undo(Triad::Accelerometers, &imu_ns, &mut force, warmth));
+        done.push(correction.undo(Triad::Gyros, &imu_ns, &mut rate, warmth));
         let columns = named(Triad::Accelerometers, force).chain(named(Triad::Gyros, rate));
         let mut columns: Vec<(String, Vec<f64>)> = columns.collect();
         if temperature.iter().any(|value| value.is_finite()) {
@@ -103,8 +104,62 @@ pub(super) fn read(
     let damaged =
         if lost > 0 { format!("; {lost} bytes of the file are no messages") } else { String::new() };
     let cut = if is_cut { "; the file is cut short within a message" } else { "" };
-    let assumed = format!("{said}{others}; m/s² with gravity, rad/s; {correction}{damaged}{cut}");
-    Ok(Opened::Streams(streams, ReadAs { format: Format::Dataflash, assumed }))
+    let corrections = if parameters.is_empty() {
+        "no parameters in the log, so that ArduPilot's corrections are not known and left in the values"
+            .to_owned()
+    } else {
+        in_words(&done)
+    };
+    let assumed = format!("{said}{others}; m/s² with gravity, rad/s; {corrections}{damaged}{cut}");
+    let provenance = provenance(&parameters, wanted, &done);
+    Ok(Opened::Streams(streams, ReadAs { format: Format::Dataflash, assumed, provenance: Some(provenance) }))
+}
+
+/// What was undone and what was not, of accelerometers and gyros.
+fn in_words(done: &[Undone]) -> String {
+    let all = |which: fn(&Undone) -> &Vec<String>| {
+        let mut all: Vec<&str> = Vec::new();
+        for name in done.iter().flat_map(which) {
+            if !all.contains(&name.as_str()) {
+                all.push(name);
+            }
+        }
+        all.join(", ")
+    };
+    let (undone, left) = (all(|done| &done.undone), all(|done| &done.left));
+    match (undone.as_str(), left.as_str()) {
+        ("", "") => "no correction by the parameters in the log".to_owned(),
+        (undone, "") => format!("ArduPilot's corrections undone: {undone}"),
+        ("", left) => format!("ArduPilot's corrections left in the values: {left}"),
+        (undone, left) => {
+            format!("ArduPilot's corrections undone: {undone}; left in the values: {left}")
+        }
+    }
+}
+
+/// Sensor, corrections and frame of the values of accelerometers and gyros, after what was `done`.
+fn provenance(parameters: &Parameters, instance: u8, done: &[Undone]) -> Provenance {
+    let ids = device_ids(parameters, instance);
+    let of = |sensor: usize| {
+        let in_vehicle = done[sensor].in_vehicle;
+        // a rotation alone corrects nothing
+        let corrections: Vec<&str> =
+            done[sensor].left.iter().skip(usize::from(in_vehicle)).map(String::as_str).collect();
+        let (values, frame) = match (parameters.is_empty(), in_vehicle) {
+            (true, _) => (Values::Unstated, Frame::Unstated),
+            (false, true) => (corrections_left(&corrections), Frame::Vehicle),
+            (false, false) => (corrections_left(&corrections), Frame::Board),
+        };
+        SensorProvenance { instance: Some(instance), device_id: ids[sensor], values, frame }
+    };
+    Provenance { accelerometers: of(0), gyros: of(1) }
+}
+
+fn corrections_left(names: &[&str]) -> Values {
+    if names.is_empty() {
+        return Values::Raw;
+    }
+    Values::Corrected(format!("ArduPilot: {}", names.join(", ")).into())
 }
 
 /// The axes of a triad, named.

@@ -14,8 +14,10 @@ use px4_ulog::stream_parser::model::{DataMessage, FlattenedFieldType, FlattenedF
 
 use super::super::error::RecordingError;
 use super::super::load_options::LoadOptions;
+use super::super::provenance::{Frame, Provenance, SensorProvenance, Values};
 use super::super::stream::Stream;
 use super::opened::Opened;
+use super::rotation::{self, Matrix};
 use super::{Format, ReadAs, choice};
 use crate::catch_panic::catch_panic;
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
@@ -144,6 +146,8 @@ struct Gathered {
     /// The highest instance of each topic, and how many messages it has.
     instances: [Vec<u64>; TOPICS.len()],
     device: [Option<u32>; TOPICS.len()],
+    /// The mountings that the batches of each topic state.
+    rotations: [Vec<u8>; TOPICS.len()],
 }
 
 /// Where the fields of a subscription lie.
@@ -166,6 +170,9 @@ struct Fifo {
     samples: usize,
     axes: [usize; 3],
     room: usize,
+    /// u8, the sensor's mounting on the board: samples of a message with this field are in the sensor's axes, those of
+    /// one without are in the board's, as the driver turned them.
+    rotation: Option<usize>,
 }
 
 impl Layout {
@@ -211,6 +218,7 @@ impl Fifo {
             samples: offset("samples", FlattenedFieldType::UInt8)?,
             axes: [axis("x")?, axis("y")?, axis("z")?],
             room,
+            rotation: offset("rotation", FlattenedFieldType::UInt8),
         })
     }
 }
@@ -233,6 +241,7 @@ impl Gathered {
             slow: Default::default(),
             instances: Default::default(),
             device: [None; TOPICS.len()],
+            rotations: Default::default(),
         }
     }
 
@@ -260,7 +269,13 @@ impl Gathered {
         self.device[at] =
             layout.device.and_then(|offset| field(data, offset)).map(u32::from_le_bytes).or(self.device[at]);
         if let (Some(fifo), true) = (&layout.fifo, at == ACCEL_FIFO || at == GYRO_FIFO) {
-            self.triads[at][0].take_batch(fifo, stamp_ns, data);
+            let rotation = fifo.rotation.and_then(|offset| data.get(offset).copied());
+            if let Some(number) = rotation.filter(|number| !self.rotations[at].contains(number)) {
+                self.rotations[at].push(number);
+            }
+            // of a mounting that is not known the sensor's axes stay
+            let matrix = rotation.filter(|number| *number != 0).and_then(rotation::of_px4);
+            self.triads[at][0].take_batch(fifo, stamp_ns, data, matrix.as_ref());
             return;
         }
         for (which, offsets) in layout.triads.iter().enumerate() {
@@ -289,6 +304,7 @@ impl Gathered {
     fn finish(mut self, path: &Path, wanted: u8) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
         let mut streams = Vec::new();
         let mut said = Vec::new();
+        let mut provenance = Provenance::default();
         for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
             // the batches are the sensor's own samples; the other topic is filtered in some versions
             let Some(at) = choices.into_iter().find(|at| self.triads[*at][0].is_full_rate()) else {
@@ -296,10 +312,23 @@ impl Gathered {
             };
             let name = format!("{} {wanted}", TOPICS[at].name);
             let device = self.device[at].map_or_else(String::new, |id| format!(", device_id {id},"));
-            said.push(format!("{name}{device} at {:.1} Hz{}", self.triads[at][0].rate_hz(), self.others(at)));
+            let (frame, turned) = self.frame(at);
+            let rate_hz = self.triads[at][0].rate_hz();
+            said.push(format!("{name}{device} at {rate_hz:.1} Hz{}, {turned}", self.others(at)));
+            let of_sensor = SensorProvenance {
+                instance: Some(wanted),
+                device_id: self.device[at],
+                values: Values::Raw,
+                frame,
+            };
+            if names == GYROS {
+                provenance.gyros = of_sensor;
+            } else {
+                provenance.accelerometers = of_sensor;
+            }
             streams.push(std::mem::take(&mut self.triads[at][0]).stream(name, names));
         }
-        let mut correction = "as the driver gives it: turned into the board's frame, not corrected";
+        let mut correction = "as the driver delivers them";
         let mut taken = "timestamp_sample";
         if streams.is_empty() && wanted == 0 {
             let combined = std::mem::take(&mut self.triads[COMBINED]);
@@ -314,6 +343,8 @@ impl Gathered {
             }
             correction = "integrated from one sample to the next and already corrected by PX4 (calibration and temperature table); sensor_accel and sensor_gyro, which are not, are decimated in this log";
             taken = "timestamp";
+            let by = "PX4 (calibration and temperature table)";
+            provenance = Provenance::of_both(Values::Corrected(by.into()), Frame::Vehicle);
         }
         if streams.is_empty() {
             return Err(self.nothing(path, wanted));
@@ -337,7 +368,23 @@ impl Gathered {
             streams.push(field.stream("sensor_mag 0".to_owned(), MAGNETOMETERS));
         }
         let assumed = format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}", said.join(", "));
-        Ok((streams, ReadAs { format: Format::Ulog, assumed }))
+        Ok((streams, ReadAs { format: Format::Ulog, assumed, provenance: Some(provenance) }))
+    }
+
+    /// The axes that the samples of a topic are in, and how they came into them.
+    fn frame(&self, at: usize) -> (Frame, String) {
+        let rotations = &self.rotations[at];
+        match rotations.iter().find(|number| rotation::of_px4(**number).is_none()) {
+            Some(number) => {
+                let said = format!("in the sensor's axes: its rotation {number} is not known");
+                (Frame::Sensor, said)
+            }
+            None if rotations.iter().any(|number| *number != 0) => {
+                let numbers: Vec<String> = rotations.iter().map(u8::to_string).collect();
+                (Frame::Board, format!("turned into the board's axes by its rotation {}", numbers.join(", ")))
+            }
+            None => (Frame::Board, "in the board's axes".to_owned()),
+        }
     }
 
     /// What else could be read.
@@ -375,7 +422,7 @@ impl Triad {
     }
 
     /// Samples of a batch: the last one is at the message's stamp, the others `dt` apart before it.
-    fn take_batch(&mut self, fifo: &Fifo, stamp_ns: i64, data: &[u8]) {
+    fn take_batch(&mut self, fifo: &Fifo, stamp_ns: i64, data: &[u8], mounting: Option<&Matrix>) {
         let (Some(dt_us), Some(scale)) = (float(data, fifo.dt), float(data, fifo.scale)) else { return };
         let samples = data.get(fifo.samples).map_or(0, |n| usize::from(*n)).min(fifo.room);
         if !dt_us.is_finite() {
@@ -387,6 +434,7 @@ impl Triad {
                 let count = field(data, axis + 2 * sample).map(i16::from_le_bytes);
                 count.map_or(f64::NAN, |count| f64::from(count) * scale)
             });
+            let values = mounting.map_or(values, |matrix| rotation::turned(matrix, values));
             self.push(stamp_ns.saturating_sub(before_ns.round() as i64), values);
         }
     }

@@ -1,0 +1,269 @@
+//! Mountings of a sensor or board by number: ArduPilot's AHRS_ORIENTATION (`AP_Math/rotations.h`) and PX4's `rotation`
+//! (`lib/conversion/rotation.h`). A rotation is yaw after pitch after roll.
+
+/// Rows of a matrix that turns a vector of the sensor or board into the frame that it is mounted in.
+pub(super) type Matrix = [[f64; 3]; 3];
+
+/// Roll, pitch and yaw of the numbers that both autopilots share, degrees.
+const SHARED: [[f64; 3]; 41] = [
+    [0.0, 0.0, 0.0],
+    [0.0, 0.0, 45.0],
+    [0.0, 0.0, 90.0],
+    [0.0, 0.0, 135.0],
+    [0.0, 0.0, 180.0],
+    [0.0, 0.0, 225.0],
+    [0.0, 0.0, 270.0],
+    [0.0, 0.0, 315.0],
+    [180.0, 0.0, 0.0],
+    [180.0, 0.0, 45.0],
+    [180.0, 0.0, 90.0],
+    [180.0, 0.0, 135.0],
+    [0.0, 180.0, 0.0],
+    [180.0, 0.0, 225.0],
+    [180.0, 0.0, 270.0],
+    [180.0, 0.0, 315.0],
+    [90.0, 0.0, 0.0],
+    [90.0, 0.0, 45.0],
+    [90.0, 0.0, 90.0],
+    [90.0, 0.0, 135.0],
+    [270.0, 0.0, 0.0],
+    [270.0, 0.0, 45.0],
+    [270.0, 0.0, 90.0],
+    [270.0, 0.0, 135.0],
+    [0.0, 90.0, 0.0],
+    [0.0, 270.0, 0.0],
+    [0.0, 180.0, 90.0],
+    [0.0, 180.0, 270.0],
+    [90.0, 90.0, 0.0],
+    [180.0, 90.0, 0.0],
+    [270.0, 90.0, 0.0],
+    [90.0, 180.0, 0.0],
+    [270.0, 180.0, 0.0],
+    [90.0, 270.0, 0.0],
+    [180.0, 270.0, 0.0],
+    [270.0, 270.0, 0.0],
+    [90.0, 180.0, 90.0],
+    [90.0, 0.0, 270.0],
+    [90.0, 68.8, 293.3],
+    [0.0, 315.0, 0.0],
+    [90.0, 315.0, 0.0],
+];
+
+/// This number is a mounting of 68 and 293 degrees by its name; the autopilots differ in the digits that the name omits.
+const PITCH_68: usize = 38;
+
+/// Those from 41 on of ArduPilot.
+const OF_ARDUPILOT: [[f64; 3]; 3] = [[0.0, 7.0, 0.0], [45.0, 0.0, 0.0], [315.0, 0.0, 0.0]];
+
+/// Those from 41 on of PX4.
+const OF_PX4: [[f64; 3]; 7] = [
+    [270.0, 0.0, 180.0],
+    [270.0, 0.0, 270.0],
+    [0.0, 90.0, 180.0],
+    [0.0, 9.0, 180.0],
+    [0.0, 45.0, 0.0],
+    [270.0, 0.0, 225.0],
+    [270.0, 0.0, 315.0],
+];
+
+/// The mounting of a number of AHRS_ORIENTATION; none of a number that is not in the table, as of a custom one.
+#[cfg(feature = "dataflash")]
+pub(super) fn of_ardupilot(number: f64) -> Option<Matrix> {
+    let index = (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)?;
+    SHARED.iter().chain(&OF_ARDUPILOT).nth(index).copied().map(of_angles)
+}
+
+/// The mounting of a number of PX4; none of a number that is not in the table.
+#[cfg(feature = "ulog")]
+pub(super) fn of_px4(number: u8) -> Option<Matrix> {
+    let index = usize::from(number);
+    if index == PITCH_68 {
+        return Some(of_angles([90.0, 68.0, 293.0]));
+    }
+    SHARED.iter().chain(&OF_PX4).nth(index).copied().map(of_angles)
+}
+
+/// The matrix of roll, pitch and yaw, degrees: yaw after pitch after roll.
+pub(super) fn of_angles(degrees: [f64; 3]) -> Matrix {
+    let [(sr, cr), (sp, cp), (sy, cy)] = degrees.map(sine_and_cosine);
+    [
+        [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
+        [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
+        [-sp, sr * cp, cr * cp],
+    ]
+}
+
+/// A vector turned.
+#[cfg(feature = "ulog")]
+pub(super) fn turned(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| (0..3).map(|axis| row[axis] * vector[axis]).sum())
+}
+
+/// A vector turned back: by the transpose.
+#[cfg(feature = "dataflash")]
+pub(super) fn turned_back(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| (0..3).map(|row| matrix[row][axis] * vector[row]).sum())
+}
+
+/// Exact at right angles, so that most boards' samples keep their digits.
+fn sine_and_cosine(degrees: f64) -> (f64, f64) {
+    // 0.5 degrees are no right angle
+    match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        _ => degrees.to_radians().sin_cos(),
+    }
+}
+
+#[cfg(all(test, feature = "dataflash", feature = "ulog"))]
+mod tests {
+    use super::*;
+
+    /// A vector turned about one axis after the other, as the autopilots' names are read: about x, then y, then z.
+    fn by_steps([roll, pitch, yaw]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let about = |degrees: f64, a: f64, b: f64| {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            (cosine * a - sine * b, sine * a + cosine * b)
+        };
+        let (y, z) = about(roll, y, z);
+        let (z, x) = about(pitch, z, x);
+        let (x, y) = about(yaw, x, y);
+        [x, y, z]
+    }
+
+    /// The names of both enumerations, by number, without their digits behind the point.
+    const NAMES: [&str; 41] = [
+        "",
+        "YAW_45",
+        "YAW_90",
+        "YAW_135",
+        "YAW_180",
+        "YAW_225",
+        "YAW_270",
+        "YAW_315",
+        "ROLL_180",
+        "ROLL_180_YAW_45",
+        "ROLL_180_YAW_90",
+        "ROLL_180_YAW_135",
+        "PITCH_180",
+        "ROLL_180_YAW_225",
+        "ROLL_180_YAW_270",
+        "ROLL_180_YAW_315",
+        "ROLL_90",
+        "ROLL_90_YAW_45",
+        "ROLL_90_YAW_90",
+        "ROLL_90_YAW_135",
+        "ROLL_270",
+        "ROLL_270_YAW_45",
+        "ROLL_270_YAW_90",
+        "ROLL_270_YAW_135",
+        "PITCH_90",
+        "PITCH_270",
+        "PITCH_180_YAW_90",
+        "PITCH_180_YAW_270",
+        "ROLL_90_PITCH_90",
+        "ROLL_180_PITCH_90",
+        "ROLL_270_PITCH_90",
+        "ROLL_90_PITCH_180",
+        "ROLL_270_PITCH_180",
+        "ROLL_90_PITCH_270",
+        "ROLL_180_PITCH_270",
+        "ROLL_270_PITCH_270",
+        "ROLL_90_PITCH_180_YAW_90",
+        "ROLL_90_YAW_270",
+        "ROLL_90_PITCH_68_YAW_293",
+        "PITCH_315",
+        "ROLL_90_PITCH_315",
+    ];
+    const NAMES_OF_ARDUPILOT: [&str; 3] = ["PITCH_7", "ROLL_45", "ROLL_315"];
+    const NAMES_OF_PX4: [&str; 7] = [
+        "ROLL_270_YAW_180",
+        "ROLL_270_YAW_270",
+        "PITCH_90_YAW_180",
+        "PITCH_9_YAW_180",
+        "PITCH_45",
+        "ROLL_270_YAW_225",
+        "ROLL_270_YAW_315",
+    ];
+
+    fn angles(name: &str) -> [f64; 3] {
+        let words: Vec<&str> = name.split('_').collect();
+        ["ROLL", "PITCH", "YAW"].map(|about| {
+            let at = words.iter().position(|word| *word == about);
+            at.map_or(0.0, |at| words[at + 1].parse().unwrap())
+        })
+    }
+
+    /// The largest difference between a mounting and the one that its name says, over three vectors.
+    fn off(matrix: &Matrix, name: &str) -> f64 {
+        // the name of this one omits its digits
+        let angles = if name.contains("68") { [90.0, 68.8, 293.3] } else { angles(name) };
+        let vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -0.5, 0.8]];
+        let differences = vectors.into_iter().flat_map(|vector| {
+            let (found, expected) = (turned(matrix, vector), by_steps(angles, vector));
+            (0..3).map(move |axis| (found[axis] - expected[axis]).abs())
+        });
+        differences.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_mounting_is_the_rotation_that_its_name_says() {
+        for (number, name) in NAMES.iter().chain(&NAMES_OF_ARDUPILOT).enumerate() {
+            assert!(off(&of_ardupilot(number as f64).unwrap(), name) < 1e-14, "{number}: {name}");
+        }
+        for (number, name) in NAMES.iter().chain(&NAMES_OF_PX4).enumerate() {
+            // PX4 takes the digits of the name: 0.8 degrees of pitch and 0.3 of yaw are 0.02 of a vector
+            let bound = if number == PITCH_68 { 0.02 } else { 1e-14 };
+            assert!(off(&of_px4(number as u8).unwrap(), name) < bound, "{number}: {name}");
+        }
+        // ArduPilot's own numbers of this one, to the digits of its source
+        let written = [
+            [0.143_038_972, 0.368_776_487, -0.918_446_381],
+            [-0.332_132_778, -0.856_289_421, -0.395_545_503],
+            [-0.932_323_801, 0.361_624_570, 0.0],
+        ];
+        for (found, written) in of_ardupilot(38.0).unwrap().iter().flatten().zip(written.iter().flatten()) {
+            assert!((found - written).abs() < 1e-9, "{found} {written}");
+        }
+        for number in [44.0, 100.0, 101.0, -1.0, 2.5, f64::NAN] {
+            assert!(of_ardupilot(number).is_none(), "{number}");
+        }
+        assert!(of_px4(48).is_none() && of_px4(255).is_none());
+    }
+
+    #[test]
+    fn a_wrong_rotation_is_noticed() {
+        // pitch after yaw after roll, another convention, is another rotation where two angles meet
+        let swapped = of_angles([90.0, 0.0, 90.0]);
+        assert!(off(&swapped, "ROLL_90_PITCH_90") > 0.1);
+        // a transposed matrix turns the other way
+        let [x, y, z] = of_angles([0.0, 0.0, 45.0]);
+        let transposed = [0, 1, 2].map(|axis| [x[axis], y[axis], z[axis]]);
+        assert!(off(&transposed, "YAW_45") > 0.1);
+    }
+
+    #[test]
+    fn rotations_keep_lengths_and_handedness() {
+        let custom = [[0.5, -0.25, 90.5], [-90.0, 450.0, 1e3]].map(of_angles);
+        let all = (0..44).map(|number| of_ardupilot(f64::from(number)).unwrap());
+        for m in all.chain((0..48).map(|number| of_px4(number).unwrap())).chain(custom) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    let dot: f64 = (0..3).map(|k| m[i][k] * m[j][k]).sum();
+                    assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-15, "{m:?}");
+                }
+            }
+            let [a, b, c] = m;
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let determinant: f64 = (0..3).map(|k| cross[k] * c[k]).sum();
+            assert!((determinant - 1.0).abs() < 1e-14, "{m:?}");
+            let vector = [0.3, -0.5, 0.8];
+            let back = turned_back(&m, turned(&m, vector));
+            assert!((0..3).all(|axis| (back[axis] - vector[axis]).abs() < 1e-15));
+        }
+        // half a degree is no right angle
+        assert!(off(&of_angles([0.0, 0.0, 90.5]), "YAW_90") > 0.008);
+    }
+}

@@ -1,0 +1,276 @@
+//! Provenance of inertial values: the sensor that measured them, the corrections they contain, and their frame.
+//!
+//! A reader states it ([`ReadAs`](super::ReadAs)), a recording carries it, a study stores it, and an image or a
+//! temperature table is written from it. The log format states none: its values are those that the user declares.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Recording, RecordingError, Source};
+use crate::column::Triad;
+
+/// Provenance of the inertial values of a log.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct Provenance {
+    /// That of the accelerometers.
+    pub accelerometers: SensorProvenance,
+    /// That of the gyros.
+    pub gyros: SensorProvenance,
+}
+
+/// Provenance of the three axes of a sensor. Fields that a log does not state are absent or `Unstated`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct SensorProvenance {
+    /// Number of the sensor as the autopilot counts it, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instance: Option<u8>,
+    /// The autopilot's `device_id` of the sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device_id: Option<u32>,
+    /// Corrections that the values contain.
+    pub values: Values,
+    /// Axes that the values are given in.
+    pub frame: Frame,
+}
+
+/// Corrections that logged values contain.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum Values {
+    /// The log does not say.
+    #[default]
+    Unstated,
+    /// As the sensor or its driver delivers them.
+    Raw,
+    /// Corrected before they were logged, by what is named here.
+    Corrected(Cow<'static, str>),
+}
+
+/// Axes that values are given in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum Frame {
+    /// The log does not say.
+    #[default]
+    Unstated,
+    /// Those of the sensor's die.
+    Sensor,
+    /// Those of the autopilot's board, in which autopilots correct by temperature.
+    Board,
+    /// Those of the vehicle.
+    Vehicle,
+    /// Those of the phone.
+    Phone,
+}
+
+impl Provenance {
+    /// The same provenance for accelerometers and gyros.
+    pub(super) fn of_both(values: Values, frame: Frame) -> Self {
+        let sensor = SensorProvenance { values, frame, ..SensorProvenance::default() };
+        Self { accelerometers: sensor.clone(), gyros: sensor }
+    }
+
+    /// That of a triad.
+    pub fn of(&self, triad: Triad) -> &SensorProvenance {
+        match triad {
+            Triad::Accelerometers => &self.accelerometers,
+            Triad::Gyros => &self.gyros,
+        }
+    }
+
+    /// Discards the statement about a triad: the user maps its columns.
+    pub(super) fn forget(&mut self, triad: Triad) {
+        let sensor = match triad {
+            Triad::Accelerometers => &mut self.accelerometers,
+            Triad::Gyros => &mut self.gyros,
+        };
+        *sensor = SensorProvenance::default();
+    }
+}
+
+impl SensorProvenance {
+    /// That of a triad in these logs: what all of them have in common.
+    pub fn of_sources(sources: &[Source], triad: Triad) -> Self {
+        let of_source = |source: &Source| {
+            let stated = source.read_as.as_ref().and_then(|read_as| read_as.provenance.as_ref());
+            stated.map_or_else(Self::default, |stated| stated.of(triad).clone())
+        };
+        sources.iter().map(of_source).reduce(|one, other| one.common(&other)).unwrap_or_default()
+    }
+
+    /// What the values were corrected by; none if they are raw or if the log does not say.
+    pub fn corrected_by(&self) -> Option<&str> {
+        match &self.values {
+            Values::Corrected(by) => Some(by),
+            Values::Raw | Values::Unstated => None,
+        }
+    }
+
+    /// The first statement of this one that contradicts `other`, in words: this one's, then the other's. None where one of
+    /// them states nothing.
+    pub fn contradiction(&self, other: &Self) -> Option<[String; 2]> {
+        let differ =
+            |one: &dyn fmt::Display, other: &dyn fmt::Display| Some([one.to_string(), other.to_string()]);
+        if let (Some(one), Some(two)) = (self.device_id, other.device_id) {
+            if one != two {
+                return differ(&format!("device_id {one}"), &format!("device_id {two}"));
+            }
+        } else if let (Some(one), Some(two)) = (self.instance, other.instance)
+            && one != two
+        {
+            // without an identity of the device, its number has to do
+            return differ(&format!("IMU {one}"), &format!("IMU {two}"));
+        }
+        let is_stated = |values: &Values| *values != Values::Unstated;
+        if self.values != other.values && is_stated(&self.values) && is_stated(&other.values) {
+            return differ(&self.values, &other.values);
+        }
+        let is_stated = |frame: Frame| frame != Frame::Unstated;
+        if self.frame != other.frame && is_stated(self.frame) && is_stated(other.frame) {
+            return differ(&self.frame, &other.frame);
+        }
+        None
+    }
+
+    /// What holds of both: a statement that only one makes is dropped, but a correction of one is one of both.
+    fn common(&self, other: &Self) -> Self {
+        let values = match (&self.values, &other.values) {
+            (corrected @ Values::Corrected(_), _) | (_, corrected @ Values::Corrected(_)) => {
+                corrected.clone()
+            }
+            (Values::Raw, Values::Raw) => Values::Raw,
+            _ => Values::Unstated,
+        };
+        Self {
+            instance: self.instance.filter(|_| self.instance == other.instance),
+            device_id: self.device_id.filter(|_| self.device_id == other.device_id),
+            values,
+            frame: if self.frame == other.frame { self.frame } else { Frame::Unstated },
+        }
+    }
+}
+
+impl Recording {
+    /// Provenance of a triad: that of the log it was read from, or what all logs it was joined of have in common.
+    pub fn provenance(&self, triad: Triad) -> SensorProvenance {
+        SensorProvenance::of_sources(&self.sources, triad)
+    }
+
+    /// Refuses to join logs of different sensors, or of differently corrected values.
+    pub(super) fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
+        for triad in [Triad::Accelerometers, Triad::Gyros] {
+            if let Some([here, there]) = self.provenance(triad).contradiction(&next.provenance(triad)) {
+                let sensor = match triad {
+                    Triad::Accelerometers => "accelerometers",
+                    Triad::Gyros => "gyros",
+                };
+                let (path, others) = (next.paths(), self.paths());
+                return Err(RecordingError::OtherSensor { path, others, sensor, here, there });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Values {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unstated => f.write_str("raw or corrected: not stated"),
+            Self::Raw => f.write_str("raw"),
+            Self::Corrected(by) => write!(f, "corrected by {by}"),
+        }
+    }
+}
+
+impl fmt::Display for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unstated => "axes not stated",
+            Self::Sensor => "axes of the sensor",
+            Self::Board => "axes of the board",
+            Self::Vehicle => "axes of the vehicle",
+            Self::Phone => "axes of the phone",
+        })
+    }
+}
+
+impl fmt::Display for SensorProvenance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(instance) = self.instance {
+            write!(f, "IMU {instance}, ")?;
+        }
+        if let Some(device_id) = self.device_id {
+            write!(f, "device_id {device_id}, ")?;
+        }
+        write!(f, "{}, {}", self.values, self.frame)
+    }
+}
+
+impl fmt::Display for Provenance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.accelerometers == self.gyros {
+            return write!(f, "accelerometers and gyros {}", self.gyros);
+        }
+        write!(f, "accelerometers {}; gyros {}", self.accelerometers, self.gyros)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LoadOptions;
+    use super::super::format::{Format, ReadAs};
+    use super::*;
+
+    fn recording(gyros: SensorProvenance) -> Recording {
+        let provenance = Provenance { gyros, ..Provenance::default() };
+        let read_as = ReadAs { format: Format::Ulog, assumed: String::new(), provenance: Some(provenance) };
+        let source = Source { read_as: Some(read_as), ..Source::made_by("test") };
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        Recording::from_columns(source, vec![("gx_rads".to_owned(), vec![1.0; 30])], &options).unwrap()
+    }
+
+    fn raw(instance: u8, device_id: Option<u32>) -> SensorProvenance {
+        SensorProvenance { instance: Some(instance), device_id, values: Values::Raw, frame: Frame::Board }
+    }
+
+    #[test]
+    fn joins_logs_of_one_sensor_only() {
+        let join = |one, other| Recording::join(vec![recording(one), recording(other)]);
+        // an autopilot may count its sensors in another order after a restart
+        let joined = join(raw(0, Some(7)), raw(1, Some(7))).unwrap();
+        assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance { instance: None, ..raw(0, Some(7)) });
+        let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..raw(0, Some(7)) };
+        let vehicle = SensorProvenance { frame: Frame::Vehicle, ..raw(0, Some(7)) };
+        for (other, said) in [
+            (raw(0, Some(8)), "device_id 8"),
+            (corrected, "corrected by PX4"),
+            (vehicle, "axes of the vehicle"),
+        ] {
+            let error = join(raw(0, Some(7)), other).unwrap_err().to_string();
+            assert!(error.contains(said) && error.contains("\nhelp: "), "{error}");
+        }
+        assert!(join(raw(0, None), raw(1, None)).unwrap_err().to_string().contains("IMU 1"));
+        // the log format states nothing, so that nothing is known of both
+        let joined = join(raw(0, Some(7)), SensorProvenance::default()).unwrap();
+        assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance::default());
+    }
+
+    #[test]
+    fn survives_a_study_file() {
+        for sensor in [SensorProvenance::default(), raw(2, Some(2_818_058))] {
+            let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..sensor.clone() };
+            let written = Provenance { accelerometers: sensor, gyros: corrected };
+            let text = serde_json::to_string(&written).unwrap();
+            assert_eq!(serde_json::from_str::<Provenance>(&text).unwrap(), written, "{text}");
+        }
+        // of an earlier version
+        let read: ReadAs = serde_json::from_str(r#"{"format": "ulog", "assumed": "…"}"#).unwrap();
+        assert_eq!(read.provenance, None);
+    }
+}
