@@ -153,8 +153,11 @@ impl UnitModel {
     }
 
     /// Adds the axes of `other`, a model of the same unit, with the inputs they need; inputs that both have are
-    /// shared.
+    /// shared. One axis of corrected values makes it a model of corrected values.
     pub fn absorb(&mut self, other: UnitModel) {
+        if other.fitted_on == FittedOn::FactoryCorrected {
+            self.fitted_on = FittedOn::FactoryCorrected;
+        }
         let first_axis = self.axes.len() as u8;
         let quantities: Vec<u8> =
             other.quantities.into_iter().map(|quantity| position(&mut self.quantities, quantity)).collect();

@@ -5,6 +5,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use fos_core::{StillnessLimits, Transform};
+use fos_data::column::Triad;
 use fos_data::recording::{LoadOptions, Recording, Source, load};
 use fos_data::stillness;
 use fos_data::text::hexadecimal;
@@ -84,6 +85,9 @@ pub struct LogSummary {
     /// When the unit counts as still; none without all six axes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stillness: Option<StillnessLimits<f64>>,
+    /// What its values were corrected by before they were logged; none where they are raw or the log does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corrected_by: Option<String>,
 }
 
 /// An axis of a unit.
@@ -183,6 +187,9 @@ fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Libra
         temperature_c: recording.channel("temp_c").ok().and_then(|channel| range(&channel.values)),
         inputs: ranges(recording, &asked.regressors),
         stillness: stillness::limits(recording, &(0..recording.n_rows())),
+        corrected_by: [Triad::Accelerometers, Triad::Gyros]
+            .into_iter()
+            .find_map(|triad| recording.provenance(triad).corrected_by().map(str::to_owned)),
     });
     let axes = match recording.axes() {
         Ok(axes) => axes,

@@ -31,6 +31,20 @@ pub enum RefineError {
     /// The study has no such axis, or nothing was added to it.
     #[error(transparent)]
     Study(#[from] StudyAxisError),
+    /// The log is of another sensor than the study, or was corrected otherwise.
+    #[error(
+        "{log} does not go with the study: the study's {column} is {study}, that of the log {found}\nhelp: a log of the same sensor, recorded in the same way; --topic chooses the sensor of a log"
+    )]
+    OtherSensor {
+        /// The log.
+        log: String,
+        /// The axis.
+        column: String,
+        /// What the study's is, in words.
+        study: String,
+        /// What the log's is, in words.
+        found: String,
+    },
     /// It is there already.
     #[error(
         "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"

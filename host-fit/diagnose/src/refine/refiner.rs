@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use fos_core::FittedOn;
 use fos_data::column::Column;
-use fos_data::recording::Recording;
+use fos_data::recording::{Recording, SensorProvenance, Values};
 use fos_data::stillness::{self, KnownBy};
 use fos_data::{disturbance, pose};
 use fos_fit::cost::Cost;
@@ -84,10 +85,29 @@ impl<'a> Refiner<'a> {
     ///
     /// # Errors
     ///
-    /// There is no such axis, a column is missing, or fos-core refuses the model.
+    /// There is no such axis, a column is missing, the log is of another sensor or corrected otherwise, or fos-core
+    /// refuses the model.
     pub fn begin(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
+        self.refuse_other_sensor(study, column)?;
         let steps = vec![self.first_step(&study.axis_alone(column)?)?];
         Ok(Refinement { column: column.to_owned(), logs, steps })
+    }
+
+    fn refuse_other_sensor(&self, study: &Study, column: &str) -> Result<(), RefineError> {
+        let Some((triad, _)) = Column::named(column).place() else { return Ok(()) };
+        let found = self.field.provenance(triad);
+        let mut known = SensorProvenance::of_sources(&study.data.sources, triad);
+        // the log format does not say what its values are; the model does
+        if known.values == Values::Unstated && study.model.fitted_on == FittedOn::Raw {
+            known.values = Values::Raw;
+        }
+        match known.contradiction(&found) {
+            None => Ok(()),
+            Some([study, found]) => {
+                let (log, column) = (self.field.paths(), column.to_owned());
+                Err(RefineError::OtherSensor { log, column, study, found })
+            }
+        }
     }
 
     /// An axis of a study to go on with: as it was refined on these very logs, or as before anything was added to it.

@@ -2,12 +2,14 @@
 
 use std::collections::HashSet;
 
-use fos_core::{Channel, Factor, Source, Term};
+use fos_core::{Channel, Factor, FittedOn, Source, Term};
 
 use super::Study;
 use super::refinement::{Added, Refinement};
 use crate::detect::{Finding, step_time};
 use crate::effects::Regressor;
+use fos_data::column::Column;
+use fos_data::recording::SensorProvenance;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 impl Study {
@@ -25,6 +27,9 @@ impl Study {
             let (errors, axes) = (step.errors.len(), columns.len());
             return Err(format!("steps: {:?} has the errors of {errors} axes, the model {axes}", step.name));
         }
+        if let Some((column, by)) = self.corrected_axis().filter(|_| self.model.fitted_on == FittedOn::Raw) {
+            return Err(format!("model: of raw values, and {column} of its log was corrected by {by}"));
+        }
         if self.data.trained_rows > self.data.rows {
             return Err("data: fitted to more rows than there are".to_owned());
         }
@@ -37,6 +42,15 @@ impl Study {
             check_growth(refinement).map_err(|wrong| format!("refinement of {column}: {wrong}"))?;
         }
         Ok(())
+    }
+
+    /// An axis of the model whose values were corrected before they were logged, and what by.
+    fn corrected_axis(&self) -> Option<(&str, String)> {
+        let find = |axis: &FittedAxis| {
+            let (triad, _) = Column::named(&axis.column).place()?;
+            SensorProvenance::of_sources(&self.data.sources, triad).corrected_by().map(str::to_owned)
+        };
+        self.model.axes.iter().find_map(|axis| Some((axis.column.as_str(), find(axis)?)))
     }
 }
 

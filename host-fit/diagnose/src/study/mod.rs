@@ -208,7 +208,11 @@ impl Study {
             .data
             .sources
             .iter()
-            .map(|Source { path, sha256, .. }| format!("data {}, sha256 {}", file::name_of(path), sha256))
+            .map(|Source { path, sha256, read_as, .. }| {
+                let stated = read_as.as_ref().and_then(|read_as| read_as.provenance.as_ref());
+                let stated = stated.map_or_else(String::new, |stated| format!(", {stated}"));
+                format!("data {}, sha256 {sha256}{stated}", file::name_of(path))
+            })
             .map(|line| visible(&line).into_owned());
         let data = data.collect::<Vec<_>>().join("\n");
         format!(

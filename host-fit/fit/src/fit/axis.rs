@@ -4,7 +4,8 @@ use fos_data::column::Column;
 use std::ops::Range;
 
 use fos_core::{
-    Axis, AxisParameters, InnovationStatistics, Input, ModelError, Range as Fitted, Source, Transform,
+    Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Range as Fitted, Source,
+    Transform,
 };
 
 use super::axis_error::AxisError;
@@ -217,7 +218,7 @@ fn start(
     };
     let mut model = UnitModel {
         period_s: recording.rate.period_s,
-        fitted_on: options.fitted_on,
+        fitted_on: fitted_on(recording, column, options.fitted_on),
         stillness: stillness.limits.and_then(|_| stillness::limits(recording, training)),
         quantities: Vec::new(),
         inputs: Vec::new(),
@@ -301,6 +302,15 @@ fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regresso
         // there the constant is the true value as far as anyone knows
         Reference::Constant if is_accelerometer => parameters.reference += mean * parameters.scale,
         _ => parameters.offset += mean * parameters.scale,
+    }
+}
+
+/// Corrected values if the log says that its values are, or the user does; raw otherwise.
+fn fitted_on(recording: &Recording, column: &str, stated: FittedOn) -> FittedOn {
+    let triad = Column::named(column).place().map(|(triad, _)| triad);
+    match triad.and_then(|triad| recording.provenance(triad).corrected_by().map(drop)) {
+        Some(()) => FittedOn::FactoryCorrected,
+        None => stated,
     }
 }
 
