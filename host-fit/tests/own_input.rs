@@ -115,31 +115,31 @@ const LINES: [Line; 29] = [
     Line {
         output: "image",
         at: "out",
-        words: "export {study} --image out --px4 table --judge {judge}",
+        words: "export {study} --image out --instance 0 --px4 table --judge {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "rust",
         at: "out",
-        words: "export {study} --rust out --px4 table --judge {judge}",
+        words: "export {study} --rust out --instance 0 --px4 table --judge {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "c",
         at: "out.h",
-        words: "export {study} --c out.h --px4 table --judge {judge}",
+        words: "export {study} --c out.h --instance 0 --px4 table --judge {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "px4",
         at: "out",
-        words: "export {study} --px4 out --judge {judge}",
+        words: "export {study} --instance 0 --px4 out --judge {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "ardupilot",
         at: "out",
-        words: "export {study} --ardupilot out --judge {judge}",
+        words: "export {study} --instance 0 --ardupilot out --judge {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{OutputFile, Reading, describe};
-use super::output::{Failure, Written, print_line, print_written};
-use fos_data::recording::{check_log_path, write_columns};
+use super::output::{Failure, Written, print_line, print_warning, print_written};
+use fos_data::column::Triad;
+use fos_data::recording::{SensorProvenance, check_log_path, write_columns};
 use fos_data::stillness::find;
 
 /// Write a log of any format as CSV or Parquet of the log format
@@ -42,6 +43,14 @@ impl Convert {
         write_columns(&self.output, &columns)?;
         if !self.json {
             print_line!("{}", describe(&recording, &find(&recording)));
+        }
+        let by = [Triad::Accelerometers, Triad::Gyros].map(|triad| recording.provenance(triad));
+        if let Some(by) = by.iter().find_map(SensorProvenance::corrected_by) {
+            print_warning(&format!(
+                "its values were corrected by {by}, which the log format does not state\n\
+                 help: fit {} with --factory-corrected, and make no temperature table of it",
+                self.output.display()
+            ));
         }
         let what = format!("{} rows of {} columns", recording.n_rows(), columns.len());
         print_written(&[Written { path: self.output.display().to_string(), what }], self.json)

@@ -25,7 +25,7 @@ use fos_fit::model::UnitModel;
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
-    host-fit export unit.json --px4 unit.params --ardupilot unit.parm --judge later.parquet"
+    host-fit export unit.json --instance 0 --px4 unit.params --ardupilot unit.parm --judge later.parquet"
 )]
 pub(super) struct Export {
     /// The study

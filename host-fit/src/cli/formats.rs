@@ -28,6 +28,7 @@ impl Formats {
                     ("units", known.units),
                     ("clock", known.clock),
                     ("temperature", known.temperature),
+                    ("values", known.values),
                     ("look out for", known.traps),
                     ("refused", known.refused),
                 ] {

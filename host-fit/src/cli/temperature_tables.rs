@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::arguments::OutputFile;
 use super::output::{Failure, Written, number, optional, print_line, print_warning, table};
-use crate::export::{ArduPilot, Px4};
+use crate::export::{ArduPilot, Autopilot, Px4, StatedSensor, TableSensor};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::{Recording, load};
 use fos_data::stillness::{self, Stillness};
@@ -21,9 +21,13 @@ pub(super) struct TableArguments {
     /// The temperature tables for PX4 to write, as parameters that QGroundControl loads
     #[arg(long, value_name = "FILE")]
     px4: Option<OutputFile>,
-    /// The device_id of accelerometer and gyro, for PX4, which takes the tables for no other sensor
+    /// The device_id of accelerometer and gyro for PX4, which applies a table to no other sensor; by default that of the
+    /// log, where a ULog states it
     #[arg(long, value_name = "ACCEL,GYRO", value_delimiter = ',', num_args = 1, requires = "px4")]
     device_id: Vec<u32>,
+    /// The number of the IMU on the autopilot, counted from 0; by default that of the log, where it is the autopilot's own
+    #[arg(long, value_name = "N")]
+    instance: Option<u8>,
     /// The temperature tables for ArduPilot to write, as parameters
     #[arg(long, value_name = "FILE")]
     ardupilot: Option<OutputFile>,
@@ -37,8 +41,8 @@ pub(super) struct TableArguments {
 pub(super) struct Tables {
     log: String,
     range_c: [f64; 2],
-    px4: Option<Px4>,
-    ardupilot: Option<ArduPilot>,
+    px4: Option<(Px4, TableSensor)>,
+    ardupilot: Option<(ArduPilot, TableSensor)>,
     judged: String,
     left: Vec<LeftByTemperature>,
 }
@@ -65,6 +69,12 @@ impl TableArguments {
                 "--judge is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it".into(),
             );
         }
+        if self.instance.is_some() && !self.are_given() {
+            return Err(
+                "--instance is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it"
+                    .into(),
+            );
+        }
         if self.device_id.len() > 2 {
             return Err("--device-id takes that of the accelerometer and that of the gyro, not more".into());
         }
@@ -77,14 +87,19 @@ impl TableArguments {
             return Ok(None);
         }
         let (recording, fitted_rows, judged) = self.logs(study, file)?;
+        let sensor = |is_wanted: bool, autopilot| {
+            is_wanted.then(|| TableSensor::of(&recording, autopilot, self.stated())).transpose()
+        };
+        let for_px4 = sensor(self.px4.is_some(), Autopilot::Px4)?;
+        let for_ardupilot = sensor(self.ardupilot.is_some(), Autopilot::ArduPilot)?;
         let fitted_rows = if judged.is_some() { recording.n_rows() } else { fitted_rows };
         let stillness = stillness::find_apart(&recording, fitted_rows);
         let fitted = ThermalTable::fit(&recording, &stillness, 0..fitted_rows)?;
-        let px4 = self.px4.is_some().then(|| Px4::of(&fitted));
-        let ardupilot = self.ardupilot.is_some().then(|| ArduPilot::of(&fitted));
-        let by_px4 = |column: &str, t: f64| px4.as_ref().map_or(0.0, |table| table.offset(column, t));
+        let px4 = for_px4.map(|sensor| (Px4::of(&fitted), sensor));
+        let ardupilot = for_ardupilot.map(|sensor| (ArduPilot::of(&fitted), sensor));
+        let by_px4 = |column: &str, t: f64| px4.as_ref().map_or(0.0, |(table, _)| table.offset(column, t));
         let by_ardupilot =
-            |column: &str, t: f64| ardupilot.as_ref().map_or(0.0, |table| table.offset(column, t));
+            |column: &str, t: f64| ardupilot.as_ref().map_or(0.0, |(table, _)| table.offset(column, t));
         let mut corrections: Vec<Correction<'_>> = Vec::new();
         if px4.is_some() {
             corrections.push(&by_px4);
@@ -108,6 +123,16 @@ impl TableArguments {
         };
         let range_c = [fitted.low_c, fitted.high_c];
         Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left }))
+    }
+
+    /// The sensor that the tables are for, as the user states it.
+    fn stated(&self) -> StatedSensor {
+        let device_ids = match self.device_id[..] {
+            [both] => [Some(both); 2],
+            [accel, gyro] => [Some(accel), Some(gyro)],
+            _ => [None; 2],
+        };
+        StatedSensor { instance: self.instance, device_ids }
     }
 
     /// The log that is fitted, how many rows of it, and the one that is judged, if that is another.
@@ -141,23 +166,22 @@ impl TableArguments {
             note.push(Written { path: path.display().to_string(), what });
             Ok(())
         };
-        if let (Some(path), Some(px4)) = (&self.px4, &tables.px4) {
-            let ids = match self.device_id[..] {
-                [both] => [both; 2],
-                [accel, gyro] => [accel, gyro],
-                _ => [0; 2],
-            };
-            write(path, px4.file(log, ids), format!("temperature tables for PX4, {range}"))?;
-            if self.device_id.is_empty() {
-                print_warning(
-                    "TC_A0_ID and TC_G0_ID are 0: PX4 ignores these tables until they are the device_id of the sensors\n\
+        if let (Some(path), Some((px4, sensor))) = (&self.px4, &tables.px4) {
+            let TableSensor { instance, device_ids, lacks_device_id } = *sensor;
+            let ids = device_ids.map(Option::unwrap_or_default);
+            let what = format!("temperature tables for IMU {instance} of PX4, {range}");
+            write(path, px4.file(log, instance, ids), what)?;
+            if lacks_device_id {
+                print_warning(&format!(
+                    "the device_id of the sensors is not known and is 0 in the table (TC_A{instance}_ID, TC_G{instance}_ID): PX4 ignores these tables until it is theirs\n\
                      help: give them with --device-id ACCEL,GYRO; `listener sensor_accel` and `listener sensor_gyro` on the \
-                     vehicle show them",
-                );
+                     vehicle show them"
+                ));
             }
         }
-        if let (Some(path), Some(ardupilot)) = (&self.ardupilot, &tables.ardupilot) {
-            write(path, ardupilot.file(log), format!("temperature tables for ArduPilot, {range}"))?;
+        if let (Some(path), Some((ardupilot, sensor))) = (&self.ardupilot, &tables.ardupilot) {
+            let what = format!("temperature tables for IMU {} of ArduPilot, {range}", sensor.instance);
+            write(path, ardupilot.file(log, sensor.instance), what)?;
         }
         Ok(())
     }

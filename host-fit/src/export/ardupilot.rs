@@ -1,4 +1,4 @@
-//! Temperature tables for ArduPilot: parameters `INS_TCAL1_*`.
+//! Temperature tables for ArduPilot: parameters `INS_TCAL1_*` of the first IMU, `INS_TCAL2_*` of the second, ….
 //!
 //! ArduPilot subtracts P(clip(T) − 35) and adds P(clip(T_cal) − 35), P(d) = 10⁻⁶·(c₁d + c₂d² + c₃d³), T_cal being the
 //! temperature at which the offsets were calibrated, both clipped to TMIN … TMAX
@@ -15,7 +15,7 @@ use fos_fit::thermal::{ThermalTable, about};
 const REFERENCE_C: f64 = 35.0;
 const SCALE: f64 = 1e6;
 
-/// The parameters of the first sensor, as they are stored: in single precision.
+/// The parameters of a sensor, as they are stored: in single precision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArduPilot {
     /// TMIN, TMAX, °C.
@@ -43,13 +43,16 @@ impl ArduPilot {
         f64::from((c[0] + (c[1] + c[2] * delta) * delta) * delta * 1e-6)
     }
 
-    /// The file.
-    pub fn file(&self, log: &str) -> String {
+    /// The file, for the IMU of this number, counted from 0.
+    pub fn file(&self, log: &str, instance: u8) -> String {
+        let number = u16::from(instance) + 1;
+        // the fourth and fifth have a group of their own (AP_InertialSensor_Params.cpp)
+        let group = if number <= 3 { format!("INS_TCAL{number}") } else { format!("INS{number}_TCAL") };
         let mut text = format!(
-            "# Temperature tables of the first IMU, from {}, by host-fit export\n\
-             # Axes are those of the sensor, before AHRS_ORIENTATION. Calibrate the accelerometer once they are loaded:\n\
+            "# Temperature table of IMU {instance} (counted from 0), from {}, by host-fit export\n\
+             # Axes are those of the board, before AHRS_ORIENTATION. Calibrate the accelerometer once they are loaded:\n\
              # ArduPilot takes them from the temperature of that calibration on.\n\
-             INS_TCAL1_ENABLE 1\nINS_TCAL1_TMIN {}\nINS_TCAL1_TMAX {}\n",
+             {group}_ENABLE 1\n{group}_TMIN {}\n{group}_TMAX {}\n",
             in_ascii(log),
             self.range[0],
             self.range[1]
@@ -60,7 +63,7 @@ impl ArduPilot {
                     let found = self.columns.iter().find(|(name, _)| name == column);
                     let value = found.map_or(0.0, |(_, c)| c[order]);
                     // writing to a string does not fail
-                    let _ = writeln!(text, "INS_TCAL1_{name}{}_{axis} {value}", order + 1);
+                    let _ = writeln!(text, "{group}_{name}{}_{axis} {value}", order + 1);
                 }
             }
         }

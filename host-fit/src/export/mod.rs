@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `rust_source`, `c_source`, `test_vector` | a model for a device |
 //! | `px4`, `ardupilot` | the bias by temperature, as these autopilots correct it |
+//! | `target` | the sensor that such a table is for; refuses values that are already corrected |
 
 mod ardupilot;
 mod c_source;
@@ -12,6 +13,7 @@ mod error;
 mod px4;
 mod refusal;
 mod rust_source;
+mod target;
 mod test_vector;
 
 pub use ardupilot::ArduPilot;
@@ -24,4 +26,5 @@ pub use fos_fit::export::{
 pub use px4::Px4;
 pub use refusal::Refusal;
 pub use rust_source::rust_source;
+pub use target::{Autopilot, StatedSensor, TableRefusal, TableSensor};
 pub use test_vector::{OwnedTestVector, Room, Unnoticed, test_vector};

@@ -40,13 +40,13 @@ impl Px4 {
         f64::from(x[0] + x[1] * delta + x[2] * (delta * delta) + x[3] * (delta * delta * delta))
     }
 
-    /// The file. `ids` are the `device_id` of the accelerometer and of the gyro.
-    pub fn file(&self, log: &str, ids: [u32; 2]) -> String {
+    /// The file, for the accelerometer and gyro of this number, counted from 0. `ids` are their `device_id`.
+    pub fn file(&self, log: &str, instance: u8, ids: [u32; 2]) -> String {
         let mut text = format!(
-            "# Temperature tables of the first accelerometer and gyro, from {}, by host-fit export\n\
+            "# Temperature tables of accelerometer and gyro {instance} (counted from 0), from {}, by host-fit export\n\
              # Load with QGroundControl, restart, then calibrate accelerometer and gyro as usual: what was calibrated\n\
              # without these tables does not hold with them.\n\
-             # TC_A0_ID, TC_G0_ID: device_id of the sensors (as in sensor_accel, sensor_gyro). PX4 leaves a sensor as it\n\
+             # TC_A{instance}_ID, TC_G{instance}_ID: device_id of the sensors (as in sensor_accel, sensor_gyro). PX4 leaves a sensor as it\n\
              # is whose device_id none of these is.\n\
              # Vehicle-Id\tComponent-Id\tName\tValue\tType\n",
             in_ascii(log)
@@ -57,15 +57,15 @@ impl Px4 {
                 continue;
             }
             // writing to a string does not fail
-            let _ = writeln!(text, "1\t1\tTC_{letter}_ENABLE\t1\t6\n1\t1\tTC_{letter}0_ID\t{id}\t6");
+            let _ = writeln!(text, "1\t1\tTC_{letter}_ENABLE\t1\t6\n1\t1\tTC_{letter}{instance}_ID\t{id}\t6");
             for (name, value) in ["TMIN", "TMAX", "TREF"].iter().zip(self.range) {
-                let _ = writeln!(text, "1\t1\tTC_{letter}0_{name}\t{value}\t9");
+                let _ = writeln!(text, "1\t1\tTC_{letter}{instance}_{name}\t{value}\t9");
             }
             for power in 0..4 {
                 for (axis, column) in columns.iter().enumerate() {
                     let found = self.columns.iter().find(|(name, _)| name == column);
                     let value = found.map_or(0.0, |(_, x)| x[power]);
-                    let _ = writeln!(text, "1\t1\tTC_{letter}0_X{power}_{axis}\t{value}\t9");
+                    let _ = writeln!(text, "1\t1\tTC_{letter}{instance}_X{power}_{axis}\t{value}\t9");
                 }
             }
         }

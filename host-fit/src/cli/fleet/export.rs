@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fos_core::FittedOn;
-use fos_fleet::{PartSummary, Shipment, ShippedUnit};
+use fos_fleet::{PartSummary, Shipment, ShippedUnit, UnitRow};
 use serde::Serialize;
 
 use crate::cli::arguments::OutputFolder;
@@ -55,6 +55,23 @@ struct Line<'a> {
 }
 
 impl Export {
+    /// Corrected values if the logs of the part's units or the user say so; raw otherwise.
+    fn values(&self, part: &PartSummary, rows: &[UnitRow]) -> Result<FittedOn, Failure> {
+        let of_part = rows.iter().filter(|row| row.part == part.part);
+        let stated =
+            of_part.filter_map(|row| Some((row.unit.as_str(), row.log.as_ref()?.corrected_by.as_deref())));
+        let (corrected, others): (Vec<_>, Vec<_>) = stated.partition(|(_, by)| by.is_some());
+        match (corrected.first(), others.first()) {
+            (Some((unit, Some(by))), Some((other, _))) if !self.factory_corrected => Err(format!(
+                "the log of {unit} holds values that were corrected by {by}, that of {other} does not say so: one image cannot be for both\nhelp: log all units alike; if all logs are corrected, --factory-corrected"
+            )
+            .into()),
+            (Some(_), _) => Ok(FittedOn::FactoryCorrected),
+            (None, _) if self.factory_corrected => Ok(FittedOn::FactoryCorrected),
+            (None, _) => Ok(FittedOn::Raw),
+        }
+    }
+
     pub(super) fn run(&self) -> Result<(), Failure> {
         // before anything is said of rows that are not beside it
         let population = Identity::of(&self.population);
@@ -70,7 +87,7 @@ impl Export {
         }
         let (fleet, rows) = fos_fleet::Fleet::read(&self.population)?;
         let part = self.part_of(&fleet.parts)?;
-        let values = if self.factory_corrected { FittedOn::FactoryCorrected } else { FittedOn::Raw };
+        let values = self.values(part, &rows)?;
         let sensor = self.sensor.as_deref().unwrap_or(&part.part);
         let digest = fleet.rows_sha256.get(..16).unwrap_or_default();
         let provenance = format!("means of {} units, rows {digest}; {}", fleet.units, fleet.program);

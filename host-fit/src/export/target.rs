@@ -1,0 +1,234 @@
+//! The sensor of an autopilot that a temperature table is for, by the provenance of the log that it was fitted to.
+//!
+//! A table of the wrong sensor, of values that the autopilot has already corrected, or in other axes is worse than none:
+//! the autopilot takes it without a word. So a table is written only where the log states its sensor, or the user does.
+
+use fos_data::column::Triad;
+use fos_data::recording::{Format, Frame, Recording, SensorProvenance, Values};
+
+/// An autopilot that corrects by temperature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Autopilot {
+    /// PX4: `TC_A0_*`, `TC_G0_*` to `TC_A3_*`, `TC_G3_*` (`TemperatureCompensation.h`, `SENSOR_COUNT_MAX`).
+    Px4,
+    /// ArduPilot: `INS_TCAL1_*` to `INS_TCAL3_*`, `INS4_TCAL_*`, `INS5_TCAL_*` (`AP_InertialSensor_Params.cpp`).
+    ArduPilot,
+}
+
+/// What the user states of the sensor, where the log does not.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StatedSensor {
+    /// Its number on the autopilot, from 0.
+    pub instance: Option<u8>,
+    /// `device_id` of accelerometers and gyros.
+    pub device_ids: [Option<u32>; 2],
+}
+
+/// The sensor that a table is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TableSensor {
+    /// Its number on the autopilot, from 0.
+    pub instance: u8,
+    /// `device_id` of accelerometers and gyros, where it is known.
+    pub device_ids: [Option<u32>; 2],
+    /// That of a sensor in the log is not known.
+    pub lacks_device_id: bool,
+}
+
+/// Why a table is not written.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TableRefusal {
+    /// The values are not those that the autopilot would correct.
+    #[error(
+        "{log}: no table for {}: its {sensor} were corrected before they were logged, by {by}; a table of them would correct a second time\nhelp: {help}",
+        autopilot.name()
+    )]
+    Corrected {
+        /// The log.
+        log: String,
+        /// The autopilot.
+        autopilot: Autopilot,
+        /// Accelerometers or gyros.
+        sensor: &'static str,
+        /// What they were corrected by.
+        by: String,
+        /// What to record instead.
+        help: &'static str,
+    },
+    /// The values are in other axes than those that the autopilot corrects in.
+    #[error(
+        "{log}: no table for {}: its {sensor} are in the {frame}, and a table is in the axes of the board\nhelp: {help}",
+        autopilot.name()
+    )]
+    OtherFrame {
+        /// The log.
+        log: String,
+        /// The autopilot.
+        autopilot: Autopilot,
+        /// Accelerometers or gyros.
+        sensor: &'static str,
+        /// The axes that they are in.
+        frame: Frame,
+        /// What to record instead.
+        help: &'static str,
+    },
+    /// Nothing says which sensor of the autopilot it is.
+    #[error(
+        "{log}: no table for {}: which of its IMUs the log is of is not known\nhelp: state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
+        autopilot.name()
+    )]
+    NoInstance {
+        /// The log.
+        log: String,
+        /// The autopilot.
+        autopilot: Autopilot,
+    },
+    /// The autopilot has no such sensor.
+    #[error(
+        "no table for IMU {instance} of {}: it has tables for 0 to {last} only\nhelp: choose one of these with --topic when the log is fitted",
+        autopilot.name()
+    )]
+    NoSuchInstance {
+        /// The autopilot.
+        autopilot: Autopilot,
+        /// The number.
+        instance: u8,
+        /// The highest that it has.
+        last: u8,
+    },
+    /// The user states another sensor than the log.
+    #[error(
+        "{log}: it is of {found}, and {stated} was stated\nhelp: leave out {option}, or fit the log of that sensor (--topic)"
+    )]
+    OtherSensor {
+        /// The log.
+        log: String,
+        /// The sensor by the log.
+        found: String,
+        /// The sensor by the user.
+        stated: String,
+        /// The option.
+        option: &'static str,
+    },
+}
+
+impl Autopilot {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Px4 => "PX4",
+            Self::ArduPilot => "ArduPilot",
+        }
+    }
+
+    /// The format of its own logs.
+    fn format(self) -> Format {
+        match self {
+            Self::Px4 => Format::Ulog,
+            Self::ArduPilot => Format::Dataflash,
+        }
+    }
+
+    /// The highest number of a sensor that it has a table for.
+    pub fn last_instance(self) -> u8 {
+        match self {
+            Self::Px4 => 3,
+            Self::ArduPilot => 4,
+        }
+    }
+}
+
+impl TableSensor {
+    /// The sensor that a table fitted to `log` is for.
+    ///
+    /// # Errors
+    ///
+    /// The values of the log are corrected or in other axes, its sensor is not known, not one of the autopilot's, or
+    /// another than the user states.
+    pub fn of(log: &Recording, autopilot: Autopilot, stated: StatedSensor) -> Result<Self, TableRefusal> {
+        let path = log.paths();
+        let mut instance = None;
+        let mut device_ids = stated.device_ids;
+        let mut lacks_device_id = false;
+        // numbers of another autopilot's log are not those of this one
+        let format =
+            |source: &fos_data::recording::Source| source.read_as.as_ref().map(|read_as| read_as.format);
+        let is_own = log.sources.iter().all(|source| format(source) == Some(autopilot.format()));
+        for (at, triad) in [Triad::Accelerometers, Triad::Gyros].into_iter().enumerate() {
+            if triad.columns().into_iter().all(|column| log.channel(column).is_err()) {
+                continue;
+            }
+            let found = log.provenance(triad);
+            refuse_values(&path, autopilot, triad, &found)?;
+            if !is_own {
+                lacks_device_id |= device_ids[at].is_none();
+                continue;
+            }
+            let same_number = [instance, stated.instance].into_iter().flatten();
+            for other in same_number {
+                if let Some(number) = found.instance.filter(|number| *number != other) {
+                    return Err(TableRefusal::OtherSensor {
+                        log: path,
+                        found: format!("IMU {number}"),
+                        stated: format!("IMU {other}"),
+                        option: "--instance",
+                    });
+                }
+            }
+            instance = found.instance.or(instance);
+            if let (Some(id), Some(other)) = (found.device_id, device_ids[at])
+                && id != other
+                && autopilot == Autopilot::Px4
+            {
+                return Err(TableRefusal::OtherSensor {
+                    log: path,
+                    found: format!("device_id {id}"),
+                    stated: format!("device_id {other}"),
+                    option: "--device-id",
+                });
+            }
+            device_ids[at] = found.device_id.or(device_ids[at]);
+            lacks_device_id |= device_ids[at].is_none();
+        }
+        let Some(instance) = instance.or(stated.instance) else {
+            return Err(TableRefusal::NoInstance { log: path, autopilot });
+        };
+        let last = autopilot.last_instance();
+        if instance > last {
+            return Err(TableRefusal::NoSuchInstance { autopilot, instance, last });
+        }
+        Ok(Self { instance, device_ids, lacks_device_id })
+    }
+}
+
+/// Refuses values that the autopilot would not correct as they are.
+fn refuse_values(
+    log: &str,
+    autopilot: Autopilot,
+    triad: Triad,
+    found: &SensorProvenance,
+) -> Result<(), TableRefusal> {
+    let (log, sensor) = (log.to_owned(), name_of(triad));
+    let help = match autopilot {
+        Autopilot::Px4 => {
+            "record sensor_accel and sensor_gyro at their full rate (bit 11 of SDLOG_PROFILE), and fit that log"
+        }
+        Autopilot::ArduPilot => {
+            "record IMU messages beside ACC and GYR (the IMU and IMU_RAW bits of LOG_BITMASK) with all parameters, and fit that log"
+        }
+    };
+    match (&found.values, found.frame) {
+        (Values::Corrected(by), _) => {
+            Err(TableRefusal::Corrected { log, autopilot, sensor, by: by.to_string(), help })
+        }
+        (_, Frame::Board | Frame::Unstated) => Ok(()),
+        (_, frame) => Err(TableRefusal::OtherFrame { log, autopilot, sensor, frame, help }),
+    }
+}
+
+fn name_of(triad: Triad) -> &'static str {
+    match triad {
+        Triad::Accelerometers => "accelerometers",
+        Triad::Gyros => "gyros",
+    }
+}
