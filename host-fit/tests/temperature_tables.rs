@@ -358,6 +358,16 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     let refused = fails(folder, 1, &["export", "doctored.json", "--image", "other.fosm"]);
     assert!(refused.contains("was corrected by PX4"), "{refused}");
 
+    // and one whose provenance was cut, as of an earlier version, is read and warned of
+    let mut cut: serde_json::Value = serde_json::from_str(&doctored).expect("JSON");
+    let source = cut["data"]["sources"][0]["read_as"].as_object_mut().expect("another format");
+    assert!(source.remove("provenance").is_some());
+    std::fs::write(folder.join("cut.json"), cut.to_string()).expect("written");
+    let warned = said(folder, &["export", "cut.json", "--image", "cut.fosm"]);
+    assert!(warned.contains("help: fit the log again"), "{warned}");
+    let refused = fails(folder, 1, &["export", "cut.json", "--instance", "0", "--px4", "u.params"]);
+    assert!(refused.contains("corrected before they were logged"), "{refused}");
+
     // the second IMU, raw: its number and its device_id come from the log
     let image = fit("raw.ulg", "1");
     assert_eq!(image["fitted_on"], "Raw", "{image}");

@@ -11,6 +11,7 @@ use super::output::{Failure, Written, number, print_json, print_line, print_warn
 use super::temperature_tables::TableArguments;
 use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
+use fos_data::recording::Source;
 use fos_diagnose::study::Study;
 use fos_fit::model::UnitModel;
 
@@ -103,6 +104,15 @@ impl Export {
         }
         if !has_model {
             return Ok(());
+        }
+        // the log format says so by leaving it out; a reader of an earlier version did not know
+        let is_unknown =
+            |source: &Source| source.read_as.as_ref().is_some_and(|read_as| read_as.provenance.is_none());
+        if model.fitted_on == FittedOn::Raw && study.data.sources.iter().any(is_unknown) {
+            print_warning(
+                "the study is of a version that did not record whether the log's values were corrected; the model is written as one of raw values\n\
+                 help: fit the log again",
+            );
         }
         match Refusal::of(model) {
             // Rust source comes with a hub that has the room

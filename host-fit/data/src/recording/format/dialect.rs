@@ -8,6 +8,7 @@ use super::super::provenance::{Frame, Provenance, Values};
 use super::super::table::Table;
 use super::found::Entry;
 use super::{Format, header};
+use crate::unit::Unit;
 
 /// How a known program names its columns: the name before the unit, which a header may state in any spelling. A name
 /// that ends in `()` is found only with a unit. Capitals do not count.
@@ -20,8 +21,8 @@ pub(super) struct Dialect {
     columns: &'static [(&'static str, &'static str, &'static str)],
     /// The stamps of the gyros, where they have their own.
     pub(super) gyro_clock: Option<&'static str>,
-    /// What is assumed.
-    pub(super) assumed: &'static str,
+    /// What is assumed beside the units.
+    assumed: &'static str,
     /// What the values were corrected by; empty where they are raw, none where the program does not say.
     corrected_by: Option<&'static str>,
     frame: Frame,
@@ -61,7 +62,7 @@ const DIALECTS: &[Dialect] = &[
             ("ay_mps2", "a_RS_S_y", "m/s2"),
             ("az_mps2", "a_RS_S_z", "m/s2"),
         ],
-        assumed: "units as in the header, else ns, rad/s and m/s² with gravity",
+        assumed: "with gravity",
         corrected_by: Some(""),
         frame: Frame::Sensor,
         ..PLAIN
@@ -78,7 +79,7 @@ const DIALECTS: &[Dialect] = &[
             ("ay_mps2", "alpha_y", "m/s2"),
             ("az_mps2", "alpha_z", "m/s2"),
         ],
-        assumed: "stamps in ns; omega in rad/s, alpha is specific force in m/s² with gravity",
+        assumed: "alpha is specific force, with gravity",
         ..PLAIN
     },
     Dialect {
@@ -94,7 +95,7 @@ const DIALECTS: &[Dialect] = &[
             ("gz_rads", "gyroRotationZ", "rad/s"),
         ],
         gyro_clock: Some("gyroTimestamp_sinceReboot"),
-        assumed: "each sensor by its own stamps since reboot; g with the sign turned, so that gravity counts up; rad/s",
+        assumed: "the accelerometers' sign turned so that gravity counts up; each sensor by its own stamps since reboot",
         corrected_by: Some(""),
         frame: Frame::Phone,
         ..PLAIN
@@ -124,7 +125,7 @@ const DIALECTS: &[Dialect] = &[
             ("mag_z_ut", "M_Z ()", ""),
             ("temp_c", "T ()", ""),
         ],
-        assumed: "units as in the header; with gravity",
+        assumed: "with gravity",
         corrected_by: Some(""),
         frame: Frame::Sensor,
         ..PLAIN
@@ -141,7 +142,7 @@ const DIALECTS: &[Dialect] = &[
             ("gy_rads", "wy", "rad/s"),
             ("gz_rads", "wz", "rad/s"),
         ],
-        assumed: "time in s; gFx … in g with gravity, wx … in rad/s; ax, ay, az are without gravity and left alone",
+        assumed: "gFx … with gravity; ax, ay, az are without gravity and left alone",
         corrected_by: Some(PHONE),
         frame: Frame::Phone,
         ..PLAIN
@@ -161,7 +162,7 @@ const DIALECTS: &[Dialect] = &[
             ("mag_y_ut", "MAGNETIC FIELD Y ()", "uT"),
             ("mag_z_ut", "MAGNETIC FIELD Z ()", "uT"),
         ],
-        assumed: "time in ms; m/s² with gravity, rad/s; rows are written at a rate of their own; GRAVITY and LINEAR ACCELERATION are estimates and left alone",
+        assumed: "with gravity; rows are written at a rate of their own; GRAVITY and LINEAR ACCELERATION are estimates and left alone",
         corrected_by: Some(PHONE),
         frame: Frame::Phone,
         ..PLAIN
@@ -205,7 +206,7 @@ const PHYPHOX: &[(&str, &str, &str)] = &[
     ("gz_rads", "Gyroscope z ()", "rad/s"),
 ];
 
-const PHYPHOX_ASSUMED: &str = "time in s since the start; m/s² with gravity, rad/s";
+const PHYPHOX_ASSUMED: &str = "with gravity";
 
 /// Whether a column is the one of a pattern.
 pub(super) fn is_named(column: &str, pattern: &str) -> bool {
@@ -260,6 +261,29 @@ impl Dialect {
         Ok(entries)
     }
 
+    /// What is assumed, with the units that the columns are read in.
+    pub(super) fn assumed(&self, entries: &[Entry]) -> String {
+        let mut units: Vec<(&str, Vec<&str>)> = Vec::new();
+        for (target, _, how) in entries {
+            let name = match Unit::of_column(target) {
+                Unit::Second => "time",
+                Unit::MetrePerSecondSquared => "accelerometers",
+                Unit::RadianPerSecond => "gyros",
+                Unit::Microtesla => "magnetometers",
+                _ => "temperature",
+            };
+            let unit = how.rsplit_once(':').map_or(how.as_str(), |(_, unit)| unit);
+            match units.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, known)) if known.contains(&unit) => {}
+                Some((_, known)) => known.push(unit),
+                None => units.push((name, vec![unit])),
+            }
+        }
+        let units: Vec<String> =
+            units.into_iter().map(|(name, units)| format!("{name} in {}", units.join(" and "))).collect();
+        format!("{}; {}", units.join(", "), self.assumed)
+    }
+
     /// The column of the stamps, if the dialect says which one it is.
     pub(super) fn clock(&self) -> Option<&'static str> {
         self.columns.iter().find(|(target, ..)| *target == "t_s").map(|(_, pattern, _)| *pattern)
@@ -282,7 +306,6 @@ mod tests {
 
     use super::super::super::{Recording, load};
     use super::*;
-    use crate::unit::Unit;
 
     /// Spellings in headers, and SI per unit; by the definitions of the units, apart from the table under test.
     fn spellings(unit: Unit) -> &'static [(&'static str, f64)] {
@@ -409,6 +432,11 @@ mod tests {
                         let read_as = recording.sources[0].read_as.as_ref().unwrap();
                         assert_eq!(read_as.format, dialect.format, "{what}");
                         assert_eq!(first_wrong(dialect, &recording), None, "{what}");
+                        let target = dialect.columns.iter().map(|(target, ..)| target);
+                        let target = target.into_iter().find(|target| Unit::of_column(target) == kind);
+                        let unit = header::spelling(spelling, target.unwrap()).unwrap();
+                        let said = format!(" in {unit}");
+                        assert!(read_as.assumed.contains(&said), "{what}: {}", read_as.assumed);
                     }
                 }
                 // a unit that cannot be read is refused, not taken for another

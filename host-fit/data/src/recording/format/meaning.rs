@@ -108,8 +108,8 @@ fn of_dialect(
         }
         None => None,
     };
-    let (format, assumed, provenance) = (dialect.format, dialect.assumed.to_owned(), dialect.provenance());
     let entries = dialect.entries(path, table, options)?;
+    let (format, assumed, provenance) = (dialect.format, dialect.assumed(&entries), dialect.provenance());
     Ok(Found { format, entries, assumed, provenance, gyro_clock })
 }
 
