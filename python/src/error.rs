@@ -138,6 +138,9 @@ impl EngineError for RecordingError {
             | E::Damaged { path, .. }
             | E::NoSensors { path, .. }
             | E::SeveralLogs { path, .. }
+            | E::Undecided { path, .. }
+            | E::NoEffect { path, .. }
+            | E::TwoDevices { path }
             | E::NoTime { path, .. }
             | E::TooFewRows { path, .. }
             | E::UnknownFormat { path } => Location::file(path),

@@ -13,7 +13,7 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
-use fos_fit::model::UnitModel;
+use fos_fit::model::{FittedAxis, UnitModel};
 use fos_fit::playback::Playback;
 use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 
@@ -222,8 +222,16 @@ pub fn compare_study(
         Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
         None => is_own.then_some(Trained { recording: log, stillness: &stillness, rows: 0..trained_rows }),
     };
-    let (comparison, trace) =
-        compare(&study.model, &study.lag_1(), log, &stillness, rows, trained.as_ref(), progress)?;
+    // an axis of which this log has no number says nothing about the others
+    let mut model = study.model.clone();
+    let mut lag_1 = study.lag_1();
+    let is_measured = |axis: &FittedAxis| !log.quality.empty_axes.contains(&axis.column);
+    if model.axes.iter().any(is_measured) {
+        let mut measured = model.axes.iter().map(is_measured).collect::<Vec<_>>().into_iter();
+        lag_1.retain(|_| measured.next().unwrap_or(true));
+        model.axes.retain(is_measured);
+    }
+    let (comparison, trace) = compare(&model, &lag_1, log, &stillness, rows, trained.as_ref(), progress)?;
     Ok(Judgement { comparison, trace, stillness })
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::output::Failure;
 use fos_data::disturbance;
-use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, load};
+use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, RecordingError, load};
 use fos_data::stillness::Stillness;
 use fos_diagnose::effects::{EffectError, Library};
 
@@ -79,6 +79,17 @@ impl Reading {
     /// Reads `log`.
     pub(super) fn read(&self, log: &Path) -> Result<Recording, Failure> {
         Ok(load(log, &self.options()?)?)
+    }
+
+    /// Reads a log that is named in the arguments; `read` is of [`options_or`](Self::options_or). A sensor that was chosen before,
+    /// in another file, is no reason to refuse one that has no choice of sensors.
+    pub(super) fn read_named(&self, log: &Path, read: &LoadOptions) -> Result<Recording, Failure> {
+        match load(log, read) {
+            Err(RecordingError::NoEffect { .. }) if self.topic.is_none() => {
+                Ok(load(log, &LoadOptions { topic: None, ..read.clone() })?)
+            }
+            found => Ok(found?),
+        }
     }
 
     /// What stands in the arguments.

@@ -15,7 +15,7 @@ use fos_fit::evaluate::ModelErrors;
 use crate::curves::curves;
 use crate::figures::moved;
 use crate::plots;
-use fos_data::recording::{LoadOptions, Recording, load};
+use fos_data::recording::{LoadOptions, Recording};
 use fos_diagnose::study::{Study, load_again};
 
 /// Compare the model of a study with measurements and with plain rivals, and show where it fails
@@ -41,7 +41,7 @@ impl Compare {
         let study = Study::read(&self.study)?;
         let read = self.reading.options_or(&study.data.read)?;
         let recording = match &self.log {
-            Some(log) => load(log, &read)?,
+            Some(log) => self.reading.read_named(log, &read)?,
             None => self.fitted_log(&study, &read)?,
         };
         let same = study.data.is(&recording);

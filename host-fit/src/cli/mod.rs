@@ -125,7 +125,7 @@ pub fn run(prepare: impl FnOnce(Lifetime)) -> ExitCode {
         Err(failure) => {
             let all = subcommands();
             let arguments = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
-            output::print_error(&output::with_flags(&failure, arguments));
+            output::print_error(&output::with_flags(&output::in_words(&failure), arguments));
             ExitCode::FAILURE
         }
     }

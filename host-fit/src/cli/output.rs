@@ -15,7 +15,8 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::escaping::visible_json;
+use crate::escaping::{quoted, visible_json};
+use fos_data::recording::RecordingError;
 pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};
 
@@ -96,6 +97,16 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
     }
     files.iter().for_each(|file| print_line!("{}: {}", file.path, file.what));
     Ok(())
+}
+
+/// An error as the user of the command line reads it: the column maps to choose from as arguments to paste.
+pub(super) fn in_words(failure: &Failure) -> String {
+    let said = failure.to_string();
+    let Some(RecordingError::Undecided { maps, .. }) = failure.downcast_ref() else { return said };
+    let arguments = maps.iter().map(|map| map.iter().map(|entry| format!("--map {}", quoted(entry))));
+    let arguments: Vec<String> = arguments.map(|map| map.collect::<Vec<_>>().join(" ")).collect();
+    let problem = said.split("\nhelp: ").next().unwrap_or_default();
+    format!("{problem}\nhelp: choose one: {}", arguments.join("\n  or: "))
 }
 
 /// The word before an error, in colour on a terminal only.

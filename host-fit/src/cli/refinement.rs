@@ -8,7 +8,7 @@ use clap::Args;
 use super::arguments::Reading;
 use super::error_table::error_table;
 use super::output::{Failure, number, print_line, sparkline, table};
-use fos_data::recording::{Recording, Source, load};
+use fos_data::recording::{Recording, Source};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, RefinementStep};
 use fos_diagnose::study::{Study, load_again};
@@ -38,7 +38,7 @@ pub(super) fn read_logs(
 ) -> Result<Logs, Failure> {
     let known = study.refinement_of(column).map(|refinement| &refinement.logs);
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
-    let given = |path: &PathBuf| -> Result<Recording, Failure> { Ok(load(path, &read)?) };
+    let given = |path: &PathBuf| reading.read_named(path, &read);
     let again = |source: &Source| -> Result<Recording, Failure> { Ok(load_again(source, file, &read)?) };
     let read_field = || match (&logs.from, known) {
         (Some(path), _) => given(path),

@@ -1,6 +1,6 @@
 //! Bags of ROS 1, version 2.0 (the ROS wiki's "Bags/Format/2.0").
 
-use super::Flight;
+use super::{Flight, Publisher, in_order};
 
 /// How the messages of a bag are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,13 +39,45 @@ fn connection(to: &mut Vec<u8>, id: u32, topic: &str, kind: &str, definition: &s
     record(to, &[("op", &[7]), ("conn", &id.to_le_bytes()), ("topic", topic.as_bytes())], &described);
 }
 
-fn header(us: u64, sequence: u32) -> Vec<u8> {
+fn header(us: u64, sequence: u32, frame: &str) -> Vec<u8> {
     let mut header = sequence.to_le_bytes().to_vec();
     header.extend(((us / 1_000_000) as u32).to_le_bytes());
     header.extend(((us % 1_000_000 * 1000) as u32).to_le_bytes());
-    header.extend(3_u32.to_le_bytes());
-    header.extend(b"imu");
+    header.extend((frame.len() as u32).to_le_bytes());
+    header.extend(frame.as_bytes());
     header
+}
+
+/// A message of one sample.
+fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
+    let mut imu = header(flight.stamps_us[sample], sample as u32, frame);
+    let mut numbers = |values: &[f64]| values.iter().for_each(|value| imu.extend(value.to_le_bytes()));
+    numbers(&[0.0, 0.0, 0.0, 1.0]);
+    numbers(&[0.0; 9]);
+    numbers(&flight.rate[sample].map(f64::from));
+    numbers(&[0.0; 9]);
+    numbers(&flight.acceleration[sample].map(f64::from));
+    numbers(&[0.0; 9]);
+    imu
+}
+
+/// The bag of several sensors, without chunks.
+pub fn bag_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
+    let mut bag = b"#ROSBAG V2.0\n".to_vec();
+    let [definition, _] = super::ros::ros1();
+    for publisher in publishers {
+        let connected = u32::from(publisher.connection);
+        connection(&mut bag, connected, publisher.topic, "sensor_msgs/Imu", &definition);
+    }
+    for (publisher, sample) in in_order(publishers) {
+        let us = publisher.flight.stamps_us[sample];
+        let mut time = ((us / 1_000_000) as u32).to_le_bytes().to_vec();
+        time.extend(((us % 1_000_000 * 1000) as u32).to_le_bytes());
+        let connected = u32::from(publisher.connection).to_le_bytes();
+        let message = imu(publisher.flight, sample, publisher.frame);
+        record(&mut bag, &[("op", &[2]), ("conn", &connected), ("time", &time)], &message);
+    }
+    bag
 }
 
 /// The bag of a flight.
@@ -61,20 +93,13 @@ pub fn bag(flight: &Flight, chunks: Chunks) -> Vec<u8> {
     record(&mut begin, &fields, &[b' '; 100]);
     bag.extend(begin);
     let mut chunk = Vec::new();
-    let [imu, temperature] = super::ros::ros1();
-    connection(&mut chunk, 0, "/imu", "sensor_msgs/Imu", &imu);
+    let [of_imu, temperature] = super::ros::ros1();
+    connection(&mut chunk, 0, "/imu", "sensor_msgs/Imu", &of_imu);
     connection(&mut chunk, 1, "/temperature", "sensor_msgs/Temperature", &temperature);
     for sample in 0..flight.len() {
         let us = flight.stamps_us[sample];
-        let mut imu = header(us, sample as u32);
-        let mut numbers = |values: &[f64]| values.iter().for_each(|value| imu.extend(value.to_le_bytes()));
-        numbers(&[0.0, 0.0, 0.0, 1.0]);
-        numbers(&[0.0; 9]);
-        numbers(&flight.rate[sample].map(f64::from));
-        numbers(&[0.0; 9]);
-        numbers(&flight.acceleration[sample].map(f64::from));
-        numbers(&[0.0; 9]);
-        let mut warmth = header(us, sample as u32);
+        let imu = imu(flight, sample, "imu");
+        let mut warmth = header(us, sample as u32, "imu");
         warmth.extend(f64::from(flight.temperature[sample]).to_le_bytes());
         warmth.extend(0.0_f64.to_le_bytes());
         let mut time = ((us / 1_000_000) as u32).to_le_bytes().to_vec();

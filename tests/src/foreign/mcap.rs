@@ -1,6 +1,6 @@
 //! MCAP with messages of ROS 2, without chunks and index (the MCAP specification, and OMG's CDR).
 
-use super::Flight;
+use super::{Flight, Publisher, in_order};
 
 /// Plain CDR, little-endian: each number on a multiple of its size from the end of the encapsulation.
 struct Cdr(Vec<u8>);
@@ -51,9 +51,49 @@ fn text(text: &str) -> Vec<u8> {
     bytes
 }
 
+fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
+    let mut imu = Cdr::new();
+    imu.header(flight.stamps_us[sample], frame);
+    let wide = |values: [f32; 3]| values.map(f64::from);
+    imu.numbers([0.0, 0.0, 0.0, 1.0]);
+    imu.numbers([-1.0; 9]);
+    imu.numbers(wide(flight.rate[sample]));
+    imu.numbers([0.0; 9]);
+    imu.numbers(wide(flight.acceleration[sample]));
+    imu.numbers([0.0; 9]);
+    imu.0
+}
+
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+/// The log of several sensors.
+pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
+    let mut log = Log(MAGIC.to_vec());
+    log.record(0x01, &[&text("ros2"), &text("by hand")]);
+    let [definition, _] = super::ros::ros2();
+    let schema = 1_u16.to_le_bytes();
+    log.record(0x03, &[&schema, &text("sensor_msgs/msg/Imu"), &text("ros2msg"), &text(&definition)]);
+    let mut channels: Vec<u16> = Vec::new();
+    for publisher in publishers {
+        // ROS 2 has one channel for all publishers of a topic
+        if !channels.contains(&publisher.connection) {
+            let (channel, none) = (publisher.connection.to_le_bytes(), 0_u32.to_le_bytes());
+            log.record(0x04, &[&channel, &schema, &text(publisher.topic), &text("cdr"), &none]);
+            channels.push(publisher.connection);
+        }
+    }
+    for (publisher, sample) in in_order(publishers) {
+        let us = publisher.flight.stamps_us[sample];
+        log.message(publisher.connection, us, &imu(publisher.flight, sample, publisher.frame));
+    }
+    log.record(0x0f, &[&0_u32.to_le_bytes()]);
+    log.record(0x02, &[&[0; 20]]);
+    log.0.extend(MAGIC);
+    log.0
+}
+
 /// The log of a flight, with a second, slower inertial topic that is not the one to take.
 pub fn mcap(flight: &Flight) -> Vec<u8> {
-    const MAGIC: &[u8] = b"\x89MCAP0\r\n";
     let mut log = Log(MAGIC.to_vec());
     log.record(0x01, &[&text("ros2"), &text("by hand")]);
     let names = [(1_u16, "sensor_msgs/msg/Imu"), (2, "sensor_msgs/msg/Temperature")];
@@ -68,18 +108,10 @@ pub fn mcap(flight: &Flight) -> Vec<u8> {
     }
     for sample in 0..flight.len() {
         let us = flight.stamps_us[sample];
-        let mut imu = Cdr::new();
-        imu.header(us, "imu_link");
-        let wide = |values: [f32; 3]| values.map(f64::from);
-        imu.numbers([0.0, 0.0, 0.0, 1.0]);
-        imu.numbers([-1.0; 9]);
-        imu.numbers(wide(flight.rate[sample]));
-        imu.numbers([0.0; 9]);
-        imu.numbers(wide(flight.acceleration[sample]));
-        imu.numbers([0.0; 9]);
-        log.message(1, us, &imu.0);
+        let imu = imu(flight, sample, "imu_link");
+        log.message(1, us, &imu);
         if sample % 10 == 0 {
-            log.message(3, us, &imu.0);
+            log.message(3, us, &imu);
         }
         let mut temperature = Cdr::new();
         temperature.header(us, "imu_link");

@@ -12,11 +12,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-pub use bag::{Chunks, bag};
+pub use bag::{Chunks, bag, bag_of};
 pub use dataflash::dataflash;
-pub use mcap::mcap;
+pub use mcap::{mcap, mcap_of};
 pub use text::{TEXTS, Text};
-pub use ulog::{Rate, ulog};
+pub use ulog::{Rate, ulog, ulog_of};
 pub use zip::zip;
 
 /// A unit at rest: accelerations, rates and the temperature, all with the same stamps.
@@ -32,7 +32,39 @@ pub struct Flight {
     pub temperature: Vec<f32>,
 }
 
+/// A sensor that publishes to a topic of ROS.
+#[derive(Debug, Clone, Copy)]
+pub struct Publisher<'a> {
+    /// The topic.
+    pub topic: &'a str,
+    /// The number of its connection in a bag, of its channel in MCAP.
+    pub connection: u16,
+    /// The frame in the headers.
+    pub frame: &'a str,
+    /// Its samples.
+    pub flight: &'a Flight,
+}
+
+/// Sample and publisher of all messages, in the order of their stamps.
+fn in_order<'a>(publishers: &[Publisher<'a>]) -> Vec<(Publisher<'a>, usize)> {
+    let mut all: Vec<(Publisher<'a>, usize)> = publishers
+        .iter()
+        .flat_map(|publisher| (0..publisher.flight.len()).map(|sample| (*publisher, sample)))
+        .collect();
+    all.sort_by_key(|(publisher, sample)| publisher.flight.stamps_us[*sample]);
+    all
+}
+
 impl Flight {
+    /// The same samples of another device: later by so much, and with another bias of the gyro, rad/s.
+    #[must_use]
+    pub fn of_another(&self, later_us: u64, bias: f32) -> Self {
+        let mut other = self.clone();
+        other.stamps_us.iter_mut().for_each(|us| *us += later_us);
+        other.rate.iter_mut().flatten().for_each(|rate| *rate += bias);
+        other
+    }
+
     /// So many samples, `period_us` apart, of a part that warms up and errs with it.
     pub fn new(samples: usize, period_us: u64, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);

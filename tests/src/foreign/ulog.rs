@@ -40,6 +40,39 @@ impl Log {
     }
 }
 
+/// A log in which every instance of a sensor has subscriptions of its own: topic, instance, `device_id` and the samples; those of
+/// one subscription may be of several devices.
+pub fn ulog_of(sensors: &[(&str, u8, u32, &Flight)]) -> Vec<u8> {
+    let mut log = Log(b"ULog\x01\x12\x35\x01".to_vec());
+    log.0.extend(0_u64.to_le_bytes());
+    log.message(b'B', &[0; 40]);
+    for topic in ["sensor_accel", "sensor_gyro"] {
+        let fields = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;";
+        log.message(b'F', format!("{topic}:{fields}").as_bytes());
+    }
+    let mut subscribed: Vec<(&str, u8)> = Vec::new();
+    let mut messages = Vec::new();
+    for (topic, instance, device, flight) in sensors {
+        let known = subscribed.iter().position(|known| *known == (*topic, *instance));
+        let id = known.unwrap_or_else(|| {
+            log.subscribe(subscribed.len() as u16, *instance, topic);
+            subscribed.push((topic, *instance));
+            subscribed.len() - 1
+        });
+        messages.extend(
+            (0..flight.len()).map(|sample| (flight.stamps_us[sample], id, *topic, *device, *flight, sample)),
+        );
+    }
+    messages.sort_by_key(|message| (message.0, message.1));
+    for (us, id, topic, device, flight, sample) in messages {
+        let values = if topic == "sensor_accel" { flight.acceleration[sample] } else { flight.rate[sample] };
+        let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let (stamp, temperature) = (us.to_le_bytes(), flight.temperature[sample].to_le_bytes());
+        log.data(id as u16, &[&stamp, &stamp, &device.to_le_bytes(), &values, &temperature]);
+    }
+    log.0
+}
+
 /// The log of a flight.
 pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
     let mut log = Log(b"ULog\x01\x12\x35\x01".to_vec());

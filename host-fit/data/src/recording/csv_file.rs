@@ -218,6 +218,7 @@ impl<'a> Parser<'a> {
             let is_text = texts[i] > numbers[i];
             let column = table.columns.len();
             let kind = if map.ignores(name) {
+                table.ignored.push(name.clone());
                 Kind::LeftOut
             } else if is_text && name == map.column_of("segment") {
                 Kind::Labels(column)

@@ -166,8 +166,40 @@ pub enum RecordingError {
         /// What to record instead, or to choose.
         help: String,
     },
+    /// Candidates for a channel that are equally good and hold different data.
+    #[error(
+        "{}: {problem}: equally good by their names, and they differ\nhelp: choose by a column map, {}",
+        path.display(),
+        maps.iter().map(|map| map.join(" ")).collect::<Vec<_>>().join("; or ")
+    )]
+    Undecided {
+        /// As it was given.
+        path: PathBuf,
+        /// The channels and their candidates.
+        problem: String,
+        /// Complete column maps, one per choice.
+        maps: Vec<Vec<String>>,
+    },
+    /// Rows of two devices in turn.
+    #[error("{}: every second row differs in its stamp and in its values: the rows are of two devices in turn\nhelp: give the rows of each device as a log of its own, or record each on a topic of its own", path.display())]
+    TwoDevices {
+        /// As it was given.
+        path: PathBuf,
+    },
+    /// An option that this file has no use for.
+    #[error("{}: {option} has no effect here: {offers}\nhelp: {help}", path.display())]
+    NoEffect {
+        /// As it was given.
+        path: PathBuf,
+        /// The option and its value.
+        option: String,
+        /// What the file offers instead.
+        offers: String,
+        /// What to do.
+        help: &'static str,
+    },
     /// A folder or an archive with more logs than one.
-    #[error("{}: there is more than one log in it: {}\nhelp: unpack it, and give the logs one by one", path.display(), logs.join(", "))]
+    #[error("{}: there is more than one log in it: {}\nhelp: choose one of them as the topic, as in {}, or give the logs one by one", path.display(), logs.join(", "), logs.first().map_or("", String::as_str))]
     SeveralLogs {
         /// As it was given.
         path: PathBuf,

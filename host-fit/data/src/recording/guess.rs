@@ -1,5 +1,7 @@
 //! Which channel a column seems to be, and in what unit: by its name, and where that leaves a choice, by its values.
 
+use super::column_map::quoted;
+use super::column_words::{self, Named, Quantity, words};
 use crate::column::{AXES, Column, MAGNETOMETERS};
 use crate::statistics::median_of;
 use crate::unit::{STANDARD_GRAVITY, parse_unit};
@@ -15,50 +17,76 @@ pub(super) struct Guess {
     pub(super) why: String,
     /// The name alone says so.
     pub(super) sure: bool,
+    /// Entries of a column map that name worse candidates for the same channel, best first.
+    pub(super) others: Vec<String>,
 }
 
-/// What kind of quantity a name speaks of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Quantity {
-    Time,
-    Force(usize),
-    Rate(usize),
-    Field(usize),
-    Temperature,
-    Voltage,
-    Load,
+/// What the columns of a table seem to be.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Guesses {
+    /// One per column, none where it seems to be no channel; no channel is guessed twice.
+    pub(super) columns: Vec<Option<Guess>>,
+    /// Channels that nothing is guessed for, since several candidates are equally good.
+    pub(super) undecided: Vec<Undecided>,
 }
 
-/// A guess for every column, none where it seems to be no channel; no channel is guessed twice.
-pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Vec<Option<Guess>> {
-    let named: Vec<Option<Quantity>> = columns.iter().map(|(name, _)| quantity(name)).collect();
-    let of_kind = |is: fn(&Quantity) -> bool| -> Vec<&[f64]> {
-        let found = columns.iter().zip(&named).filter(|(_, quantity)| quantity.as_ref().is_some_and(is));
-        found.map(|((_, values), _)| *values).collect()
-    };
-    let forces = of_kind(|quantity| matches!(quantity, Quantity::Force(_)));
-    let rates = of_kind(|quantity| matches!(quantity, Quantity::Rate(_)));
-    let mut taken: Vec<String> = Vec::new();
-    let mut guesses: Vec<Option<Guess>> = vec![None; columns.len()];
+/// Channels for which several candidates are equally good and differ, or which only a mix of sensors would fill.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Undecided {
+    /// As in the log format, as `gx_rads`.
+    pub(super) targets: Vec<String>,
+    /// Entries of a column map, those of one sensor together.
+    pub(super) choices: Vec<Vec<String>>,
+}
+
+/// A column that may be a channel.
+struct Candidate {
+    /// Its place in the table.
+    at: usize,
+    named: Named,
+    target: &'static str,
+    unit: Option<&'static str>,
+    sure: bool,
+}
+
+/// A guess for every column, whatever the order of the columns: by the rank of their names, and among those of one rank by the
+/// names themselves where they hold the same data.
+pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Guesses {
+    let mut guesses = Guesses { columns: vec![None; columns.len()], ..Guesses::default() };
     // names of the log format first: whatever else is there, they mean what they say
-    for standard_only in [true, false] {
-        for (place, (name, values)) in columns.iter().enumerate() {
-            if guesses[place].is_some() || is_standard(name) != standard_only {
-                continue;
-            }
-            let guess = match (is_standard(name), named[place]) {
-                (true, _) => Some(Guess {
-                    target: (*name).to_owned(),
-                    unit: None,
-                    why: "a name of the log format".to_owned(),
-                    sure: true,
-                }),
-                (false, Some(quantity)) => Some(guess(name, quantity, values, &forces, &rates)),
-                (false, None) => None,
-            };
-            guesses[place] = guess.filter(|guess| !taken.contains(&guess.target));
-            taken.extend(guesses[place].iter().map(|guess| guess.target.clone()));
-        }
+    let mut taken: Vec<&str> = Vec::new();
+    for (guess, (name, _)) in
+        guesses.columns.iter_mut().zip(columns).filter(|(_, (name, _))| is_standard(name))
+    {
+        let (target, why) = ((*name).to_owned(), "a name of the log format".to_owned());
+        *guess = Some(Guess { target, unit: None, why, sure: true, others: Vec::new() });
+        taken.push(name);
+    }
+    let mut named: Vec<(usize, Named)> = columns
+        .iter()
+        .enumerate()
+        .filter(|(_, (name, _))| !is_standard(name))
+        .filter_map(|(at, (name, _))| Some((at, column_words::named(name)?)))
+        .filter(|(_, named)| !taken.contains(&target_of(named.quantity)))
+        .collect();
+    // then stated units, then by name, so that the order of the file has no say
+    named.sort_by_key(|(at, named)| {
+        let name = columns[*at].0;
+        (named.rank, unit_in(name, target_of(named.quantity)).is_none(), name)
+    });
+    let mut numbers = Vec::new();
+    for kind in [is_force, is_rate, is_field] {
+        numbers.push(guesses.choose_sensor(columns, named.iter().filter(|(_, named)| kind(named.quantity))));
+    }
+    if let [Some(forces), Some(rates), _] = &numbers[..]
+        && !forces.is_empty()
+        && !rates.is_empty()
+        && forces != rates
+    {
+        guesses.withdraw_axes(columns);
+    }
+    for quantity in [Quantity::Time, Quantity::Temperature, Quantity::Voltage, Quantity::Load] {
+        guesses.choose_column(columns, named.iter().filter(|(_, named)| named.quantity == quantity));
     }
     guesses
 }
@@ -70,102 +98,231 @@ fn is_standard(name: &str) -> bool {
         || MAGNETOMETERS.contains(&name)
 }
 
-fn guess(name: &str, quantity: Quantity, values: &[f64], forces: &[&[f64]], rates: &[&[f64]]) -> Guess {
-    let target = match quantity {
-        Quantity::Time => "t_s".to_owned(),
-        Quantity::Force(axis) => AXES[axis].to_owned(),
-        Quantity::Rate(axis) => AXES[3 + axis].to_owned(),
-        Quantity::Field(axis) => MAGNETOMETERS[axis].to_owned(),
-        Quantity::Temperature => "temp_c".to_owned(),
-        Quantity::Voltage => "supply_v".to_owned(),
-        Quantity::Load => "load_pct".to_owned(),
-    };
-    if let Some(unit) = unit_in(name, &target) {
-        return Guess { target, unit: Some(unit), why: "by its name".to_owned(), sure: true };
-    }
-    let by_values = match quantity {
-        Quantity::Time => time_unit(values),
-        // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
-        Quantity::Force(_) => forces.try_into().ok().and_then(force_unit),
-        Quantity::Rate(_) => rate_unit(rates),
-        Quantity::Temperature => temperature_unit(values),
-        Quantity::Voltage => Some(if typical(values) > 100.0 { "mV" } else { "V" }),
-        Quantity::Field(_) => Some("uT"),
-        Quantity::Load => Some("%"),
-    };
-    match by_values {
-        Some(unit) => Guess {
-            target,
-            unit: Some(unit),
-            why: "the channel by its name, the unit by its values".to_owned(),
-            sure: false,
-        },
-        None => Guess {
-            target,
-            unit: None,
-            why: "by its name; its values fit no unit: raw counts need a scale".to_owned(),
-            sure: false,
-        },
+fn is_force(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Force(_))
+}
+
+fn is_rate(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Rate(_))
+}
+
+fn is_field(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Field(_))
+}
+
+fn target_of(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Time => "t_s",
+        Quantity::Force(axis) => AXES[axis],
+        Quantity::Rate(axis) => AXES[3 + axis],
+        Quantity::Field(axis) => MAGNETOMETERS[axis],
+        Quantity::Temperature => "temp_c",
+        Quantity::Voltage => "supply_v",
+        Quantity::Load => "load_pct",
     }
 }
 
-/// Words of a name: split at everything that is no letter or digit, and where a capital follows a small letter.
-fn words(name: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut before = ' ';
-    for letter in name.chars() {
-        let is_new = before.is_lowercase() && letter.is_uppercase();
-        if !letter.is_alphanumeric() || is_new {
-            words.push(String::new());
+impl Guesses {
+    /// Chooses the sensor whose columns are a triad: all axes of one, never some of each. Returns the numbers in the name of
+    /// the one that was chosen.
+    fn choose_sensor<'a>(
+        &mut self,
+        columns: &[(&str, &[f64])],
+        named: impl Iterator<Item = &'a (usize, Named)>,
+    ) -> Option<Vec<u32>> {
+        let mut sensors: Vec<Vec<&(usize, Named)>> = Vec::new();
+        for column in named {
+            match sensors.iter_mut().find(|sensor| sensor[0].1.sensor == column.1.sensor) {
+                Some(sensor) => sensor.push(column),
+                None => sensors.push(vec![column]),
+            }
         }
-        if let Some(word) = words.last_mut().filter(|_| letter.is_alphanumeric()) {
-            word.extend(letter.to_lowercase());
+        let sensors: Vec<Vec<Candidate>> =
+            sensors.into_iter().map(|sensor| candidates(columns, &sensor)).collect();
+        let (best, others) = sensors.split_first()?;
+        let has = |sensor: &[Candidate], target: &str| sensor.iter().any(|column| column.target == target);
+        let first =
+            |sensor: &'_ [Candidate], target: &str| sensor.iter().position(|column| column.target == target);
+        // one axis in two units, or twice: the same sensor, if the data agree
+        let is_one = |sensor: &[Candidate]| {
+            sensor.iter().all(|column| {
+                let first = first(sensor, column.target).map(|at| &sensor[at]);
+                first.is_none_or(|first| same(columns, first, column))
+            })
+        };
+        let same_as_best = |other: &[Candidate]| {
+            let covers =
+                |one: &[Candidate], all: &[Candidate]| all.iter().all(|column| has(one, column.target));
+            covers(best, other)
+                && covers(other, best)
+                && other.iter().all(|column| {
+                    first(best, column.target).is_some_and(|at| same(columns, &best[at], column))
+                })
+        };
+        let rank = best[0].named.rank;
+        let rivals = others.iter().filter(|other| other[0].named.rank == rank && !same_as_best(other));
+        let is_mixed = others.iter().flatten().any(|column| !has(best, column.target));
+        if rivals.count() > 0 || is_mixed || !is_one(best) {
+            let choices = sensors.iter().filter(|sensor| is_mixed || sensor[0].named.rank == rank);
+            let mut targets: Vec<String> =
+                sensors.iter().flatten().map(|column| column.target.to_owned()).collect();
+            targets.sort_unstable();
+            targets.dedup();
+            let choices = match is_one(best) {
+                true => choices.map(|sensor| entries(columns, sensor)).collect(),
+                false => best.iter().map(|column| vec![entry(columns, column)]).collect(),
+            };
+            self.undecided.push(Undecided { targets, choices });
+            return None;
         }
-        before = letter;
+        for (at, column) in best.iter().enumerate() {
+            if first(best, column.target) != Some(at) {
+                continue;
+            }
+            let rest = best[at + 1..].iter().chain(others.iter().flatten());
+            let others = rest.filter(|other| other.target == column.target);
+            self.take(columns, column, others.map(|other| entry(columns, other)).collect());
+        }
+        Some(best[0].named.numbers.clone())
     }
-    words.retain(|word| !word.is_empty());
-    words
+
+    /// Chooses one column for a channel that is no axis.
+    fn choose_column<'a>(
+        &mut self,
+        columns: &[(&str, &[f64])],
+        named: impl Iterator<Item = &'a (usize, Named)>,
+    ) {
+        let named: Vec<&(usize, Named)> = named.collect();
+        let mut found = candidates(columns, &named);
+        let Some(rank) = found.first().map(|best| best.named.rank) else { return };
+        let equals = found.iter().take_while(|candidate| candidate.named.rank == rank).count();
+        // the finest of clocks that run alike
+        if found[0].target == "t_s" {
+            found[..equals]
+                .sort_by_key(|column| (!column.sure, std::cmp::Reverse(distinct(columns[column.at].1))));
+        }
+        let best = &found[0];
+        if !found[1..equals].iter().all(|other| same(columns, best, other)) {
+            let choices = found[..equals].iter().map(|column| vec![entry(columns, column)]).collect();
+            self.undecided.push(Undecided { targets: vec![best.target.to_owned()], choices });
+            return;
+        }
+        let others = found[1..].iter().map(|other| entry(columns, other)).collect();
+        self.take(columns, best, others);
+    }
+
+    /// Takes back the axes: the accelerometers would be those of one device, the gyros those of another.
+    fn withdraw_axes(&mut self, columns: &[(&str, &[f64])]) {
+        let mut choices = Vec::new();
+        for triad in [&AXES[..3], &AXES[3..]] {
+            let mut entries = Vec::new();
+            for (guess, (name, _)) in self.columns.iter_mut().zip(columns) {
+                if let Some(Guess { target, unit, .. }) =
+                    guess.take_if(|guess| triad.contains(&&*guess.target))
+                {
+                    entries.push(spec(&target, name, unit));
+                }
+            }
+            entries.sort();
+            choices.push(entries);
+        }
+        let targets = AXES.map(str::to_owned).to_vec();
+        self.undecided.push(Undecided { targets, choices });
+    }
+
+    fn take(&mut self, columns: &[(&str, &[f64])], column: &Candidate, others: Vec<String>) {
+        let why = match (column.unit, column.sure) {
+            (Some(_), true) => "by its name",
+            (Some(_), false) => "the channel by its name, the unit by its values",
+            (None, _) => "by its name; its values fit no unit: raw counts need a scale",
+        };
+        debug_assert!(column.at < columns.len());
+        self.columns[column.at] = Some(Guess {
+            target: column.target.to_owned(),
+            unit: column.unit,
+            why: why.to_owned(),
+            sure: column.sure,
+            others,
+        });
+    }
 }
 
-fn quantity(name: &str) -> Option<Quantity> {
-    let words = words(name);
-    let any = |starts: &[&str]| words.iter().any(|word| starts.iter().any(|start| word.starts_with(start)));
-    let is = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
-    // the last letter that names an axis, alone or at the end of a word that names the sensor: gyroX, accx, gx, ax
-    let letter_axis = |letter: Option<char>| ['x', 'y', 'z'].iter().position(|axis| Some(*axis) == letter);
-    let alone =
-        words.iter().find_map(|word| if word.len() == 1 { letter_axis(word.chars().next()) } else { None });
-    let joined = |sensors: &[&str]| {
-        words.iter().find_map(|word| {
-            let axis = letter_axis(word.chars().last())?;
-            sensors.contains(&&word[..word.len() - 1]).then_some(axis)
-        })
+/// The columns of one sensor, or those that may be one channel, with their units.
+fn candidates(columns: &[(&str, &[f64])], named: &[&(usize, Named)]) -> Vec<Candidate> {
+    let values: Vec<&[f64]> = named.iter().map(|(at, _)| columns[*at].1).collect();
+    let candidate = |(at, named): &&(usize, Named)| {
+        let (name, own) = columns[*at];
+        let target = target_of(named.quantity);
+        let stated = unit_in(name, target);
+        let unit = stated.or_else(|| match named.quantity {
+            Quantity::Time => time_unit(own),
+            // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
+            Quantity::Force(_) => values[..].try_into().ok().and_then(force_unit),
+            Quantity::Rate(_) => rate_unit(&values),
+            Quantity::Temperature => temperature_unit(own),
+            Quantity::Voltage => Some(if typical(own) > 100.0 { "mV" } else { "V" }),
+            Quantity::Field(_) => Some("uT"),
+            Quantity::Load => Some("%"),
+        });
+        Candidate { at: *at, named: named.clone(), target, unit, sure: stated.is_some() }
     };
-    const FORCES: [&str; 7] = ["a", "acc", "accel", "acceleration", "accelerometer", "la", "xl"];
-    const RATES: [&str; 7] = ["g", "gyr", "gyro", "gyroscope", "w", "omega", "rate"];
-    const FIELDS: [&str; 4] = ["m", "mag", "magnetometer", "b"];
-    if let Some(axis) = joined(&FORCES).or(alone.filter(|_| any(&["acc", "accel", "linear"]))) {
-        return Some(Quantity::Force(axis));
+    named.iter().map(candidate).collect()
+}
+
+fn entries(columns: &[(&str, &[f64])], sensor: &[Candidate]) -> Vec<String> {
+    let mut entries: Vec<String> = Vec::new();
+    for (at, column) in sensor.iter().enumerate() {
+        if !sensor[..at].iter().any(|before| before.target == column.target) {
+            entries.push(entry(columns, column));
+        }
     }
-    if let Some(axis) = joined(&RATES).or(alone.filter(|_| any(&["gyr", "omega", "angular"]))) {
-        return Some(Quantity::Rate(axis));
+    entries.sort();
+    entries
+}
+
+fn entry(columns: &[(&str, &[f64])], column: &Candidate) -> String {
+    spec(column.target, columns[column.at].0, column.unit)
+}
+
+fn spec(target: &str, column: &str, unit: Option<&str>) -> String {
+    let unit = unit.map_or_else(String::new, |unit| format!(":{unit}"));
+    format!("{target}={}{unit}", quoted(column))
+}
+
+/// Differences of this size relative to the values are rounding of a conversion, and no other data.
+const ROUNDING: f64 = 1e-6;
+
+/// Whether two candidates of one channel hold the same data, in the unit of the channel; clocks may count from different
+/// moments.
+fn same(columns: &[(&str, &[f64])], one: &Candidate, other: &Candidate) -> bool {
+    let converted = |column: &Candidate| -> Vec<f64> {
+        let mut values = columns[column.at].1.to_vec();
+        if let Some((_, to_si)) = column.unit.and_then(parse_unit) {
+            to_si.apply(&mut values);
+        }
+        values
+    };
+    let (one_values, other_values) = (converted(one), converted(other));
+    let mut pairs = one_values.iter().zip(&other_values);
+    if one.target != "t_s" {
+        return pairs.all(|(a, b)| {
+            a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+        });
     }
-    if let Some(axis) = joined(&FIELDS).or(alone.filter(|_| any(&["mag"]))) {
-        return Some(Quantity::Field(axis));
-    }
-    if any(&["temp", "thermo"]) {
-        return Some(Quantity::Temperature);
-    }
-    if any(&["time", "stamp", "elapsed"]) || is(&["t", "ts", "sec", "secs", "seconds", "ms", "us", "ns"]) {
-        return Some(Quantity::Time);
-    }
-    if any(&["supply", "volt", "vdd", "vbat", "vcc", "batt"]) {
-        return Some(Quantity::Voltage);
-    }
-    if is(&["load", "cpu"]) {
-        return Some(Quantity::Load);
-    }
-    None
+    // a stamp belongs to its sample as long as it is off by less than half a period
+    let apart: Vec<f64> = pairs.map(|(a, b)| a - b).filter(|apart| apart.is_finite()).collect();
+    let (low, high) =
+        apart.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let period = median(steps(&one_values).into_iter().filter(|step| *step > 0.0).collect());
+    apart.is_empty() || one.unit.is_some() == other.unit.is_some() && high - low <= 0.5 * period
+}
+
+/// Different values.
+fn distinct(values: &[f64]) -> usize {
+    let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
+    bits.sort_unstable();
+    bits.dedup();
+    bits.len()
 }
 
 /// A unit that stands in the name, in brackets or as its last words, if it is one of the target.
@@ -275,7 +432,8 @@ mod tests {
 
     fn guessed(columns: &[(&str, Vec<f64>)]) -> Vec<Option<(String, Option<&'static str>, bool)>> {
         let columns: Vec<(&str, &[f64])> = columns.iter().map(|(name, v)| (*name, v.as_slice())).collect();
-        guesses(&columns).into_iter().map(|guess| guess.map(|g| (g.target, g.unit, g.sure))).collect()
+        let found = guesses(&columns).columns.into_iter();
+        found.map(|guess| guess.map(|g| (g.target, g.unit, g.sure))).collect()
     }
 
     fn noise(size: f64, about: f64) -> Vec<f64> {
@@ -344,5 +502,196 @@ mod tests {
         for name in ["", "counter", "x", "label", "motor_current", "gps_lat"] {
             assert_eq!(guessed(&[(name, noise(1.0, 0.0))])[0], None, "{name}");
         }
+    }
+
+    /// Columns by channel, as a rule maps them.
+    type Mapping = std::collections::BTreeMap<String, String>;
+    type Rule = fn(&[(&str, &[f64])]) -> Mapping;
+
+    fn mapping(columns: &[(&str, &[f64])]) -> Mapping {
+        let guesses = guesses(columns).columns.into_iter().zip(columns);
+        guesses.filter_map(|(guess, (name, _))| Some((guess?.target, (*name).to_owned()))).collect()
+    }
+
+    /// The rule of before: the first column of the file that speaks of a channel.
+    fn first_in_the_file(columns: &[(&str, &[f64])]) -> Mapping {
+        let mut mapping = Mapping::new();
+        for (name, _) in columns {
+            let named = column_words::named(name);
+            if let Some(named) = named {
+                mapping.entry(target_of(named.quantity).to_owned()).or_insert_with(|| (*name).to_owned());
+            }
+        }
+        mapping
+    }
+
+    /// Columns of different noise in an order that `seed` decides.
+    fn shuffled(names: &[String], seed: u64) -> Vec<(String, Vec<f64>)> {
+        let mut columns: Vec<(String, Vec<f64>)> = names
+            .iter()
+            .zip(1..)
+            .map(|(name, size)| (name.clone(), noise(1e-3 * f64::from(size), 0.0)))
+            .collect();
+        let mut state = seed;
+        for last in (1..columns.len()).rev() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            columns.swap(last, (state >> 33) as usize % (last + 1));
+        }
+        columns
+    }
+
+    /// Whether the order of the columns has no say.
+    fn is_free_of_order(names: &[String], rule: Rule) -> bool {
+        let of = |seed: u64| {
+            let columns = shuffled(names, seed);
+            let columns: Vec<(&str, &[f64])> =
+                columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+            rule(&columns)
+        };
+        (1..40).all(|seed| of(seed) == of(0))
+    }
+
+    fn triads(patterns: &[&str]) -> Vec<String> {
+        let of = |pattern: &&str| ["x", "y", "z"].map(|axis| pattern.replace('*', axis)).to_vec();
+        patterns.iter().flat_map(of).collect()
+    }
+
+    fn rich_table() -> Vec<String> {
+        let mut names = triads(&[
+            "gyro_bias_*_dps",
+            "gyro_*_dps",
+            "gyro_raw_*_dps",
+            "gravity_acc_*_g",
+            "acc_*_g",
+            "acc_*_filt_g",
+            "linear_acceleration_* (m/s2)",
+            "accuracy_*_m_s2",
+            "acc_std_*_g",
+            "mag_*_ut2",
+            "mag_*_gauss",
+        ]);
+        let others = [
+            "cpu_temp_c",
+            "imu_temp_c",
+            "temperature_c",
+            "time_us",
+            "gps_time_us",
+            "timeout_ms",
+            "vdd_mv",
+            "vbat_mv",
+            "cpu_load_pct",
+            "gpu_load_pct",
+            "battery_pct",
+        ];
+        names.extend(others.map(str::to_owned));
+        names
+    }
+
+    #[test]
+    fn maps_columns_the_same_in_any_order() {
+        assert!(is_free_of_order(&rich_table(), mapping));
+        // two equally good ones: none is taken, in any order
+        assert!(is_free_of_order(&triads(&["imu0_gyro_*_dps", "imu1_gyro_*_dps", "acc_*_g"]), mapping));
+        // the check notices the rule of before
+        assert!(!is_free_of_order(&rich_table(), first_in_the_file));
+    }
+
+    #[test]
+    fn prefers_the_bare_measurement_and_the_imu_own_temperature() {
+        let columns = shuffled(&rich_table(), 7);
+        let columns: Vec<(&str, &[f64])> =
+            columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+        let found = mapping(&columns);
+        for (target, column) in [
+            ("gx_rads", "gyro_x_dps"),
+            ("gz_rads", "gyro_z_dps"),
+            ("ay_mps2", "acc_y_g"),
+            ("mag_x_ut", "mag_x_gauss"),
+            ("temp_c", "imu_temp_c"),
+            ("t_s", "time_us"),
+            ("supply_v", "vdd_mv"),
+            ("load_pct", "cpu_load_pct"),
+        ] {
+            assert_eq!(found.get(target).map(String::as_str), Some(column), "{target}");
+        }
+        let others = |target: &str| {
+            let guess = guesses(&columns).columns.into_iter().flatten().find(|guess| guess.target == target);
+            guess.unwrap().others
+        };
+        assert_eq!(others("gx_rads"), ["gx_rads=gyro_raw_x_dps:dps"]);
+        let processed = ["ax_mps2=acc_x_filt_g:g", "ax_mps2=linear_acceleration_x (m/s2):m/s2"];
+        assert_eq!(others("ax_mps2"), processed);
+    }
+
+    /// Decoys that are taken for the measurement, whether they stand before it or after it.
+    fn deceived_by(words: &[&str], rule: Rule) -> Vec<String> {
+        let mut deceived = Vec::new();
+        for word in words {
+            for pattern in ["gyro_#_*_dps", "#_gyro_*_dps", "gyro_*_#_dps"] {
+                let decoys = triads(&[&pattern.replace('#', word)]);
+                let measured = triads(&["gyro_*_dps"]);
+                for names in [[decoys.clone(), measured.clone()], [measured.clone(), decoys.clone()]] {
+                    let names = names.concat();
+                    let columns: Vec<(String, Vec<f64>)> = names
+                        .iter()
+                        .zip(1..)
+                        .map(|(name, size)| (name.clone(), noise(f64::from(size), 0.0)))
+                        .collect();
+                    let columns: Vec<(&str, &[f64])> =
+                        columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+                    let found = rule(&columns);
+                    let is_right = ["gx_rads", "gy_rads", "gz_rads"]
+                        .iter()
+                        .zip(&measured)
+                        .all(|(target, column)| found.get(*target) == Some(column));
+                    if !is_right {
+                        deceived.push(decoys[0].clone());
+                    }
+                }
+            }
+        }
+        deceived
+    }
+
+    #[test]
+    fn is_deceived_by_no_word_beside_the_measurement() {
+        let words: Vec<&str> = column_words::DECOYS
+            .into_iter()
+            .chain(["linear", "filtered", "raw", "lpf", "debug", "left"])
+            .collect();
+        assert_eq!(deceived_by(&words, mapping), [""; 0]);
+        // the check notices the rule of before, which takes what it ranks lower where that comes first
+        assert!(deceived_by(&["linear", "filtered", "raw"], first_in_the_file).len() >= 9);
+        // nor by a prefix
+        for name in [
+            "accuracy_x_m_s2",
+            "magnitude_x_gauss",
+            "template_c",
+            "timeout_ms",
+            "angular_acceleration_x (rad/s)",
+        ] {
+            assert_eq!(guessed(&[(name, noise(1.0, 5.0))])[0], None, "{name}");
+        }
+    }
+
+    #[test]
+    fn takes_no_triad_from_two_sensors() {
+        for names in [
+            vec!["imu0_acc_x_g", "imu1_acc_y_g", "imu0_acc_z_g"],
+            vec!["acc_x_g", "acc_y_g", "acc_z_filt_g"],
+            vec!["acc0_x_g", "acc0_y_g", "acc0_z_g", "gyro1_x_dps", "gyro1_y_dps", "gyro1_z_dps"],
+        ] {
+            let columns: Vec<(&str, Vec<f64>)> =
+                names.iter().zip(1..).map(|(name, size)| (*name, noise(f64::from(size), 0.0))).collect();
+            let columns: Vec<(&str, &[f64])> =
+                columns.iter().map(|(name, v)| (*name, v.as_slice())).collect();
+            let found = guesses(&columns);
+            assert_eq!((found.columns.iter().flatten().count(), found.undecided.len()), (0, 1), "{names:?}");
+        }
+        // one sensor in two units is one
+        let (dps, rads) =
+            (noise(1.0, 0.0), noise(1.0, 0.0).iter().map(|v| v.to_radians()).collect::<Vec<_>>());
+        let both = guesses(&[("gyro_x_dps", &dps), ("gyro_x_rads", &rads)]);
+        assert_eq!((both.columns.iter().flatten().count(), both.undecided.len()), (1, 0));
     }
 }

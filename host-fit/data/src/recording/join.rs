@@ -96,6 +96,8 @@ impl Quality {
         self.pauses += other.pauses;
         self.paused_s += other.paused_s;
         self.missing_cells.extend(other.missing_cells);
+        let more = other.empty_axes.into_iter().filter(|axis| !self.empty_axes.contains(axis));
+        self.empty_axes.extend(more.collect::<Vec<_>>());
         self.failed_reads.extend(other.failed_reads);
         self.text_columns.extend(other.text_columns);
         self.first_text = self.first_text.take().or(other.first_text);

@@ -16,7 +16,7 @@ use super::rate::{self, Rate, Stamps};
 use super::source::Source;
 use super::table::{Column, Skipped, Table, check_names};
 use super::unusable::refuse_unusable;
-use super::{Recording, Stream, failed_reads, gaps, own_rate, streams};
+use super::{Recording, Stream, failed_reads, gaps, interleaved, own_rate, streams};
 use crate::closest::closest;
 use crate::unit::Unit;
 
@@ -42,12 +42,18 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
     let (opened, mut source) = format::open(path, options, Extent::Whole)?;
     match opened {
         Opened::Table(table) => {
-            let meaning = format::meaning(path, &table, options)?;
+            let mut meaning = format::meaning(path, &table, options)?;
+            if let Some(undecided) = meaning.undecided.take() {
+                return Err(undecided);
+            }
             source.read_as.clone_from(&meaning.read_as);
             match meaning.streams(&table) {
                 Some(streams) => {
                     refuse_unusable(path, &table, options.strict)?;
-                    let mut recording = Recording::from_streams(source, streams, options)?;
+                    check_map(path, &table, &meaning.map)?;
+                    // the map is followed: the streams have the names of channels
+                    let followed = LoadOptions { columns: ColumnMap::default(), ..options.clone() };
+                    let mut recording = Recording::from_streams(source, streams, &followed)?;
                     let of_table = table.quality;
                     recording.quality.rows_in_file = of_table.rows_in_file;
                     recording.quality.rows_unusable = of_table.rows_unusable;
@@ -113,8 +119,9 @@ impl Recording {
         let mut table = Table::default();
         table.quality.rows_in_file = expected as u64;
         for (name, values) in columns {
-            if !options.columns.ignores(&name) {
-                table.columns.push(Column { name, values });
+            match options.columns.ignores(&name) {
+                true => table.ignored.push(name),
+                false => table.columns.push(Column { name, values }),
             }
         }
         check_names(Path::new(&source.path), &table.names())?;
@@ -170,10 +177,11 @@ fn assemble(
         return Err(RecordingError::TooFewRows { path, rows: n_rows });
     }
 
-    let Table { columns, skipped, mut quality } = table;
+    let Table { columns, skipped, mut quality, .. } = table;
     quality.perhaps.clone_from(&meaning.perhaps);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
+    leave_out_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
     if rates == MayHaveRates::Yes
         && let Some(streams) = streams_of(&channels, n_rows, options)
     {
@@ -223,6 +231,9 @@ fn assemble(
         }
         (None, rate_hz) => without_stamps(n_rows, rate_hz.unwrap_or(1.0), &marks),
     };
+    if rate.stamps != Stamps::Absent && is_of_two(&time_s, &channels) {
+        return Err(RecordingError::TwoDevices { path });
+    }
     quality.stamps_repeated = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
     quality.clock_back = grid.clock_back;
     let (pauses, others): (Vec<&Segment>, Vec<&Segment>) =
@@ -258,14 +269,17 @@ fn streams_of(channels: &[Channel], n_rows: usize, options: &LoadOptions) -> Opt
     own_rate::streams(&time_s, &others)
 }
 
-/// Refuses a map that names columns the log does not have.
+/// Refuses a map that reads or leaves out columns the log does not have.
 fn check_map(path: &Path, table: &Table, map: &ColumnMap) -> Result<(), RecordingError> {
     let mapped = map.mappings().iter().map(|mapping| &mapping.column);
-    match mapped.into_iter().find(|column| table.index_of(column).is_none()) {
+    let mapped = mapped.filter(|column| table.index_of(column).is_none());
+    let is_there =
+        |column: &String| table.ignored.contains(column) || table.quality.text_columns.contains(column);
+    match mapped.chain(map.ignored().iter().filter(|column| !is_there(column))).next() {
         None => Ok(()),
         Some(column) => {
             let mut available = table.names();
-            available.extend(map.ignored().iter().cloned());
+            available.extend(table.ignored.iter().cloned());
             available.extend(table.quality.text_columns.iter().cloned());
             let closest = closest(column, available.iter().map(String::as_str)).map(str::to_owned);
             Err(RecordingError::UnknownColumn {
@@ -337,6 +351,35 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
         add(last, values);
     }
     channels
+}
+
+/// Whether rows of two devices stand in turn.
+fn is_of_two(time_s: &[f64], channels: &[Channel]) -> bool {
+    let axes = channels.iter().filter(|channel| AXES.contains(&channel.name.as_str()));
+    interleaved::interleaved(time_s, &axes.map(|channel| &channel.values[..]).collect::<Vec<_>>())
+}
+
+/// Leaves out axes without a single number, so that the others can be used.
+///
+/// # Errors
+/// The user's own map names the column of such an axis.
+fn leave_out_empty_axes(
+    path: &Path,
+    channels: &mut Vec<Channel>,
+    quality: &mut Quality,
+    rows: usize,
+    given: &ColumnMap,
+) -> Result<(), RecordingError> {
+    let is_empty = |channel: &Channel| channel.values.iter().all(|value| !value.is_finite());
+    let is_axis = |channel: &&Channel| AXES.contains(&channel.name.as_str());
+    let empty = channels.iter().filter(is_axis).filter(|channel| is_empty(channel));
+    quality.empty_axes = empty.map(|channel| channel.name.clone()).collect();
+    let named = quality.empty_axes.iter().find(|axis| given.mappings().iter().any(|m| m.target == **axis));
+    if let Some(name) = named {
+        return Err(RecordingError::NoValues { path: path.display().to_string(), name: name.clone(), rows });
+    }
+    channels.retain(|channel| !quality.empty_axes.contains(&channel.name));
+    Ok(())
 }
 
 /// Boundaries known without stamps: changes of the label (an empty one is no change), rows skipped.

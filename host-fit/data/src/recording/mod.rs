@@ -18,6 +18,8 @@
 //! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
 //! | over 5 % of rows are like that, or one in strict mode | refused |
 //! | an axis has a value in every second to twentieth row, or rows hold the axes in turn | the streams that the table was merged from, resampled to the rows of the fastest |
+//! | stamps and values of every second row differ | refused: two devices in turn |
+//! | no cell of an axis is a number | the axis is left out, and said |
 //! | a column holds text | left out and listed (`segment`: its labels count) |
 //! | the value of `segment` changes | the segment ends |
 //! | `still` is above 0.5 | the sensor is known to be still |
@@ -28,6 +30,7 @@ mod cell;
 mod channel;
 mod coarse;
 mod column_map;
+mod column_words;
 mod csv_file;
 mod error;
 mod error_series;
@@ -41,6 +44,7 @@ mod guess;
 mod gzip;
 mod header;
 mod held;
+mod interleaved;
 mod join;
 mod load;
 mod load_options;
@@ -82,7 +86,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::closest::closest;
-use crate::column::AXES;
+use crate::column::{AXES, Column};
 
 pub use channel::Channel;
 pub use column_map::{ColumnMap, MapError};
@@ -144,29 +148,47 @@ impl Recording {
     /// The channel of this name.
     ///
     /// # Errors
-    /// There is none; the error lists what there is, and the most similar name.
+    /// There is none, and the error lists the channels and the most similar name; or it is an axis without a single number.
     pub fn channel(&self, name: &str) -> Result<&Channel, RecordingError> {
         self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
+            if self.quality.empty_axes.iter().any(|axis| axis == name) {
+                return self.no_values(name);
+            }
             let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
             let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);
             RecordingError::NoChannel { name: name.to_owned(), closest, available }
         })
     }
 
-    /// The inertial channels that it has.
+    fn no_values(&self, name: &str) -> RecordingError {
+        RecordingError::NoValues { path: self.paths(), name: name.to_owned(), rows: self.n_rows() }
+    }
+
+    /// The inertial channels that can be used: those with a number, and with one in their reference if they have one.
     ///
     /// # Errors
     /// It has none.
     pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
-        let axes = AXES.into_iter().filter(|name| self.channel(name).is_ok());
-        let axes: Vec<String> = axes.map(str::to_owned).collect();
+        let has_values = |channel: &Channel| channel.values.iter().any(|value| value.is_finite());
+        let lacks = |axis: &str| -> Option<String> {
+            let reference = Column::named(axis).reference();
+            let columns = [axis.to_owned(), reference].into_iter();
+            let mut channels = columns.filter_map(|name| self.channels.iter().find(|c| c.name == name));
+            channels.find(|channel| !has_values(channel)).map(|channel| channel.name.clone())
+        };
+        let there = AXES.into_iter().filter(|axis| self.channels.iter().any(|c| c.name == *axis));
+        let (axes, hollow): (Vec<&str>, Vec<&str>) = there.partition(|axis| lacks(axis).is_none());
         if axes.is_empty() {
+            let hollow = hollow.first().and_then(|axis| lacks(axis));
+            if let Some(name) = hollow.as_ref().or(self.quality.empty_axes.first()) {
+                return Err(self.no_values(name));
+            }
             let text_columns = self.quality.text_columns.clone();
             let first = self.quality.first_text.clone().map(Box::new);
             let perhaps = self.quality.perhaps.clone();
             return Err(RecordingError::NoAxes { path: self.paths(), text_columns, first, perhaps });
         }
-        Ok(axes)
+        Ok(axes.into_iter().map(str::to_owned).collect())
     }
 
     /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment

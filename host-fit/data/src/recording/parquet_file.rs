@@ -78,6 +78,7 @@ pub(super) fn read(
             index += 1;
         }
         if map.ignores(name) {
+            table.ignored.push(name.clone());
             continue;
         }
         let kind = match field.is_primitive() && index == first + 1 {

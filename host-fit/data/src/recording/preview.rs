@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::column_map::quoted;
 use super::error::RecordingError;
-use super::guess::{Guess, guesses};
+use super::guess::{Guess, Guesses, guesses};
 use super::load;
 use crate::unit::{Unit, spellings_of};
 
@@ -61,7 +61,14 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     let (table, meaning) = load::begin(path)?;
     let columns: Vec<(&str, &[f64])> =
         table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
-    let guessed = guesses(&columns);
+    let Guesses { columns: guessed, undecided } = guesses(&columns);
+    let is_undecided = |quoted: &str| {
+        let mut entries = undecided.iter().flat_map(|group| group.choices.iter().flatten());
+        entries.any(|entry| {
+            let source = entry.split_once('=').map_or("", |(_, source)| source);
+            source.strip_prefix(quoted).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+        })
+    };
     let columns = columns.iter().zip(guessed).map(|((name, values), guess)| {
         let values = values.iter().take(SHOWN).map(|value| match value.is_nan() {
             true => "–".to_owned(),
@@ -89,16 +96,21 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         }
         match guess {
             None => ColumnPreview {
+                why: match is_undecided(&quoted) {
+                    true => {
+                        "another column is as good for the same channel and differs: choose one".to_owned()
+                    }
+                    false => "not a channel that is known: kept under its own name".to_owned(),
+                },
+                sure: !is_undecided(&quoted),
                 name,
                 quoted,
                 values,
                 target: None,
                 unit: None,
                 spec: None,
-                why: "not a channel that is known: kept under its own name".to_owned(),
-                sure: true,
             },
-            Some(Guess { target, unit, why, sure }) => {
+            Some(Guess { target, unit, why, sure, .. }) => {
                 let own = target == name && unit.is_none_or(|unit| unit == Unit::of_column(&target).symbol());
                 let unit_part = unit.map_or_else(String::new, |unit| format!(":{unit}"));
                 let spec = (!own).then(|| format!("{target}={quoted}{unit_part}"));

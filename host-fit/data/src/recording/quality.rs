@@ -29,6 +29,9 @@ pub struct Quality {
     pub clock_back: u64,
     /// Empty or not finite cells, by column; only columns that have any.
     pub missing_cells: Vec<MissingCells>,
+    /// Axes without a single number, which are left out: the recording has no channel of these names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub empty_axes: Vec<String>,
     /// Readings of thermometers that failed, by column; they read NaN.
     pub failed_reads: Vec<FailedReads>,
     /// Stretches of missing samples.
@@ -175,6 +178,9 @@ impl fmt::Display for Quality {
         for cells in &self.missing_cells {
             let MissingCells { column, empty, not_finite } = cells;
             lines.push(format!("{column}: {empty} cells empty, {not_finite} not finite"));
+        }
+        for axis in &self.empty_axes {
+            lines.push(format!("{axis}: every cell is empty or not a number; this axis is left out"));
         }
         if !self.text_columns.is_empty() {
             lines.push(format!("columns of text, left out: {}", self.text_columns.join(", ")));

@@ -14,6 +14,8 @@ pub(super) struct Table {
     pub(super) skipped: Vec<Skipped>,
     /// What was found so far.
     pub(super) quality: Quality,
+    /// Columns of the file that a map leaves out.
+    pub(super) ignored: Vec<String>,
 }
 
 /// One column.

@@ -80,7 +80,7 @@ pub(super) fn read(
         at += (8 + header.len() + data.len()) as u64;
     };
     let damage = damage.map(|problem| format!("the file is damaged or cut short near byte {at} ({problem})"));
-    read.topics.finish(path, Format::Bag, damage)
+    read.topics.finish(path, Format::Bag, damage, options.strict)
 }
 
 /// Reads header and data of a record; false at the end.
@@ -172,7 +172,7 @@ impl Read {
                 let topic = record.get(&b"topic"[..]).map(|topic| String::from_utf8_lossy(topic));
                 let (Some(name), Some(topic)) = (name, topic) else { return };
                 if let Some(kind) = Kind::of(&name).filter(|kind| self.topics.wants(&topic, *kind)) {
-                    self.connections.insert(connection, self.topics.add(&topic, kind));
+                    self.connections.insert(connection, self.topics.add(&topic, kind, connection));
                 }
             }
             Some(&MESSAGE) => {

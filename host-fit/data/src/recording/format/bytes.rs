@@ -6,9 +6,9 @@ use std::path::Path;
 use super::super::error::RecordingError;
 use super::super::load_options::LoadOptions;
 use super::super::{csv_file, other_format};
-use super::gnss_logger;
 use super::names::Format;
 use super::opened::{Extent, Opened};
+use super::{choice, gnss_logger};
 use crate::file::FileError;
 
 /// What is read of a file to see what is in it.
@@ -34,7 +34,7 @@ pub(super) fn unpacked(
     if let Some((is, help)) = in_sqlite.or_else(|| other_format::known(begin)) {
         return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
     }
-    let signed = of_signature(begin);
+    let signed = of_signature(begin).or_else(|| gnss_logger::is(begin).then_some(Format::GnssLogger));
     if let (Some(given), Some(found)) = (options.format, signed)
         && given != found
     {
@@ -44,9 +44,8 @@ pub(super) fn unpacked(
             help: "leave the format out, so that it is found by the content",
         });
     }
-    let of_text = || gnss_logger::is(begin).then_some(Format::GnssLogger);
     let format = options.format.filter(|format| format.has_bytes_of_its_own());
-    match format.or(signed).or_else(of_text) {
+    match format.or(signed) {
         Some(Format::Ulog) => {
             #[cfg(feature = "ulog")]
             return super::ulog::read(path, input, options);
@@ -71,12 +70,16 @@ pub(super) fn unpacked(
             #[cfg(not(feature = "bag"))]
             return Err(RecordingError::not_built_in(path, "bag"));
         }
-        Some(Format::GnssLogger) => return gnss_logger::read(path, input),
+        Some(Format::GnssLogger) => {
+            choice::refuse_topic(path, options, "a log of GnssLogger, with one accelerometer and one gyro")?;
+            return gnss_logger::read(path, input, options.strict);
+        }
         _ => {}
     }
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
     let (map, strict) = (&options.columns, options.strict);
     let table = csv_file::read(path, input.take(longest), map, strict, is_packed)?;
+    choice::refuse_topic(path, options, &choice::offers_of(&table))?;
     Ok(Opened::Table(Box::new(table)))
 }
 

@@ -12,6 +12,8 @@ use super::super::other_format;
 use super::super::parquet_file;
 use super::super::source::{Digest, Hashing, Source};
 use super::bytes::unpacked;
+#[cfg(feature = "parquet")]
+use super::choice;
 #[cfg(feature = "gzip")]
 use super::opened::damage;
 use super::opened::{Extent, Opened, READ_BUFFER};
@@ -64,6 +66,7 @@ pub(in super::super) fn open(
             // once, before: what is read moves the place where the checksum would go on
             hashing.read_rest().map_err(failed())?;
             let table = parquet_file::read(path, file, &options.columns, rows)?;
+            choice::refuse_topic(path, options, &choice::offers_of(&table))?;
             return Ok((Opened::Table(Box::new(table)), digest.finish(path)));
         }
     }

@@ -31,8 +31,8 @@ pub(super) fn is(begin: &[u8]) -> bool {
 
 /// # Errors
 ///
-/// It cannot be read, or holds no sensor.
-pub(super) fn read(path: &Path, mut input: impl BufRead) -> Result<Opened, RecordingError> {
+/// It cannot be read, or holds no sensor; with `strict` also a row that cannot be used.
+pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result<Opened, RecordingError> {
     // of every kind of row: stamps and three values
     let mut rows: Vec<(Vec<i64>, [Vec<f64>; 3])> = vec![Default::default(); 2 * SENSORS.len()];
     let mut line = Vec::new();
@@ -63,6 +63,14 @@ pub(super) fn read(path: &Path, mut input: impl BufRead) -> Result<Opened, Recor
         let (stamps, values) = &mut rows[at];
         stamps.push(stamp);
         values.iter_mut().zip([x, y, z]).for_each(|(values, value)| values.push(value));
+    }
+    if strict && unusable > 0 {
+        return Err(RecordingError::Damaged {
+            path: path.to_owned(),
+            format: Format::GnssLogger.knowledge().name,
+            at: None,
+            problem: format!("{unusable} rows cannot be read"),
+        });
     }
     let mut streams = Vec::new();
     let mut provenance = Provenance::default();

@@ -77,8 +77,8 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "not stated, as in the log format",
         clock: "the column of time, in the unit in its name",
         temperature: "a column of temperature with its unit",
-        traps: "a unit that stands in no name is not guessed: the error says what to state",
-        refused: "inertial columns without a unit in their names",
+        traps: "a unit that stands in no name is not guessed: the error says what to state; of several columns for a channel the one with the barest name is read, the others are printed",
+        refused: "inertial columns without a unit in their names; two columns that are equally good and differ, a triad from two sensors: the error gives the column maps to choose from",
     },
     FormatKnowledge {
         format: Format::Ulog,
@@ -90,7 +90,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "raw, in the axes of the board; those of sensor_combined are corrected by PX4, in the axes of the vehicle",
         clock: "timestamp_sample, µs since boot; one for each sensor",
         temperature: "in sensor_accel, else in sensor_gyro",
-        traps: "by default sensor_accel and sensor_gyro are logged once a second, and sensor_combined is integrated and corrected by PX4's own calibration",
+        traps: "by default sensor_accel and sensor_gyro are logged once a second, and sensor_combined is integrated and corrected by PX4's own calibration; an instance with several device_ids is refused until one is chosen, as 0@2818058",
         refused: "logs in which no inertial topic comes 20 times a second: record with bit 11 (high rate sensors) or bits 8 and 9 (FIFO) of SDLOG_PROFILE",
     },
     FormatKnowledge {
@@ -116,7 +116,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "not stated: a driver may have corrected or filtered",
         clock: "the stamp in the header, s and ns",
         temperature: "a topic of its own",
-        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival",
+        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival; two devices on one topic are refused until one is chosen, as /imu@frame",
         refused: "messages in another encoding than CDR and that of ROS 1; a bag in SQLite (.db3): convert it by `ros2 bag convert`",
     },
     FormatKnowledge {
@@ -129,7 +129,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "not stated: a driver may have corrected or filtered",
         clock: "the stamp in the header, s and ns",
         temperature: "a topic of its own",
-        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival",
+        traps: "a driver may already have corrected or filtered; a stamp may be the time of arrival; two devices on one topic are refused until one is chosen, as /imu@frame",
         refused: "bags of another version than 2.0: convert by `rosbag migrate`",
     },
     FormatKnowledge {

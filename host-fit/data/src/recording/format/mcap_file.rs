@@ -72,7 +72,7 @@ pub(super) fn read(
         return Err(choice::no_sensors(path, Format::Mcap, problem, "record with ROS 2, which writes cdr"));
     }
     let damage = damage.map(|problem| format!("the file is damaged or cut short near byte {at} ({problem})"));
-    read.topics.finish(path, Format::Mcap, damage)
+    read.topics.finish(path, Format::Mcap, damage, options.strict)
 }
 
 /// What was read so far.
@@ -114,7 +114,8 @@ impl Read {
                         return;
                     }
                 };
-                self.channels.insert(channel.id, (self.topics.add(&channel.topic, kind), encoding));
+                let number = u32::from(channel.id);
+                self.channels.insert(channel.id, (self.topics.add(&channel.topic, kind, number), encoding));
             }
             Record::Message { header, data } => {
                 if let Some((topic, encoding)) = self.channels.get(&header.channel_id) {

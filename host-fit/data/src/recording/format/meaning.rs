@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::column_map::{ColumnMap, quoted};
 use super::super::error::RecordingError;
-use super::super::guess::{Guess, guesses};
+use super::super::guess::{Guess, Undecided, guesses};
 use super::super::load_options::LoadOptions;
 use super::super::provenance::Provenance;
 use super::super::stream::{Stream, stamps};
@@ -26,6 +26,8 @@ pub(in super::super) struct Meaning {
     pub(in super::super) gyro_clock: Option<(String, &'static str)>,
     /// Entries of a column map that may be right, but that nothing states.
     pub(in super::super) perhaps: Vec<String>,
+    /// Why the log cannot be read without a word of the user: candidates for a channel that are equally good and differ.
+    pub(in super::super) undecided: Option<RecordingError>,
 }
 
 /// # Errors
@@ -55,12 +57,17 @@ pub(in super::super) fn meaning(
             }
         }
         let read_as = Some(ReadAs { format, assumed, provenance: Some(provenance) });
-        return Ok(Meaning { map: filled(map, table, entries), read_as, gyro_clock, perhaps: Vec::new() });
+        return Ok(Meaning { map: filled(map, table, entries), read_as, gyro_clock, ..Meaning::default() });
     }
     if let Some(format) = options.format.filter(|format| *format != Format::Named) {
         return Err(RecordingError::NotOfFormat { path: path.to_owned(), format, available: table.names() });
     }
-    Ok(by_names(table, map, has_axes, has_time))
+    let meaning = by_names(path, table, map, has_axes, has_time);
+    if options.format == Some(Format::Named) && has_axes && meaning.read_as.is_none() {
+        let format = Format::Named;
+        return Err(RecordingError::NotOfFormat { path: path.to_owned(), format, available: table.names() });
+    }
+    Ok(meaning)
 }
 
 /// What the columns of a program that is known mean.
@@ -114,30 +121,50 @@ fn of_dialect(
 }
 
 /// By names that state what they are. Where they do not, it is left to the user.
-fn by_names(table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> Meaning {
+fn by_names(path: &Path, table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> Meaning {
     let columns: Vec<(&str, &[f64])> =
         table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
+    let is_wanted = |target: &str| if target == "t_s" { !has_time } else { !has_axes };
+    let found = guesses(&columns);
     let mut sure = Vec::new();
     let mut perhaps = Vec::new();
-    for ((column, _), guess) in columns.iter().zip(guesses(&columns)) {
-        let Some(Guess { target, unit: Some(unit), sure: is_sure, .. }) = guess else { continue };
-        let is_wanted = if target == "t_s" { !has_time } else { !has_axes };
-        match (is_wanted, is_sure) {
+    for ((column, _), guess) in columns.iter().zip(found.columns) {
+        let Some(Guess { target, unit: Some(unit), sure: is_sure, others, .. }) = guess else { continue };
+        match (is_wanted(&target), is_sure) {
             (false, _) => {}
-            (true, true) => sure.push((target, (*column).to_owned(), unit.to_owned())),
+            (true, true) => sure.push((target, (*column).to_owned(), unit.to_owned(), others)),
             (true, false) => perhaps.push(format!("{target}={}:{unit}", quoted(column))),
         }
+    }
+    // in the order of the channels, whatever that of the columns
+    sure.sort();
+    perhaps.sort();
+    let entry = |(target, column, unit, _): &(String, String, String, Vec<String>)| {
+        format!("{target}={}:{unit}", quoted(column))
+    };
+    let undecided: Vec<Undecided> =
+        found.undecided.into_iter().filter(|group| group.targets.iter().any(|t| is_wanted(t))).collect();
+    if !undecided.is_empty() {
+        // complete, as what is named in a map is all that is taken of a table
+        let decided: Vec<String> = sure.iter().map(entry).chain(perhaps.iter().cloned()).collect();
+        let undecided = undecided_error(path, &undecided, &decided);
+        return Meaning { map: map.clone(), perhaps, undecided: Some(undecided), ..Meaning::default() };
     }
     // half of the axes would be read, and nobody would miss the others
     let is_axis = |target: &str| AXES.contains(&target);
     let all_stated = !perhaps.iter().any(|spec| AXES.iter().any(|axis| spec.starts_with(axis)));
     if sure.is_empty() || !all_stated {
-        perhaps
-            .extend(sure.iter().map(|(target, column, unit)| format!("{target}={}:{unit}", quoted(column))));
+        perhaps.extend(sure.iter().map(entry));
         return Meaning { map: map.clone(), perhaps, ..Meaning::default() };
     }
-    let said: Vec<String> =
-        sure.iter().map(|(target, column, unit)| format!("{column} is {target} in {unit}")).collect();
+    let said = sure.iter().map(|(target, column, unit, others)| {
+        let others = match others.is_empty() {
+            true => String::new(),
+            false => format!(" (also possible, if the column map has it: {})", others.join(", ")),
+        };
+        format!("{column} is {target} in {unit}{others}")
+    });
+    let said: Vec<String> = said.collect();
     let frame = if sure.iter().any(|(target, ..)| is_axis(target)) {
         "; with gravity, if nothing else is known"
     } else {
@@ -145,7 +172,24 @@ fn by_names(table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> M
     };
     let assumed = format!("{}{frame}", said.join(", "));
     let read_as = ReadAs { format: Format::Named, assumed, provenance: Some(Provenance::default()) };
-    Meaning { map: filled(map, table, sure), read_as: Some(read_as), perhaps, gyro_clock: None }
+    let entries = sure.into_iter().map(|(target, column, unit, _)| (target, column, unit)).collect();
+    Meaning { map: filled(map, table, entries), read_as: Some(read_as), perhaps, ..Meaning::default() }
+}
+
+/// What is as good as each other, and complete column maps to choose from.
+fn undecided_error(path: &Path, undecided: &[Undecided], decided: &[String]) -> RecordingError {
+    let column =
+        |entry: &String| entry.split_once('=').map_or(entry.clone(), |(_, column)| column.to_owned());
+    let problem = undecided.iter().map(|Undecided { targets, choices }| {
+        let choices = choices.iter().map(|entries| entries.iter().map(column).collect::<Vec<_>>().join(", "));
+        format!("{} may be {}", targets.join(", "), choices.collect::<Vec<_>>().join("; or "))
+    });
+    // the first choice of the others with each choice of the first
+    let of_others = undecided.iter().skip(1).filter_map(|group| group.choices.first()).flatten();
+    let rest: Vec<String> = of_others.chain(decided).cloned().collect();
+    let first = undecided.first().map_or(&[][..], |group| &group.choices);
+    let maps = first.iter().map(|entries| entries.iter().chain(&rest).cloned().collect()).collect();
+    RecordingError::Undecided { path: path.to_owned(), problem: problem.collect::<Vec<_>>().join("; "), maps }
 }
 
 /// What the user says, and of other channels what was found.

@@ -9,7 +9,6 @@ mod archive;
 mod bag;
 mod betaflight;
 mod bytes;
-#[cfg(any(feature = "bag", feature = "dataflash", feature = "mcap", feature = "ulog"))]
 mod choice;
 mod container;
 #[cfg(feature = "dataflash")]

@@ -3,8 +3,10 @@
 //! ROS 1 writes its fields one after the other; ROS 2 writes CDR, in which each field lies on a multiple of its size.
 //! Both are read by one [`Fields`].
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::super::column_words::words;
 use super::super::error::RecordingError;
 use super::super::provenance::Provenance;
 use super::super::stream::Stream;
@@ -112,139 +114,355 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// What a topic gave.
+/// What one device gave on a topic: the messages of one connection in one frame.
 #[derive(Debug)]
 struct Topic {
     name: String,
     kind: Kind,
+    connection: u32,
     frame: Option<String>,
     stamps_ns: Vec<i64>,
     values: Vec<Vec<f64>>,
+}
+
+/// A connection of a publisher to a topic; ROS 2 has one for all publishers of a topic.
+#[derive(Debug)]
+struct Connection {
+    name: String,
+    kind: Kind,
+    number: u32,
+    /// The topic that the last message went to.
+    last: Option<usize>,
     unreadable: u64,
 }
 
 /// What was read of a log.
 #[derive(Debug, Default)]
 pub(super) struct Topics {
+    connections: Vec<Connection>,
     topics: Vec<Topic>,
-    wanted: Option<String>,
+    /// The name of the topic to take, and the device on it.
+    wanted: Option<(String, Option<String>)>,
+    /// As the user wrote it.
+    asked: Option<String>,
+    /// Every inertial topic, wanted or not.
+    inertial: BTreeSet<String>,
 }
 
 impl Topics {
-    /// `wanted`: the inertial topic to take.
-    pub(super) fn new(wanted: Option<&str>) -> Self {
-        Self { topics: Vec::new(), wanted: wanted.map(str::to_owned) }
+    /// `asked`: the inertial topic to take, and behind an `@` the device, where a topic has several.
+    pub(super) fn new(asked: Option<&str>) -> Self {
+        let wanted = asked.map(|asked| match asked.split_once('@') {
+            Some((topic, device)) => (topic.to_owned(), Some(device.to_owned())),
+            None => (asked.to_owned(), None),
+        });
+        Self { wanted, asked: asked.map(str::to_owned), ..Self::default() }
     }
 
     /// Whether messages of a topic are of use.
-    pub(super) fn wants(&self, topic: &str, kind: Kind) -> bool {
-        kind != Kind::Imu || self.wanted.as_ref().is_none_or(|wanted| wanted == topic)
+    pub(super) fn wants(&mut self, topic: &str, kind: Kind) -> bool {
+        if kind == Kind::Imu {
+            self.inertial.insert(topic.to_owned());
+        }
+        kind != Kind::Imu || self.wanted.as_ref().is_none_or(|(wanted, _)| wanted == topic)
     }
 
-    /// The number of a topic, for [`take`](Self::take).
-    pub(super) fn add(&mut self, name: &str, kind: Kind) -> usize {
-        let found = self.topics.iter().position(|topic| topic.name == name && topic.kind == kind);
-        found.unwrap_or_else(|| {
-            self.topics.push(Topic {
+    /// A number for a connection to a topic, for [`take`](Self::take). Connections of one number are one.
+    pub(super) fn add(&mut self, name: &str, kind: Kind, number: u32) -> usize {
+        let is = |known: &Connection| known.name == name && known.kind == kind && known.number == number;
+        self.connections.iter().position(is).unwrap_or_else(|| {
+            self.connections.push(Connection {
                 name: name.to_owned(),
                 kind,
-                frame: None,
-                stamps_ns: Vec::new(),
-                values: vec![Vec::new(); kind.columns().len()],
+                number,
+                last: None,
                 unreadable: 0,
             });
-            self.topics.len() - 1
+            self.connections.len() - 1
         })
     }
 
-    /// Reads a message of a topic.
-    pub(super) fn take(&mut self, topic: usize, message: &[u8], encoding: Encoding) {
-        let topic = &mut self.topics[topic];
-        if topic.take(message, encoding).is_none() {
-            topic.unreadable += 1;
+    /// Reads a message of a connection.
+    pub(super) fn take(&mut self, connection: usize, message: &[u8], encoding: Encoding) {
+        let of = &mut self.connections[connection];
+        let Some(Message { stamp_ns, frame, values }) = Message::of(of.kind, message, encoding) else {
+            of.unreadable += 1;
+            return;
+        };
+        let is_in_frame = |topic: &Topic| topic.frame.as_deref().unwrap_or_default().as_bytes() == frame;
+        let last = of.last.filter(|last| is_in_frame(&self.topics[*last]));
+        let known = last.or_else(|| {
+            let is_of = |topic: &Topic| {
+                topic.connection == of.number
+                    && topic.kind == of.kind
+                    && topic.name == of.name
+                    && is_in_frame(topic)
+            };
+            self.topics.iter().position(is_of)
+        });
+        // a damaged file may have any number of frames
+        let at = known.unwrap_or(self.topics.len());
+        if at == MOST_DEVICES {
+            of.unreadable += 1;
+            return;
         }
+        if at == self.topics.len() {
+            self.topics.push(Topic {
+                name: of.name.clone(),
+                kind: of.kind,
+                connection: of.number,
+                frame: Some(String::from_utf8_lossy(frame).into_owned()).filter(|frame| !frame.is_empty()),
+                stamps_ns: Vec::new(),
+                values: vec![Vec::new(); of.kind.columns().len()],
+            });
+        }
+        of.last = Some(at);
+        let topic = &mut self.topics[at];
+        topic.stamps_ns.push(stamp_ns);
+        topic.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
 
     /// The sensors, and what was assumed.
     ///
     /// # Errors
     ///
-    /// There is no inertial topic.
+    /// There is no inertial topic, or the one to take has messages of several devices; with `strict` also a message that
+    /// cannot be read.
     pub(super) fn finish(
-        self,
+        mut self,
         path: &Path,
         format: Format,
         damage: Option<String>,
+        strict: bool,
     ) -> Result<Opened, RecordingError> {
-        let mut imus: Vec<&Topic> = self.topics.iter().filter(|topic| topic.kind == Kind::Imu).collect();
-        imus.sort_by_key(|topic| std::cmp::Reverse(topic.stamps_ns.len()));
-        let Some(taken) = imus.first().filter(|topic| topic.stamps_ns.len() > 1) else {
-            let problem = match (&self.wanted, &damage) {
-                (Some(wanted), _) => format!("there is no topic {wanted} of sensor_msgs/Imu"),
+        self.join_restarts();
+        let few = self.leave_out_few();
+        let devices: Vec<(String, &Topic)> = self
+            .topics
+            .iter()
+            .filter(|topic| topic.kind == Kind::Imu && topic.stamps_ns.len() > 1)
+            .map(|topic| (self.label(topic), topic))
+            .collect();
+        let best = best_topic(devices.iter().map(|(_, topic)| *topic));
+        let of_best: Vec<&(String, &Topic)> =
+            devices.iter().filter(|(_, topic)| best.is_some_and(|best| topic.name == best)).collect();
+        let who = self.wanted.as_ref().and_then(|(_, who)| who.as_ref());
+        let taken = match (who, &of_best[..]) {
+            (None, [one]) => Some(one),
+            (Some(_), found) => found.iter().find(|(label, _)| Some(label) == self.asked.as_ref()),
+            (None, []) => None,
+            (None, several) => {
+                let labels: Vec<String> = several
+                    .iter()
+                    .map(|(label, topic)| format!("{label} with {} messages", topic.stamps_ns.len()))
+                    .collect();
+                let problem = format!(
+                    "topic {} has messages of {} devices at the same time or in different frames: {}",
+                    several[0].1.name,
+                    several.len(),
+                    labels.join(", ")
+                );
+                let help = format!("choose one of them as the topic, as in {}", several[0].0);
+                return Err(choice::no_sensors(path, format, problem, &help));
+            }
+        };
+        let Some((label, taken)) = taken else {
+            let there: Vec<String> = match devices.is_empty() {
+                true => self.inertial.iter().cloned().collect(),
+                false => devices.iter().map(|(label, _)| label.clone()).collect(),
+            };
+            let there =
+                if there.is_empty() { String::new() } else { format!("; there are {}", there.join(", ")) };
+            let problem = match (&self.asked, &damage) {
+                (Some(asked), _) => format!("there is no topic {asked} of sensor_msgs/Imu{there}"),
                 (None, Some(damage)) => format!("there is no topic of sensor_msgs/Imu before {damage}"),
                 (None, None) => "there is no topic of sensor_msgs/Imu".to_owned(),
             };
             let help = "record the driver's topic of the inertial sensor, as /imu/data_raw";
             return Err(choice::no_sensors(path, format, problem, help));
         };
-        let name = taken.name.clone();
-        let others: Vec<String> = imus.iter().skip(1).map(|topic| topic.name.clone()).collect();
+        let of_taken = |connection: &&Connection| connection.name == taken.name;
+        let unreadable: u64 = self.connections.iter().filter(of_taken).map(|of| of.unreadable).sum();
+        let few = few.get(&taken.name).copied().unwrap_or(0);
+        let few = if few > 0 { format!("; {few} messages of other frames left out") } else { String::new() };
+        choice::refuse_damage(path, format, strict, damage.as_deref(), unreadable)?;
+        let others: BTreeSet<&str> = devices
+            .iter()
+            .map(|(_, topic)| topic.name.as_str())
+            .chain(self.inertial.iter().map(String::as_str))
+            .filter(|name| *name != taken.name)
+            .collect();
+        let others = others.into_iter().map(str::to_owned);
+        let beside = devices.iter().filter(|(other, topic)| topic.name == taken.name && other != label);
+        let others: Vec<String> = others.chain(beside.map(|(other, _)| other.clone())).collect();
         let others = choice::others_too(&others);
         let frame = taken.frame.as_ref().map_or_else(String::new, |frame| format!(", frame {frame}"));
-        let unreadable = match taken.unreadable {
+        let unreadable = match unreadable {
             0 => String::new(),
             n => format!("; {n} of its messages cannot be read"),
         };
         let damage =
             damage.map_or_else(String::new, |damage| format!("; {damage}: what was read before is here"));
-        let slow: Vec<&str> = self
+        let mut wanted = vec![self.position(taken)];
+        let (mut with, mut without) = (Vec::new(), Vec::new());
+        for kind in [Kind::Temperature, Kind::MagneticField] {
+            let found: Vec<&Topic> =
+                self.topics.iter().filter(|topic| topic.kind == kind && topic.stamps_ns.len() > 1).collect();
+            match companion(taken, &found) {
+                Some(topic) => {
+                    wanted.push(self.position(topic));
+                    with.push(topic.name.clone());
+                }
+                None => without.extend(found.iter().map(|topic| self.label(topic))),
+            }
+        }
+        let with = if with.is_empty() { String::new() } else { format!(", with {}", with.join(", ")) };
+        let without = match without.is_empty() {
+            true => String::new(),
+            false => {
+                format!("; not read, since nothing says which is of this device: {}", without.join(", "))
+            }
+        };
+        let assumed = format!(
+            "{label}{others}{with}{frame}; m/s² with gravity, rad/s; by the stamps in the headers; as the driver gives it, which may have corrected it{without}{few}{unreadable}{damage}"
+        );
+        let mut topics: Vec<Option<Topic>> = self.topics.into_iter().map(Some).collect();
+        let streams = wanted.into_iter().filter_map(|at| Some(topics[at].take()?.stream())).collect();
+        Ok(Opened::Streams(streams, ReadAs { format, assumed, provenance: Some(Provenance::default()) }))
+    }
+
+    /// Leaves out devices of so few messages that they are none, and counts their messages by topic.
+    fn leave_out_few(&mut self) -> BTreeMap<String, usize> {
+        let mut most: BTreeMap<(String, u8), usize> = BTreeMap::new();
+        for topic in &self.topics {
+            let most = most.entry((topic.name.clone(), topic.kind as u8)).or_default();
+            *most = topic.stamps_ns.len().max(*most);
+        }
+        let mut few = BTreeMap::new();
+        self.topics.retain(|topic| {
+            let most = most[&(topic.name.clone(), topic.kind as u8)];
+            let is_device = topic.stamps_ns.len() * choice::SELDOM as usize >= most;
+            if !is_device {
+                *few.entry(topic.name.clone()).or_default() += topic.stamps_ns.len();
+            }
+            is_device
+        });
+        few
+    }
+
+    fn position(&self, topic: &Topic) -> usize {
+        self.topics.iter().position(|other| std::ptr::eq(other, topic)).unwrap_or(0)
+    }
+
+    /// Joins the messages of a publisher that was started again: same topic and frame, one after the other.
+    fn join_restarts(&mut self) {
+        self.topics.sort_by(|a, b| {
+            let key = |topic: &Topic| (topic.stamps_ns.iter().min().copied(), topic.connection);
+            (&a.name, &a.frame, key(a)).cmp(&(&b.name, &b.frame, key(b)))
+        });
+        let mut joined: Vec<Topic> = Vec::new();
+        for topic in std::mem::take(&mut self.topics) {
+            let ends_before = |last: &Topic| last.stamps_ns.iter().max() < topic.stamps_ns.iter().min();
+            match joined.last_mut() {
+                Some(last)
+                    if (last.kind, &last.name, &last.frame) == (topic.kind, &topic.name, &topic.frame)
+                        && ends_before(last) =>
+                {
+                    last.stamps_ns.extend(topic.stamps_ns);
+                    last.values.iter_mut().zip(topic.values).for_each(|(all, more)| all.extend(more));
+                }
+                _ => joined.push(topic),
+            }
+        }
+        self.topics = joined;
+    }
+
+    /// A topic by its name, and the device on it where it has several: the frame, or a number where frames are alike.
+    fn label(&self, topic: &Topic) -> String {
+        let on_topic: Vec<&Topic> = self
             .topics
             .iter()
-            .filter(|topic| topic.kind != Kind::Imu && topic.stamps_ns.len() > 1)
-            .map(|topic| topic.name.as_str())
+            .filter(|other| other.name == topic.name && other.kind == topic.kind && other.stamps_ns.len() > 1)
             .collect();
-        let slow = if slow.is_empty() { String::new() } else { format!(", with {}", slow.join(", ")) };
-        let assumed = format!(
-            "{name}{others}{slow}{frame}; m/s² with gravity, rad/s; by the stamps in the headers{unreadable}{damage}"
-        );
-        // of each other kind the one with most messages
-        let mut streams: Vec<Stream> = Vec::new();
-        let mut topics = self.topics;
-        topics.sort_by_key(|topic| std::cmp::Reverse(topic.stamps_ns.len()));
-        for kind in [Kind::Imu, Kind::Temperature, Kind::MagneticField] {
-            let found = topics.iter().position(|topic| topic.kind == kind && topic.stamps_ns.len() > 1);
-            streams.extend(found.map(|at| topics.swap_remove(at).stream()));
-            topics.sort_by_key(|topic| std::cmp::Reverse(topic.stamps_ns.len()));
+        let same_frame = on_topic.iter().filter(|other| other.frame == topic.frame).count();
+        match &topic.frame {
+            _ if on_topic.len() < 2 => topic.name.clone(),
+            Some(frame) if same_frame == 1 => format!("{}@{frame}", topic.name),
+            _ => {
+                let number = on_topic.iter().position(|other| std::ptr::eq(*other, topic)).unwrap_or(0) + 1;
+                format!("{}@{number}", topic.name)
+            }
         }
-        Ok(Opened::Streams(streams, ReadAs { format, assumed, provenance: Some(Provenance::default()) }))
     }
 }
 
-impl Topic {
-    fn take(&mut self, message: &[u8], encoding: Encoding) -> Option<()> {
+/// Devices on all topics together, at most; a log has a few.
+const MOST_DEVICES: usize = 1000;
+
+/// Topics with at least this share of the messages of the fullest have every sample; a recorder starts to listen to one a
+/// little later than to another.
+const FULL: f64 = 0.9;
+
+/// The topic with most messages. Of several with about as many, the one whose name says raw, none that says filtered, then by
+/// the alphabet: the order in the file has no say.
+fn best_topic<'a>(topics: impl Iterator<Item = &'a Topic>) -> Option<&'a str> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for topic in topics {
+        *counts.entry(&topic.name).or_default() += topic.stamps_ns.len();
+    }
+    let most = counts.values().max().copied()? as f64;
+    let full = counts.into_iter().filter(|(_, count)| *count as f64 >= FULL * most);
+    let rank = |name: &str| {
+        let words = words(name);
+        let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+        let is_processed =
+            has(&["filtered", "filter", "filt", "corrected", "calibrated", "fused", "unbiased"]);
+        if is_processed { 2 } else { u8::from(!has(&["raw", "uncalibrated", "unfiltered"])) }
+    };
+    full.map(|(name, _)| name).min_by_key(|name| (rank(name), *name))
+}
+
+/// The one of several topics of another kind that is of the same device: by its frame, then by how much of its path it shares.
+/// None where several are equally near.
+fn companion<'a>(imu: &Topic, found: &[&'a Topic]) -> Option<&'a Topic> {
+    let nearness = |topic: &Topic| {
+        let shared = imu.name.split('/').zip(topic.name.split('/')).take_while(|(a, b)| a == b).count();
+        (imu.frame.is_some() && imu.frame == topic.frame, shared)
+    };
+    let best = found.iter().map(|topic| nearness(topic)).max()?;
+    let mut nearest = found.iter().filter(|topic| nearness(topic) == best);
+    nearest.next().copied().filter(|_| nearest.next().is_none())
+}
+
+/// A message, as far as it is read.
+struct Message<'a> {
+    stamp_ns: i64,
+    frame: &'a [u8],
+    values: Vec<f64>,
+}
+
+impl<'a> Message<'a> {
+    fn of(kind: Kind, message: &'a [u8], encoding: Encoding) -> Option<Self> {
         let mut fields = Fields::of(message, encoding)?;
         let (stamp_ns, frame) = fields.header(encoding)?;
-        let values: &[f64] = match self.kind {
+        let values = match kind {
             Kind::Imu => {
                 let _orientation: [f64; 4] = fields.pass()?;
                 let _covariance: [f64; 9] = fields.pass()?;
                 let rate: [f64; 3] = fields.pass()?;
                 let _covariance: [f64; 9] = fields.pass()?;
                 let acceleration: [f64; 3] = fields.pass()?;
-                &[acceleration[0], acceleration[1], acceleration[2], rate[0], rate[1], rate[2]]
+                acceleration.into_iter().chain(rate).collect()
             }
-            Kind::Temperature => &[fields.f64()?],
+            Kind::Temperature => vec![fields.f64()?],
             // T
-            Kind::MagneticField => &fields.pass::<3>()?.map(|tesla| tesla * 1e6),
+            Kind::MagneticField => fields.pass::<3>()?.map(|tesla| tesla * 1e6).to_vec(),
         };
-        if self.frame.is_none() {
-            self.frame = Some(String::from_utf8_lossy(frame).into_owned()).filter(|frame| !frame.is_empty());
-        }
-        self.stamps_ns.push(stamp_ns);
-        self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
-        Some(())
+        Some(Self { stamp_ns, frame, values })
     }
+}
 
+impl Topic {
     fn stream(self) -> Stream {
         let columns = self.kind.columns().iter().zip(self.values);
         let columns = columns.map(|(name, values)| ((*name).to_owned(), values)).collect();

@@ -4,6 +4,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 use super::super::column_map::ColumnMap;
+use super::super::column_words::is_decoy;
 use super::super::csv_file;
 use super::super::error::RecordingError;
 use super::super::guess::force_unit;
@@ -18,7 +19,7 @@ use super::dialect::{PHONE, PHONE_FACTORY, is_named};
 use super::found::Found;
 use super::known::may_be_log_within;
 use super::opened::{Extent, Opened};
-use super::{Format, ReadAs, header};
+use super::{Format, ReadAs, choice, header};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 
 /// A sensor that a file is of.
@@ -29,7 +30,26 @@ enum Sensor {
     Magnetometer,
 }
 
+/// Names of files without spaces and dashes, the preferred one first.
+const GYROSCOPES: &[&str] = &["gyroscopeuncalibrated", "gyroscope"];
+const TOTAL_ACCELEROMETERS: &[&str] = &["accelerometeruncalibrated", "totalacceleration"];
+const PLAIN_ACCELEROMETERS: &[&str] = &["accelerometer", "acceleration", "accelerationwithg"];
+const MAGNETOMETER_FILES: &[&str] = &["magnetometeruncalibrated", "magnetometer"];
+
 impl Sensor {
+    /// By the name of a file.
+    fn of_file(name: &str) -> Option<Self> {
+        let stem = stem(name)?;
+        let is = |stems: &[&str]| stems.contains(&stem.as_str());
+        if is(TOTAL_ACCELEROMETERS) || is(PLAIN_ACCELEROMETERS) {
+            return Some(Self::Accelerometer);
+        }
+        if is(GYROSCOPES) {
+            return Some(Self::Gyroscope);
+        }
+        is(MAGNETOMETER_FILES).then_some(Self::Magnetometer)
+    }
+
     fn channels(self) -> [&'static str; 3] {
         match self {
             Self::Accelerometer => ACCELEROMETERS,
@@ -75,11 +95,25 @@ fn provenance_of(stem: &str) -> SensorProvenance {
     SensorProvenance { values, frame: Frame::Phone, ..SensorProvenance::default() }
 }
 
-/// Reads what belongs together.
+/// A recording in a folder or an archive.
+struct Candidate<'a> {
+    /// What the user chooses it by: its folder, or the name of its file.
+    name: String,
+    kind: Kind<'a>,
+}
+
+enum Kind<'a> {
+    /// Files of one folder, one for each sensor.
+    Sensors(Vec<&'a String>),
+    /// A log that stands alone.
+    Log(&'a String),
+}
+
+/// Reads what belongs together: the files of one folder, or one log.
 ///
 /// # Errors
 ///
-/// There is nothing in it that is known, or it cannot be read.
+/// There is nothing in it that is known, there are several recordings and none is chosen, or it cannot be read.
 pub(super) fn read(
     path: &Path,
     archive: &mut Archive,
@@ -87,38 +121,124 @@ pub(super) fn read(
     extent: Extent,
 ) -> Result<Opened, RecordingError> {
     let names = archive.names().to_vec();
-    let named = |wanted: &str| {
-        names.iter().find(|name| name.as_str() == wanted || name.ends_with(&format!("/{wanted}")))
+    let candidates = candidates(&names, archive)?;
+    let asked = options.topic.as_ref();
+    let chosen = candidates.iter().find(|candidate| Some(&candidate.name) == asked);
+    let (candidate, options) = match (chosen, &candidates[..]) {
+        (Some(chosen), _) => (chosen, LoadOptions { topic: None, ..options.clone() }),
+        (None, [one]) => (one, options.clone()),
+        (None, []) => return Err(nothing(path, &names)),
+        (None, several) => {
+            return Err(RecordingError::SeveralLogs {
+                path: path.to_owned(),
+                logs: several.iter().map(|candidate| candidate.name.clone()).collect(),
+            });
+        }
     };
-    if let Some(name) = named("imu0/data.csv").or_else(|| named("imu0.csv")) {
-        return archive.read(name, |member, input| unpacked(member, input, options, extent, false));
+    match &candidate.kind {
+        Kind::Log(log) => archive.read(log, |member, input| unpacked(member, input, &options, extent, false)),
+        Kind::Sensors(files) => {
+            let chosen = Chosen::of(path, &names, files, archive)?;
+            refuse_other_format(path, options.format, chosen.format)?;
+            let offers = chosen.files.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>().join(", ");
+            choice::refuse_topic(path, &options, &format!("one recording of {offers}"))?;
+            chosen.read(path, archive, &options)
+        }
     }
-    if let Some(chosen) = Chosen::of(path, &names, archive)? {
-        return chosen.read(path, archive, options);
+}
+
+fn refuse_other_format(path: &Path, given: Option<Format>, found: Format) -> Result<(), RecordingError> {
+    match given.filter(|given| *given != found) {
+        None => Ok(()),
+        Some(given) => Err(RecordingError::OtherFormat {
+            path: path.to_owned(),
+            is: format!("its files are those of {found}, and it was said to be {given}"),
+            help: "leave the format out, so that it is found by the content",
+        }),
+    }
+}
+
+/// The recordings in an archive, by their names.
+fn candidates<'a>(names: &'a [String], archive: &mut Archive) -> Result<Vec<Candidate<'a>>, RecordingError> {
+    let mut candidates = Vec::new();
+    // tables of EuRoC and Kalibr, one for each IMU
+    let tables: Vec<&String> = names.iter().filter(|name| is_imu_table(name)).collect();
+    for name in &tables {
+        let short = name.strip_suffix("/data.csv").or(name.strip_suffix(".csv")).unwrap_or(name);
+        candidates.push(Candidate { name: short.to_owned(), kind: Kind::Log(name) });
+    }
+    let mut folders: Vec<&str> = names.iter().map(|name| folder_of(name)).collect();
+    folders.sort_unstable();
+    folders.dedup();
+    for folder in folders {
+        let files: Vec<&String> = names.iter().filter(|name| folder_of(name) == folder).collect();
+        let Some(any) =
+            files.iter().find(|name| Sensor::of_file(name).is_some_and(|s| s != Sensor::Magnetometer))
+        else {
+            continue;
+        };
+        if !tables.contains(any) && format_of(archive, any)?.is_some() {
+            let name = if folder.is_empty() { ".".to_owned() } else { folder.to_owned() };
+            candidates.push(Candidate { name, kind: Kind::Sensors(files) });
+        }
     }
     // phyphox tells of the phone in there
     let is_of_phone = |name: &str| name.starts_with("meta/") || name.contains("/meta/");
-    let logs: Vec<&String> =
-        names.iter().filter(|name| may_be_log_within(name) && !is_of_phone(name)).collect();
-    match logs[..] {
-        [log] => archive.read(log, |member, input| unpacked(member, input, options, extent, false)),
-        [] => {
-            let is_sqlite = names.iter().any(|name| name.ends_with(".db3"));
-            let is_workbook = names.iter().any(|name| name.starts_with("xl/"));
-            let (is, help) = if is_sqlite {
-                BAG_IN_SQLITE
-            } else if is_workbook {
-                ("it is a workbook (xlsx)", "save the sheet as CSV")
-            } else {
-                ("there is no log in it that is known", "name the log itself")
-            };
-            Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help })
-        }
-        _ => Err(RecordingError::SeveralLogs {
-            path: path.to_owned(),
-            logs: logs.into_iter().cloned().collect(),
-        }),
-    }
+    let logs = names.iter().filter(|name| may_be_log_within(name) && !is_of_phone(name));
+    // beside recordings of a known shape only what is a log by its name alone: other tables hold other things
+    let is_alone = candidates.is_empty();
+    let logs = logs.filter(|name| is_alone || is_log_by_name(name));
+    candidates.extend(logs.map(|name| Candidate { name: name.clone(), kind: Kind::Log(name) }));
+    Ok(candidates)
+}
+
+fn nothing(path: &Path, names: &[String]) -> RecordingError {
+    let is_sqlite = names.iter().any(|name| name.ends_with(".db3"));
+    let is_workbook = names.iter().any(|name| name.starts_with("xl/"));
+    let (is, help) = if is_sqlite {
+        BAG_IN_SQLITE
+    } else if is_workbook {
+        ("it is a workbook (xlsx)", "save the sheet as CSV")
+    } else {
+        ("there is no log in it that is known", "name the log itself")
+    };
+    RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help }
+}
+
+fn folder_of(name: &str) -> &str {
+    name.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+/// `imu0.csv`, or `imu0/data.csv` of any number.
+fn is_imu_table(name: &str) -> bool {
+    let table = name.strip_suffix("/data.csv").or(name.strip_suffix(".csv")).unwrap_or_default();
+    let last = table.rsplit('/').next().unwrap_or_default();
+    last.strip_prefix("imu").is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+/// Endings that nothing but a log has.
+fn is_log_by_name(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    [".ulg", ".mcap", ".bag"].iter().any(|ending| name.ends_with(ending))
+}
+
+/// The name of a table without folder, ending, spaces and dashes, in small letters; none if it is no table.
+fn stem(name: &str) -> Option<String> {
+    let file = name.rsplit_once('/').map_or(name, |(_, file)| file).to_ascii_lowercase();
+    file.strip_suffix(".csv").map(|stem| stem.replace([' ', '_', '-'], ""))
+}
+
+/// The program that writes such a file, by its header.
+fn format_of(archive: &mut Archive, name: &str) -> Result<Option<Format>, RecordingError> {
+    let header = archive.look_into(name, first_line)?.to_lowercase();
+    Ok(if header.contains("seconds_elapsed") {
+        Some(Format::SensorLogger)
+    } else if header.contains("time (s)") {
+        Some(Format::Phyphox)
+    } else {
+        None
+    })
 }
 
 /// The files that are read of a recording with one for each sensor.
@@ -129,46 +249,59 @@ struct Chosen {
 }
 
 impl Chosen {
+    /// The files that are read of those of one folder; `all` are the files of the archive.
+    ///
     /// # Errors
     ///
-    /// There is an accelerometer, but only one that is without gravity.
-    fn of(path: &Path, names: &[String], archive: &mut Archive) -> Result<Option<Self>, RecordingError> {
-        let stem = |name: &String| {
-            let file = name.rsplit_once('/').map_or(name.as_str(), |(_, file)| file);
-            let is_csv = file.to_ascii_lowercase().ends_with(".csv");
-            is_csv.then(|| file[..file.len() - 4].to_ascii_lowercase().replace([' ', '_', '-'], ""))
+    /// There is an accelerometer, but only one that is without gravity; or two files are of one sensor.
+    fn of(
+        path: &Path,
+        all: &[String],
+        names: &[&String],
+        archive: &mut Archive,
+    ) -> Result<Self, RecordingError> {
+        let find = |stems: &[&str]| -> Result<Option<&String>, RecordingError> {
+            for wanted in stems {
+                let found: Vec<&String> =
+                    names.iter().copied().filter(|name| stem(name).as_deref() == Some(wanted)).collect();
+                match found[..] {
+                    [] => {}
+                    [one] => return Ok(Some(one)),
+                    _ => {
+                        return Err(RecordingError::SeveralLogs {
+                            path: path.to_owned(),
+                            logs: found.into_iter().cloned().collect(),
+                        });
+                    }
+                }
+            }
+            Ok(None)
         };
-        let find = |stems: &[&str]| {
-            stems.iter().find_map(|wanted| names.iter().find(|name| stem(name).as_deref() == Some(wanted)))
-        };
-        let gyroscope = find(&["gyroscopeuncalibrated", "gyroscope"]);
-        let total = find(&["accelerometeruncalibrated", "totalacceleration"]);
-        let plain = find(&["accelerometer", "acceleration", "accelerationwithg"]);
-        let Some(any) = gyroscope.or(total).or(plain) else { return Ok(None) };
-        let header = archive.look_into(any, first_line)?.to_lowercase();
-        let format = if header.contains("seconds_elapsed") {
-            Format::SensorLogger
-        } else if header.contains("time (") {
-            Format::Phyphox
-        } else {
-            return Ok(None);
-        };
+        let gyroscope = find(GYROSCOPES)?;
+        let total = find(TOTAL_ACCELEROMETERS)?;
+        let plain = find(PLAIN_ACCELEROMETERS)?;
+        let any = gyroscope.or(total).or(plain).unwrap_or(names[0]);
+        let format = format_of(archive, any)?.unwrap_or(Format::SensorLogger);
         let mut files = Vec::new();
         let accelerometer = if format == Format::SensorLogger { total } else { plain };
         files.extend(accelerometer.map(|name| (Sensor::Accelerometer, name.clone())));
         files.extend(gyroscope.map(|name| (Sensor::Gyroscope, name.clone())));
-        let magnetometer = find(&["magnetometeruncalibrated", "magnetometer"]);
+        let magnetometer = find(MAGNETOMETER_FILES)?;
         files.extend(magnetometer.map(|name| (Sensor::Magnetometer, name.clone())));
         if files.iter().all(|(sensor, _)| *sensor == Sensor::Magnetometer) {
             let (is, help) = WITHOUT_GRAVITY;
             let path = member_path(path, any);
             return Err(RecordingError::OtherFormat { path, is: is.to_owned(), help });
         }
-        let platform = match find(&["metadata"]).filter(|_| format == Format::SensorLogger) {
+        // of the folder, or the only one there is
+        let mut elsewhere = all.iter().filter(|name| stem(name).as_deref() == Some("metadata"));
+        let only = elsewhere.next().filter(|_| elsewhere.next().is_none());
+        let metadata = find(&["metadata"])?.or(only).filter(|_| format == Format::SensorLogger);
+        let platform = match metadata {
             Some(name) => archive.look_into(name, |_, input| Ok(platform(input)))?,
             None => Platform::Unknown,
         };
-        Ok(Some(Self { format, files, platform }))
+        Ok(Self { format, files, platform })
     }
 
     fn read(
@@ -224,6 +357,7 @@ impl Chosen {
             index(&|name: &str| {
                 name.split(|c: char| !c.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case(letter))
                     && !name.to_lowercase().contains("absolute")
+                    && !is_decoy(name)
             })
         };
         let (Some(time), Some(x), Some(y), Some(z)) = (time, axis("x"), axis("y"), axis("z")) else {

@@ -53,6 +53,9 @@ pub(super) fn read(
         gathered.take(reader, payload, wanted);
     }
     let (lost, is_cut) = (messages.bytes_lost(), messages.is_cut());
+    let problem = (lost > 0 || is_cut)
+        .then(|| if is_cut { "it is cut short".to_owned() } else { format!("{lost} bytes are no messages") });
+    choice::refuse_damage(path, Format::Dataflash, options.strict, problem.as_deref(), 0)?;
     let Gathered { acc, gyr, imu, instances, parameters, volts } = gathered;
     let is_raw = acc.stamps_ns.len() > 1 && gyr.stamps_ns.len() > 1;
     if !is_raw && imu.stamps_ns.len() < 2 {

@@ -81,7 +81,12 @@ pub(super) fn read(
     options: &LoadOptions,
 ) -> Result<Opened, RecordingError> {
     let named = ["sensor_accel", "sensor_gyro"];
-    let wanted = choice::instance(path, Format::Ulog, options.topic.as_deref(), &named)?;
+    // the instance, and behind an @ the devices that are taken where it has several
+    let (instance, asked) = options.topic.as_deref().map_or((None, ""), |topic| {
+        topic.split_once('@').map_or((Some(topic), ""), |(instance, asked)| (Some(instance), asked))
+    });
+    let wanted = choice::instance(path, Format::Ulog, instance.filter(|name| !name.is_empty()), &named)?;
+    let asked: Vec<&str> = asked.split(',').map(str::trim).filter(|id| !id.is_empty()).collect();
     let mut gathered = Gathered::new(wanted);
     let mut take = |message: &DataMessage| gathered.take(message);
     let mut parser = LogParser::default();
@@ -112,7 +117,11 @@ pub(super) fn read(
         let problem = problem.clone();
         return Err(RecordingError::Damaged { path: path.to_owned(), format: "ULog", at: None, problem });
     }
-    let mut read = gathered.finish(path, wanted)?;
+    let is_damaged = damage.is_some() || is_cut;
+    let problem = is_damaged.then(|| format!("it is damaged or cut short near byte {at}"));
+    choice::refuse_damage(path, Format::Ulog, options.strict, problem.as_deref(), 0)?;
+    gathered.choose_devices(path, &asked)?;
+    let mut read = gathered.finish(path, wanted, &asked)?;
     if damage.is_some() || is_cut {
         let near = format!("; the file is damaged or cut short near byte {at}: what was read before is here");
         read.1.assumed.push_str(&near);
@@ -134,6 +143,33 @@ struct Slow {
     values: Vec<f64>,
 }
 
+/// What one device gave on a topic.
+struct Device {
+    /// `device_id`; without one the number of the subscription tells publishers apart.
+    id: Result<u32, u16>,
+    triads: [Triad; 2],
+    slow: Slow,
+    messages: u64,
+}
+
+/// Devices on one topic, at most: a damaged file may have any number.
+const MOST_DEVICES: usize = 64;
+
+impl Device {
+    fn name(&self) -> String {
+        match self.id {
+            Ok(id) => id.to_string(),
+            Err(subscription) => format!("s{subscription}"),
+        }
+    }
+
+    /// The bus that it is connected to, as PX4 packs it: three bits of its kind and five of its number
+    /// (`device::Device::DeviceStructure`).
+    fn bus(id: u32) -> u8 {
+        id as u8
+    }
+}
+
 /// Samples by topic.
 struct Gathered {
     /// The instance that is kept.
@@ -148,6 +184,12 @@ struct Gathered {
     device: [Option<u32>; TOPICS.len()],
     /// The mountings that the batches of each topic state.
     rotations: [Vec<u8>; TOPICS.len()],
+    /// Before one is chosen: every device of the wanted instance.
+    devices: [Vec<Device>; TOPICS.len()],
+    /// Of every instance, the device that it was last.
+    of_instance: [Vec<Option<u32>>; TOPICS.len()],
+    /// Other devices of the same instance, by name.
+    beside: [Vec<String>; TOPICS.len()],
 }
 
 /// Where the fields of a subscription lie.
@@ -242,6 +284,9 @@ impl Gathered {
             instances: Default::default(),
             device: [None; TOPICS.len()],
             rotations: Default::default(),
+            devices: Default::default(),
+            of_instance: Default::default(),
+            beside: Default::default(),
         }
     }
 
@@ -257,17 +302,29 @@ impl Gathered {
         let instance = usize::from(layout.instance);
         instances.resize(instances.len().max(instance + 1), 0);
         instances[instance] += 1;
+        let data = message.data;
+        let id = layout.device.and_then(|offset| field(data, offset)).map(u32::from_le_bytes);
+        self.of_instance[at].resize(instances.len(), None);
+        self.of_instance[at][instance] = id.or(self.of_instance[at][instance]);
         // of what is no inertial sensor there is one
         let is_sensor = at <= GYRO_FIFO;
         if layout.instance != if is_sensor { self.wanted } else { 0 } {
             return;
         }
-        let data = message.data;
         let Some(stamp_ns) = field(data, offset).and_then(|bytes| ns_of_us(u64::from_le_bytes(bytes))) else {
             return;
         };
-        self.device[at] =
-            layout.device.and_then(|offset| field(data, offset)).map(u32::from_le_bytes).or(self.device[at]);
+        let id = id.ok_or(message.msg_id);
+        let devices = &mut self.devices[at];
+        let place = devices.iter().position(|device| device.id == id).unwrap_or(devices.len());
+        if place == MOST_DEVICES {
+            return;
+        }
+        if place == devices.len() {
+            devices.push(Device { id, triads: Default::default(), slow: Slow::default(), messages: 0 });
+        }
+        let device = &mut devices[place];
+        device.messages += 1;
         if let (Some(fifo), true) = (&layout.fifo, at == ACCEL_FIFO || at == GYRO_FIFO) {
             let rotation = fifo.rotation.and_then(|offset| data.get(offset).copied());
             if let Some(number) = rotation.filter(|number| !self.rotations[at].contains(number)) {
@@ -275,7 +332,7 @@ impl Gathered {
             }
             // of a mounting that is not known the sensor's axes stay
             let matrix = rotation.filter(|number| *number != 0).and_then(rotation::of_px4);
-            self.triads[at][0].take_batch(fifo, stamp_ns, data, matrix.as_ref());
+            device.triads[0].take_batch(fifo, stamp_ns, data, matrix.as_ref());
             return;
         }
         for (which, offsets) in layout.triads.iter().enumerate() {
@@ -291,25 +348,131 @@ impl Gathered {
                 continue;
             }
             let values = offsets.map(|offset| float(data, offset).map_or(f64::NAN, |value| value * factor));
-            self.triads[at][which].push(stamp_ns.saturating_add(i64::from(relative) * 1000), values);
+            device.triads[which].push(stamp_ns.saturating_add(i64::from(relative) * 1000), values);
         }
         if let (Some(offset), Some((_, _, factor))) = (layout.slow, topic.slow)
             && let Some(value) = float(data, offset).filter(|value| value.is_finite())
         {
-            self.slow[at].stamps_ns.push(stamp_ns);
-            self.slow[at].values.push(value * factor);
+            device.slow.stamps_ns.push(stamp_ns);
+            device.slow.values.push(value * factor);
         }
     }
 
-    fn finish(mut self, path: &Path, wanted: u8) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
+    /// Takes of every topic the samples of one device.
+    ///
+    /// # Errors
+    ///
+    /// An inertial topic has several, and `asked` names none or more than one of them; or it names one that is not there.
+    fn choose_devices(&mut self, path: &Path, asked: &[&str]) -> Result<(), RecordingError> {
+        let refused = |problem: String, help: &str| choice::no_sensors(path, Format::Ulog, problem, help);
+        let known: Vec<String> = self.devices.iter().flatten().map(Device::name).collect();
+        if let Some(unknown) = asked.iter().find(|id| !known.iter().any(|known| known == *id)) {
+            let mut known = known;
+            known.sort();
+            known.dedup();
+            let problem = format!("there is no device {unknown}; there are {}", known.join(", "));
+            return Err(refused(problem, "name the device_id behind the instance, as in 0@2818058"));
+        }
+        for at in 0..TOPICS.len() {
+            let mut devices = std::mem::take(&mut self.devices[at]);
+            // most messages first; the order in the file has no say
+            devices.sort_by_key(|device| (std::cmp::Reverse(device.messages), device.name()));
+            // a damaged message may name any device
+            let most = devices.first().map_or(0, |device| device.messages);
+            let few: Vec<Device> =
+                devices.extract_if(.., |device| device.messages * choice::SELDOM < most).collect();
+            let is_asked = |device: &&Device| asked.contains(&device.name().as_str());
+            if at <= GYRO_FIFO && devices.len() > 1 && devices.iter().filter(is_asked).count() != 1 {
+                let there: Vec<String> = devices
+                    .iter()
+                    .map(|device| format!("{}@{} ({} messages)", self.wanted, device.name(), device.messages))
+                    .collect();
+                let topic = TOPICS[at].name;
+                let problem = format!(
+                    "{topic} {} has samples of {} devices, by device_id: {}",
+                    self.wanted,
+                    devices.len(),
+                    there.join(", ")
+                );
+                let help = format!(
+                    "choose one device of each topic, as in topic {}@{}",
+                    self.wanted,
+                    devices[0].name()
+                );
+                return Err(refused(problem, &help));
+            }
+            let place =
+                devices.iter().position(|device| asked.contains(&device.name().as_str())).unwrap_or(0);
+            if devices.is_empty() {
+                continue;
+            }
+            let Device { id, triads, slow, .. } = devices.remove(place);
+            self.beside[at] = devices.iter().chain(&few).map(Device::name).collect();
+            (self.device[at], self.triads[at], self.slow[at]) = (id.ok(), triads, slow);
+        }
+        Ok(())
+    }
+
+    /// Says where accelerometer and gyro are of different chips.
+    ///
+    /// # Errors
+    ///
+    /// Another instance of one of them is of the other's chip, or may be, and `asked` does not name both.
+    fn one_chip(&self, path: &Path, taken: &[usize], asked: &[&str]) -> Result<String, RecordingError> {
+        let [acc, gyr] = *taken else { return Ok(String::new()) };
+        let (Some(force), Some(rate)) = (self.device[acc], self.device[gyr]) else {
+            return Ok(String::new());
+        };
+        let others = |at: usize| {
+            let instances = self.of_instance[at].iter().enumerate();
+            instances.filter(|(instance, _)| *instance != usize::from(self.wanted)).filter_map(|(_, id)| *id)
+        };
+        let has_twin = others(gyr).any(|id| id == force) || others(acc).any(|id| id == rate);
+        let is_elsewhere = Device::bus(force) != Device::bus(rate);
+        let is_named = [force, rate].iter().all(|id| asked.contains(&id.to_string().as_str()));
+        if force == rate || !(has_twin || is_elsewhere) {
+            return Ok(String::new());
+        }
+        let has_choice = others(gyr).chain(others(acc)).next().is_some();
+        if is_named || !has_choice {
+            return Ok("; accelerometer and gyro are of different chips, and the temperature is that of one"
+                .to_owned());
+        }
+        let there: Vec<String> = [acc, gyr]
+            .iter()
+            .flat_map(|at| {
+                let instances = self.of_instance[*at].iter().enumerate();
+                instances.filter_map(|(n, id)| Some(format!("{} {n} is device {}", TOPICS[*at].name, (*id)?)))
+            })
+            .collect();
+        let problem = format!(
+            "accelerometer and gyro of instance {} are of different chips: {}",
+            self.wanted,
+            there.join(", ")
+        );
+        let help = format!(
+            "choose another instance, or take both all the same by topic {}@{force},{rate}",
+            self.wanted
+        );
+        Err(choice::no_sensors(path, Format::Ulog, problem, &help))
+    }
+
+    fn finish(
+        mut self,
+        path: &Path,
+        wanted: u8,
+        asked: &[&str],
+    ) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
         let mut streams = Vec::new();
         let mut said = Vec::new();
         let mut provenance = Provenance::default();
+        let mut chosen = Vec::new();
         for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
             // the batches are the sensor's own samples; the other topic is filtered in some versions
             let Some(at) = choices.into_iter().find(|at| self.triads[*at][0].is_full_rate()) else {
                 continue;
             };
+            chosen.push(at);
             let name = format!("{} {wanted}", TOPICS[at].name);
             let device = self.device[at].map_or_else(String::new, |id| format!(", device_id {id},"));
             let (frame, turned) = self.frame(at);
@@ -350,7 +513,16 @@ impl Gathered {
             return Err(self.nothing(path, wanted));
         }
         // of a part with two dies the accelerometer's
-        let temperature = [ACCEL, GYRO].into_iter().find(|at| self.slow[*at].values.len() > 1);
+        let of_taken: Vec<u32> = chosen.iter().filter_map(|at| self.device[*at]).collect();
+        let is_taken = |at: &usize| {
+            of_taken.is_empty() || self.device[*at].is_none_or(|device| of_taken.contains(&device))
+        };
+        let (own, strange): (Vec<usize>, Vec<usize>) =
+            [ACCEL, GYRO].into_iter().filter(|at| self.slow[*at].values.len() > 1).partition(is_taken);
+        if let ([], [at, ..]) = (&own[..], &strange[..]) {
+            said.push(format!("temperature of {} left out, which is another device", TOPICS[*at].name));
+        }
+        let temperature = own.first().copied();
         for at in temperature.into_iter().chain([POWER, LOAD]) {
             let slow = std::mem::take(&mut self.slow[at]);
             let Some((field, channel, _)) = TOPICS[at].slow.filter(|_| slow.values.len() > 1) else {
@@ -367,7 +539,9 @@ impl Gathered {
         if field.stamps_ns.len() > 1 {
             streams.push(field.stream("sensor_mag 0".to_owned(), MAGNETOMETERS));
         }
-        let assumed = format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}", said.join(", "));
+        let chips = self.one_chip(path, &chosen, asked)?;
+        let assumed =
+            format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}{chips}", said.join(", "));
         Ok((streams, ReadAs { format: Format::Ulog, assumed, provenance: Some(provenance) }))
     }
 
@@ -389,7 +563,11 @@ impl Gathered {
 
     /// What else could be read.
     fn others(&self, at: usize) -> String {
-        choice::other_instances(self.instances[at].len(), self.wanted)
+        let mut others = choice::other_instances(self.instances[at].len(), self.wanted);
+        if !self.beside[at].is_empty() {
+            others.push_str(&format!(" (not read: device {})", self.beside[at].join(", ")));
+        }
+        others
     }
 
     fn nothing(&self, path: &Path, wanted: u8) -> RecordingError {

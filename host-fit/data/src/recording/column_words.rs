@@ -1,0 +1,620 @@
+//! What the words of a column's name say: its quantity, its axis, the sensor, and how close it is to the bare measurement.
+//!
+//! Words are compared whole. A prefix deceives: `accuracy_x` begins as `acc_x` does, `template` as `temp` does.
+
+use super::guess::unit_in;
+
+/// The quantity that a name speaks of; axes are 0, 1, 2 for x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Time,
+    Force(usize),
+    Rate(usize),
+    Field(usize),
+    Temperature,
+    Voltage,
+    Load,
+}
+
+/// A column that may be a channel, by its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Named {
+    pub(super) quantity: Quantity,
+    /// 0 for the sensor's word with its axis and nothing else; the higher, the further other words lead away from the
+    /// measurement. See [`BARE`], [`PLAIN`], [`UNKNOWN`], [`PROCESSED`].
+    pub(super) rank: u8,
+    /// The name without axis and unit, which the columns of one sensor share.
+    pub(super) sensor: String,
+    /// Numbers of a device or sensor in the name, as 0 of `imu0_acc_x`.
+    pub(super) numbers: Vec<u32>,
+}
+
+/// The sensor's word and its axis; of temperatures, that of the IMU itself.
+pub(super) const BARE: u8 = 0;
+/// With words that change nothing, as `raw` or `imu`.
+pub(super) const PLAIN: u8 = 1;
+/// With words that are not known.
+pub(super) const UNKNOWN: u8 = 2;
+/// With words of something computed from the measurement, or measured somewhere else.
+pub(super) const PROCESSED: u8 = 3;
+
+/// Accelerometers, gyros and magnetometers: words that stand alone beside an axis, and words that an axis may be joined
+/// to (`ax`, `gyrox`).
+const FORCE: [&str; 8] =
+    ["acc", "accel", "accels", "acceleration", "accelerations", "accelerometer", "accelerometers", "xl"];
+const RATE: [&str; 8] =
+    ["gyr", "gyro", "gyros", "gyroscope", "gyroscopes", "omega", "angvel", "angularvelocity"];
+const FIELD: [&str; 4] = ["mag", "mags", "magnetometer", "magnetic"];
+const JOINED_FORCE: [&str; 2] = ["a", "la"];
+const JOINED_RATE: [&str; 3] = ["g", "w", "rate"];
+const JOINED_FIELD: [&str; 2] = ["m", "b"];
+
+/// Two words that together mean a gyro.
+const TURNS: [&str; 4] = ["angular", "ang", "rotation", "rotational"];
+const SPEED: [&str; 4] = ["velocity", "vel", "rate", "speed"];
+
+const TEMPERATURE: [&str; 7] =
+    ["temp", "temps", "temperature", "temperatures", "tmp", "thermometer", "thermistor"];
+const TIME: [&str; 7] = ["time", "timestamp", "timestamps", "stamp", "elapsed", "t", "ts"];
+const VOLTAGE: [&str; 8] = ["supply", "vdd", "vcc", "vin", "vbat", "vbatt", "voltage", "volt"];
+const BATTERY: [&str; 3] = ["battery", "batt", "bat"];
+const LOAD: [&str; 3] = ["load", "cpu", "cpuload"];
+
+/// Words of the IMU itself, beside a temperature.
+const OWN: [&str; 14] = [
+    "imu",
+    "gyro",
+    "gyr",
+    "gyros",
+    "gyroscope",
+    "acc",
+    "accel",
+    "accelerometer",
+    "xl",
+    "inertial",
+    "mems",
+    "die",
+    "chip",
+    "mpu",
+];
+
+/// Words that change nothing about a measurement.
+const NEUTRAL: [&str; 22] = [
+    "raw",
+    "imu",
+    "sensor",
+    "sensors",
+    "data",
+    "value",
+    "val",
+    "field",
+    "msg",
+    "measured",
+    "meas",
+    "measurement",
+    "uncalibrated",
+    "uncalib",
+    "uncal",
+    "unfiltered",
+    "unfilt",
+    "inertial",
+    "device",
+    "header",
+    "sample",
+    "axis",
+];
+
+/// Words of what is computed from a measurement and still holds its error in part.
+const PROCESSED_WORDS: [&str; 42] = [
+    "linear",
+    "lin",
+    "filtered",
+    "filt",
+    "filter",
+    "lpf",
+    "lp",
+    "lowpass",
+    "notch",
+    "smooth",
+    "smoothed",
+    "avg",
+    "average",
+    "mean",
+    "median",
+    "calibrated",
+    "calib",
+    "cal",
+    "corrected",
+    "corr",
+    "compensated",
+    "comp",
+    "scaled",
+    "processed",
+    "proc",
+    "decimated",
+    "resampled",
+    "interp",
+    "interpolated",
+    "rotated",
+    "world",
+    "earth",
+    "enu",
+    "ned",
+    "nav",
+    "global",
+    "integrated",
+    "integral",
+    "delta",
+    "est",
+    "estimated",
+    "fused",
+];
+
+/// Words of what is no measurement of the quantity, whatever else stands in the name.
+pub(super) const DECOYS: [&str; 84] = [
+    "bias",
+    "biases",
+    "offset",
+    "offsets",
+    "gravity",
+    "grav",
+    "user",
+    "std",
+    "stddev",
+    "sd",
+    "sigma",
+    "var",
+    "variance",
+    "cov",
+    "covariance",
+    "accuracy",
+    "uncertainty",
+    "precision",
+    "ref",
+    "reference",
+    "truth",
+    "true",
+    "gt",
+    "groundtruth",
+    "cmd",
+    "command",
+    "setpoint",
+    "sp",
+    "target",
+    "desired",
+    "des",
+    "goal",
+    "error",
+    "err",
+    "residual",
+    "innovation",
+    "innov",
+    "noise",
+    "rms",
+    "min",
+    "max",
+    "peak",
+    "range",
+    "scale",
+    "gain",
+    "sensitivity",
+    "drift",
+    "limit",
+    "threshold",
+    "thresh",
+    "clip",
+    "clipping",
+    "clipped",
+    "status",
+    "flag",
+    "flags",
+    "valid",
+    "validity",
+    "id",
+    "count",
+    "counter",
+    "index",
+    "quality",
+    "age",
+    "gps",
+    "gnss",
+    "jerk",
+    "angle",
+    "position",
+    "pos",
+    "hp",
+    "hpf",
+    "highpass",
+    "diff",
+    "derivative",
+    "gradient",
+    "pred",
+    "predicted",
+    "model",
+    "sim",
+    "simulated",
+    "coeff",
+    "trim",
+    "dt",
+];
+
+/// Further words that make a temperature that of something else.
+const ELSEWHERE: [&str; 30] = [
+    "cpu",
+    "gpu",
+    "soc",
+    "battery",
+    "batt",
+    "bat",
+    "ambient",
+    "air",
+    "room",
+    "outside",
+    "outdoor",
+    "indoor",
+    "motor",
+    "esc",
+    "engine",
+    "water",
+    "oil",
+    "fan",
+    "ssd",
+    "disk",
+    "radio",
+    "modem",
+    "charger",
+    "external",
+    "ext",
+    "environment",
+    "weather",
+    "dew",
+    "rate",
+    "slope",
+];
+/// Words of a temperature near the IMU.
+const NEARBY: [&str; 11] =
+    ["board", "pcb", "mcu", "baro", "barometer", "bmp", "case", "mag", "magnetometer", "housing", "body"];
+
+/// Words beside a time: of a length of time, and of another clock than the sampling one.
+const NO_CLOCK: [&str; 14] = [
+    "delta",
+    "delay",
+    "latency",
+    "lag",
+    "exposure",
+    "duration",
+    "interval",
+    "period",
+    "step",
+    "cpu",
+    "run",
+    "remaining",
+    "left",
+    "out",
+];
+const OTHER_CLOCK: [&str; 18] = [
+    "gps",
+    "gnss",
+    "utc",
+    "unix",
+    "epoch",
+    "system",
+    "host",
+    "received",
+    "recv",
+    "arrival",
+    "log",
+    "local",
+    "date",
+    "day",
+    "publish",
+    "published",
+    "wall",
+    "server",
+];
+
+/// Words beside a voltage or a load that make it that of something else.
+const OTHER_SUPPLY: [&str; 16] = [
+    "motor",
+    "esc",
+    "cell",
+    "adc",
+    "current",
+    "temp",
+    "temperature",
+    "pct",
+    "level",
+    "charger",
+    "solar",
+    "heater",
+    "gpu",
+    "memory",
+    "mem",
+    "freq",
+];
+
+/// Words that spell a unit at the end of a name or in its brackets.
+const UNITS: [&str; 55] = [
+    "s",
+    "ms",
+    "us",
+    "µs",
+    "ns",
+    "sec",
+    "secs",
+    "seconds",
+    "msec",
+    "msecs",
+    "millis",
+    "usec",
+    "usecs",
+    "micros",
+    "nsec",
+    "nsecs",
+    "nanos",
+    "m",
+    "s2",
+    "s²",
+    "mps2",
+    "ms2",
+    "g",
+    "mg",
+    "milli",
+    "ug",
+    "rad",
+    "rads",
+    "radps",
+    "rps",
+    "mrad",
+    "deg",
+    "dps",
+    "degs",
+    "degps",
+    "mdps",
+    "dph",
+    "h",
+    "degc",
+    "c",
+    "celsius",
+    "degf",
+    "f",
+    "fahrenheit",
+    "k",
+    "kelvin",
+    "mv",
+    "v",
+    "volts",
+    "ut",
+    "µt",
+    "mt",
+    "gauss",
+    "mgauss",
+    "pct",
+];
+
+/// Those of time, which name a clock where nothing else stands in a name.
+const TIME_UNITS: [&str; 17] = [
+    "s", "ms", "us", "µs", "ns", "sec", "secs", "seconds", "msec", "msecs", "millis", "usec", "usecs",
+    "micros", "nsec", "nsecs", "nanos",
+];
+
+/// Words of a name: split at everything that is no letter or digit, and where a capital follows a small letter.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for letter in name.chars() {
+        let is_new = before.is_lowercase() && letter.is_uppercase();
+        if !letter.is_alphanumeric() || is_new {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| letter.is_alphanumeric()) {
+            word.extend(letter.to_lowercase());
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Whether a name has a word of what is no measurement, as `bias` or `accuracy`.
+pub(super) fn is_decoy(name: &str) -> bool {
+    words(name).iter().any(|word| DECOYS.contains(&word.as_str()))
+}
+
+/// The channel that a name speaks of; none where it speaks of none, or of something other than a measurement.
+pub(super) fn named(name: &str) -> Option<Named> {
+    let mut words = words(name);
+    let all_time = words.iter().all(|word| TIME_UNITS.contains(&word.as_str()));
+    if !all_time {
+        drop_unit(&mut words);
+    }
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&bare(word)));
+    if words.is_empty() {
+        return None;
+    }
+    if words.iter().any(|word| is_temperature(word)) {
+        return temperature(&words);
+    }
+    if let Some(named) = inertial(&words) {
+        return named;
+    }
+    if all_time || has(&TIME) {
+        if words == ["t"] && unit_in(name, "temp_c").is_some() {
+            return of(Quantity::Temperature, PLAIN, &words, &words);
+        }
+        let context: Vec<&str> = words
+            .iter()
+            .copied()
+            .filter(|word| !TIME.contains(&bare(word)) && !TIME_UNITS.contains(word))
+            .collect();
+        let rank = rank(&context, |word| match word {
+            word if NO_CLOCK.contains(&word) => None,
+            word if OTHER_CLOCK.contains(&word) => Some(PROCESSED),
+            word if word != "age" && DECOYS.contains(&word) => None,
+            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            _ => Some(UNKNOWN),
+        })?;
+        return of(Quantity::Time, rank, &words, &context);
+    }
+    let other = |list: &[&str], quantity: Quantity, of_supply: bool| {
+        let context: Vec<&str> = words.iter().copied().filter(|word| !list.contains(&bare(word))).collect();
+        let is_battery = of_supply && has(&["vbat", "vbatt", "battery", "batt", "bat"]);
+        let rank = rank(&context, |word| match word {
+            word if OTHER_SUPPLY.contains(&word) || DECOYS.contains(&word) => None,
+            word if BATTERY.contains(&word) => Some(PROCESSED),
+            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            _ => Some(UNKNOWN),
+        })?;
+        of(quantity, if is_battery { PROCESSED } else { rank }, &words, &context)
+    };
+    let in_volts = || unit_in(name, "supply_v").is_some();
+    if has(&VOLTAGE) || has(&BATTERY) && in_volts() {
+        return other(&VOLTAGE, Quantity::Voltage, true);
+    }
+    if has(&LOAD) {
+        return other(&LOAD, Quantity::Load, false);
+    }
+    None
+}
+
+/// Takes the words of a unit off the end of a name; a name that is nothing else stays.
+fn drop_unit(words: &mut Vec<String>) {
+    loop {
+        let n = words.len();
+        let is = |at: usize, list: &[&str]| words.get(at).is_some_and(|word| list.contains(&word.as_str()));
+        // s^2 and s^-1
+        let power = n > 2 && is(n - 1, &["1", "2"]) && is(n - 2, &["s", "sec"]);
+        match power {
+            true => words.truncate(n - 2),
+            false if n > 1 && is(n - 1, &UNITS) => words.truncate(n - 1),
+            false => return,
+        }
+    }
+}
+
+/// A word without the number at its end.
+fn bare(word: &str) -> &str {
+    word.trim_end_matches(|letter: char| letter.is_ascii_digit())
+}
+
+fn axis_of(letter: Option<char>) -> Option<usize> {
+    ['x', 'y', 'z'].iter().position(|axis| Some(*axis) == letter)
+}
+
+/// The axis that a word is, or that is joined to a word of one of these lists.
+fn joined(word: &str, lists: [&[&str]; 2]) -> Option<usize> {
+    let axis = axis_of(word.chars().last())?;
+    let sensor = bare(&word[..word.len() - 1]);
+    lists.iter().any(|list| list.contains(&sensor)).then_some(axis)
+}
+
+/// None where the words speak of no axis of a sensor; none within where they speak of no measurement of it.
+#[expect(clippy::option_option, reason = "whether it is one of these, and if so which")]
+fn inertial(words: &[&str]) -> Option<Option<Named>> {
+    type Kind = fn(usize) -> Quantity;
+    const KINDS: [(Kind, [&[&str]; 2]); 3] = [
+        (Quantity::Force, [&FORCE, &JOINED_FORCE]),
+        (Quantity::Rate, [&RATE, &JOINED_RATE]),
+        (Quantity::Field, [&FIELD, &JOINED_FIELD]),
+    ];
+    let turns =
+        words.iter().any(|word| TURNS.contains(word)) && words.iter().any(|word| SPEED.contains(word));
+    let of_kind = |word: &str, (_, [alone, joins]): &(Kind, [&[&str]; 2])| {
+        alone.contains(&bare(word)) || joined(word, [alone, joins]).is_some()
+    };
+    let is_turn = |word: &str| turns && (TURNS.contains(&word) || SPEED.contains(&word));
+    let kinds: Vec<&(Kind, [&[&str]; 2])> = KINDS
+        .iter()
+        .enumerate()
+        .filter(|(at, kind)| words.iter().any(|word| of_kind(word, kind)) || *at == 1 && turns)
+        .map(|(_, kind)| kind)
+        .collect();
+    let has_axis = words.iter().any(|word| {
+        word.len() == 1 && axis_of(word.chars().next()).is_some()
+            || kinds.iter().any(|kind| joined(word, kind.1).is_some())
+    });
+    // an angular acceleration is neither of the two
+    let [kind] = kinds[..] else { return (has_axis && !kinds.is_empty()).then_some(None) };
+    let alone =
+        words.iter().filter_map(|word| if word.len() == 1 { axis_of(word.chars().next()) } else { None });
+    let joins = words.iter().filter_map(|word| joined(word, kind.1));
+    let axes: Vec<usize> = alone.chain(joins).collect();
+    let [axis] = axes[..] else { return None };
+    let (make, _) = kind;
+    let without_axis = |word: &str| -> String {
+        match joined(word, kind.1) {
+            Some(_) => word[..word.len() - 1].to_owned(),
+            None => word.to_owned(),
+        }
+    };
+    let is_axis = |word: &str| word.len() == 1 && axis_of(word.chars().next()).is_some();
+    let context: Vec<&str> = words
+        .iter()
+        .copied()
+        .filter(|word| !is_axis(word) && !of_kind(word, kind) && !is_turn(word))
+        .collect();
+    let turning = words.contains(&"angular") && std::ptr::eq(kind, &KINDS[0]);
+    let rank = rank(&context, |word| match word {
+        "angular" => None,
+        word if DECOYS.contains(&word) => None,
+        word if PROCESSED_WORDS.contains(&word) => Some(PROCESSED),
+        word if NEUTRAL.contains(&word) => Some(PLAIN),
+        _ => Some(UNKNOWN),
+    });
+    let Some(rank) = rank.filter(|_| !turning) else { return Some(None) };
+    let sensor: Vec<String> =
+        words.iter().filter(|word| !is_axis(word)).map(|word| without_axis(word)).collect();
+    let sensor: Vec<&str> = sensor.iter().map(String::as_str).collect();
+    Some(of(make(axis), rank, &sensor, &sensor))
+}
+
+fn is_temperature(word: &str) -> bool {
+    let word = bare(word);
+    TEMPERATURE.contains(&word) || word.ends_with("temperature") || (word.ends_with("temp") && word.len() > 4)
+}
+
+fn temperature(words: &[&str]) -> Option<Named> {
+    let context: Vec<&str> = words
+        .iter()
+        .map(|word| {
+            let word = bare(word);
+            match TEMPERATURE.contains(&word) {
+                true => "",
+                false => word.strip_suffix("temperature").or(word.strip_suffix("temp")).unwrap_or(word),
+            }
+        })
+        .filter(|word| !word.is_empty())
+        .collect();
+    let rank = match context.is_empty() {
+        true => PLAIN,
+        false => rank(&context, |word| match word {
+            word if DECOYS.contains(&word) || ELSEWHERE.contains(&word) => None,
+            word if PROCESSED_WORDS.contains(&word) || NEARBY.contains(&word) => Some(PROCESSED),
+            word if OWN.contains(&word) => Some(BARE),
+            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            _ => Some(UNKNOWN),
+        })?,
+    };
+    of(Quantity::Temperature, rank, words, &context)
+}
+
+/// The rank by the worst of these words, each without its number; none where one of them is of something else.
+fn rank(context: &[&str], of: impl Fn(&str) -> Option<u8>) -> Option<u8> {
+    context.iter().try_fold(BARE, |rank, word| {
+        // a number alone tells devices apart and nothing else
+        let of_word = if bare(word).is_empty() { Some(PLAIN) } else { of(bare(word)) };
+        of_word.map(|of_word| rank.max(of_word))
+    })
+}
+
+fn of(quantity: Quantity, rank: u8, sensor: &[&str], context: &[&str]) -> Option<Named> {
+    const NUMBERED: [&str; 6] = ["", "imu", "sensor", "device", "dev", "unit"];
+    let is_numbered = |word: &str| {
+        let word = bare(word);
+        NUMBERED.contains(&word) || FORCE.contains(&word) || RATE.contains(&word)
+    };
+    let numbers = context.iter().filter(|word| is_numbered(word));
+    let numbers = numbers.filter_map(|word| word[bare(word).len()..].parse().ok()).collect();
+    Some(Named { quantity, rank, sensor: sensor.join("_"), numbers })
+}
