@@ -7,7 +7,7 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Calls into a library. What the call changes is not to be used again if it fails.
+/// Calls into a library. What the call changes is not to be used again if it fails. A computation that is to stop stops: that is no panic.
 ///
 /// # Errors
 ///
@@ -16,7 +16,7 @@ pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
     INSIDE.set(outer);
-    result.map_err(|payload| match payload.downcast::<String>() {
+    result.map_err(|payload| match crate::interrupt::not_a_stop(payload).downcast::<String>() {
         Ok(text) => *text,
         Err(payload) => {
             payload.downcast_ref::<&str>().copied().unwrap_or("an error without a text").to_owned()

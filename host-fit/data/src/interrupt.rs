@@ -70,6 +70,11 @@ pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<
     })
 }
 
+/// What a caught panic said. A computation that is to stop goes on unwinding.
+pub(crate) fn not_a_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
+    if cause.is::<Unwound>() { panic::resume_unwind(cause) } else { cause }
+}
+
 /// What `work` makes of each item, in their order; on all cores, and where the computation that this thread is in is to
 /// stop, these stop too.
 pub fn in_parallel<I, T, U>(items: I, work: impl Fn(T) -> U + Sync) -> Vec<U>

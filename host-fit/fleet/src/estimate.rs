@@ -10,6 +10,7 @@ use fos_fit::noise::{LevelPrior, NoiseLevels, Regression};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use crate::coefficient::LEAST_ERROR;
 use crate::known::{Known, is_square, matrix_of};
 
 /// Temperatures count from here, °C: a bias is that at it.
@@ -42,21 +43,6 @@ pub(crate) struct Measured {
     pub(crate) known: Known,
     /// The values; 0 of what it does not tell.
     pub(crate) values: DVector<f64>,
-    /// Their variances; none of what it does not tell.
-    pub(crate) errors: Vec<Option<f64>>,
-}
-
-impl Measured {
-    /// One coefficient as if there were no others.
-    pub(crate) fn alone(&self, place: usize) -> Self {
-        let information = self.errors[place].map_or(0.0, |error| 1.0 / error);
-        let value = self.values[place];
-        let known = Known {
-            information: DMatrix::from_element(1, 1, information),
-            weighted: DVector::from_element(1, information * value),
-        };
-        Self { known, values: DVector::from_element(1, value), errors: vec![self.errors[place]] }
-    }
 }
 
 /// An axis of a unit.
@@ -102,11 +88,23 @@ pub enum EstimateError {
     },
 }
 
+impl AxisEstimate {
+    /// Its coefficients are whole, and its noise levels finite.
+    pub(crate) fn is_whole(&self) -> bool {
+        let NoiseLevels { white, flicker, walk, .. } = self.noise;
+        let levels = [white, flicker, walk, self.seconds];
+        self.coefficients.is_whole() && levels.iter().all(|level| level.is_finite())
+    }
+}
+
 impl Estimate {
-    /// Every coefficient has its value and its covariances: of what was read that is not said by its type.
+    /// Every coefficient has its value and its covariances, all finite, and no variance is negative: of what was read that is not said by its type.
     pub(crate) fn is_whole(&self) -> bool {
         let n = self.names.len();
-        self.values.len() == n && is_square(&self.covariance, n)
+        self.values.len() == n
+            && is_square(&self.covariance, n)
+            && self.values.iter().chain(self.covariance.iter().flatten()).all(|value| value.is_finite())
+            && (0..n).all(|place| self.covariance[place][place] >= 0.0)
     }
 
     /// The place of a coefficient, if the log tells it.
@@ -130,12 +128,14 @@ impl Estimate {
             own[(row.1, column.1)] / (scale[row.0] * scale[column.0])
         });
         let mut values = DVector::zeros(n);
-        let mut errors = vec![None; n];
-        for (index, (place, of_own)) in places.iter().enumerate() {
+        for (place, of_own) in &places {
             values[*place] = self.values[*of_own] / scale[*place];
-            errors[*place] = Some(covariance[(index, index)]);
         }
-        // of a regression, and so positive definite
+        // an estimate without an error, of values that never change, is exact to a share of what values vary by
+        let mut covariance = covariance;
+        for index in 0..places.len() {
+            covariance[(index, index)] += LEAST_ERROR;
+        }
         let inverse = covariance.cholesky().map(|factor| factor.inverse());
         let mut information = DMatrix::zeros(n, n);
         for (row, (place, _)) in places.iter().enumerate() {
@@ -144,7 +144,7 @@ impl Estimate {
                     inverse.as_ref().map_or(0.0, |inverse| inverse[(row, column)]);
             }
         }
-        Measured { known: Known { weighted: &information * &values, information }, values, errors }
+        Measured { known: Known { weighted: &information * &values, information }, values }
     }
 }
 

@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 
 use crate::estimate::BIAS;
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
-use crate::odd::{Distance, discoveries, judge};
+use crate::odd::{Distance, FAR, devices_needed, discoveries, judge};
 use crate::population::{Member, Population};
 use crate::row::{Asked, Unit, UnitRow, unit_row};
 
@@ -44,6 +44,9 @@ pub struct Fleet {
     pub parts: Vec<PartSummary>,
     /// Units of which nothing, or not everything, could be told.
     pub failed: Vec<FailedUnit>,
+    /// Units whose log is that of another unit of the part: in the populations it counts once.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub duplicates: Vec<DuplicateUnit>,
 }
 
 /// A part.
@@ -55,6 +58,9 @@ pub struct PartSummary {
     pub axes: Vec<AxisSummary>,
     /// Units that do not belong, the furthest first.
     pub odd: Vec<OddUnit>,
+    /// So many units are needed to find an odd one, and there are fewer: that none is called odd is not conclusive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units_needed: Option<usize>,
 }
 
 /// An axis of a part.
@@ -109,6 +115,39 @@ pub struct FailedUnit {
     pub unit: String,
     /// Why.
     pub reasons: Vec<String>,
+}
+
+/// A unit whose log is that of another one, bit by bit.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DuplicateUnit {
+    /// Its part.
+    pub part: String,
+    /// Its name.
+    pub unit: String,
+    /// The unit whose log counts.
+    pub same_as: String,
+}
+
+impl std::fmt::Display for DuplicateUnit {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { unit, same_as, .. } = self;
+        write!(out, "{unit} is the same log as {same_as}: counted once.")
+    }
+}
+
+impl PartSummary {
+    /// A sentence that says why the search for odd units is not conclusive, if it is not.
+    pub fn not_conclusive(&self) -> Option<String> {
+        let needed = self.units_needed?;
+        let populations = self.axes.iter().filter_map(|axis| axis.population.as_ref());
+        let devices = populations.map(|population| population.units).max().map_or_else(
+            || "no axis has a population".to_owned(),
+            |devices| format!("{devices} devices"),
+        );
+        Some(format!(
+            "Not conclusive: {devices}; to find one that is {FAR} standard deviations off, at least {needed} are needed, and lots of several devices each."
+        ))
+    }
 }
 
 /// Why the rows of a fleet cannot be kept.
@@ -266,7 +305,7 @@ impl Fleet {
         let mut axes = fleet.parts.iter().flat_map(|part| &part.axes);
         if let Some(axis) = axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_whole()))
         {
-            return Err(not(format!("{}: not every coefficient has its numbers", axis.column)));
+            return Err(not(format!("{}: a number is missing or not finite", axis.column)));
         }
         let kept_in = rows_beside(path);
         let text = file::read(&kept_in)?;
@@ -280,10 +319,10 @@ impl Fleet {
                 Err(_) if index + 1 == lines.len() => {}
                 Err(error) => return Err(wrong(error.to_string())),
                 Ok(Kept { row, .. }) => {
-                    match row.axes.iter().find(|axis| !axis.estimate.coefficients.is_whole()) {
+                    match row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
                         Some(axis) => {
                             return Err(wrong(format!(
-                                "{}: not every coefficient has its numbers",
+                                "{}: a number is missing or not finite",
                                 axis.estimate.column
                             )));
                         }
@@ -350,20 +389,45 @@ impl Fleet {
     }
 
     fn of_units(units: &[GatheredUnit<'_>], asked: &Asked, library: &Library, program: &str) -> Self {
-        let parts = units.chunk_by(|a, b| a.part() == b.part());
         let failed = units.iter().filter(|unit| !unit.failed().is_empty());
+        let (mut parts, mut compared, mut duplicates) = (Vec::new(), Vec::new(), Vec::new());
+        for units in units.chunk_by(|a, b| a.part() == b.part()) {
+            let (units, of_part) = without_duplicates(units);
+            duplicates.extend(of_part);
+            let (summary, of_part) = part_summary(&units, asked, library);
+            parts.push(summary);
+            compared.push(of_part);
+        }
+        add_odd_units(&mut parts, compared);
         Self {
             schema: SCHEMA.to_owned(),
             program: program.to_owned(),
             asked: asked.clone(),
             units: units.len(),
             rows_sha256: digest_of(units),
-            parts: parts.map(|units| part_summary(units, asked, library)).collect(),
+            parts,
             failed: failed
                 .map(|unit| FailedUnit { unit: unit.name().to_owned(), reasons: unit.failed().to_vec() })
                 .collect(),
+            duplicates,
         }
     }
+}
+
+/// The units of a part whose logs are not those of an earlier one, and those whose logs are.
+fn without_duplicates<'a>(units: &[GatheredUnit<'a>]) -> (Vec<GatheredUnit<'a>>, Vec<DuplicateUnit>) {
+    let (mut first, mut duplicates) = (HashMap::new(), Vec::new());
+    let is_new = |unit: &&GatheredUnit<'a>| {
+        let Some(log) = unit.log() else { return true };
+        let same_as = *first.entry(log).or_insert(unit.name());
+        let is_new = same_as == unit.name();
+        if !is_new {
+            let [part, unit, same_as] = [unit.part(), unit.name(), same_as].map(str::to_owned);
+            duplicates.push(DuplicateUnit { part, unit, same_as });
+        }
+        is_new
+    };
+    (units.iter().filter(is_new).copied().collect(), duplicates)
 }
 
 fn digest_of(units: &[GatheredUnit<'_>]) -> String {
@@ -372,44 +436,63 @@ fn digest_of(units: &[GatheredUnit<'_>]) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// Of a unit, its axis that is furthest from its population, and the p-value of that.
-struct Furthest<'a> {
+/// A unit that was compared with its populations: its axis that is least probable, with the p-values of all axes together.
+struct Compared<'a> {
     unit: GatheredUnit<'a>,
     axes: usize,
     column: &'a str,
     distance: Distance,
+    /// Probability that a unit that belongs is so far in any of its axes (Bonferroni).
+    p_value: f64,
+    /// p-values that it would have if it were far off in a coefficient of an axis.
+    p_values_if_far: Vec<f64>,
 }
 
-/// An axis of a part, and of its units that have it, by their places, how far they are.
+/// An axis of a part, and of its units that have it, by their places, how far they are and which p-value they would have if they were far.
 struct JudgedAxis<'a> {
     column: &'a str,
     summary: AxisSummary,
-    distances: Vec<(usize, Distance)>,
+    distances: Vec<(usize, Distance, Vec<f64>)>,
 }
 
-fn part_summary(units: &[GatheredUnit<'_>], asked: &Asked, library: &Library) -> PartSummary {
+/// A part without its odd units, and its units that were compared.
+fn part_summary<'a>(
+    units: &[GatheredUnit<'a>],
+    asked: &Asked,
+    library: &Library,
+) -> (PartSummary, Vec<Compared<'a>>) {
     let columns: BTreeSet<&str> = units.iter().flat_map(|unit| unit.columns()).collect();
     let columns: Vec<&str> = columns.into_iter().collect();
     let axes: Vec<_> =
         columns.into_par_iter().map(|column| judged_axis(column, units, asked, library)).collect();
-    let mut furthest: Vec<Option<Furthest<'_>>> = units.iter().map(|_| None).collect();
+    let mut compared: Vec<Option<Compared<'_>>> = units.iter().map(|_| None).collect();
     let mut summaries = Vec::new();
     for JudgedAxis { column, summary, distances } in axes {
-        for (index, distance) in distances {
-            let place = &mut furthest[index];
-            let axes = place.as_ref().map_or(1, |before| before.axes + 1);
-            match place {
-                Some(before) if before.distance.p_value <= distance.p_value => before.axes = axes,
-                _ => *place = Some(Furthest { unit: units[index], axes, column, distance }),
+        for (index, distance, if_far) in distances {
+            let unit = compared[index].get_or_insert_with(|| Compared {
+                unit: units[index],
+                axes: 0,
+                column,
+                p_value: 1.0,
+                distance: distance.clone(),
+                p_values_if_far: Vec::new(),
+            });
+            unit.axes += 1;
+            unit.p_values_if_far.extend(if_far);
+            if distance.p_value < unit.distance.p_value {
+                (unit.column, unit.distance) = (column, distance);
             }
         }
         summaries.push(summary);
     }
-    PartSummary {
-        part: units.first().map_or_else(String::new, |unit| unit.part().to_owned()),
-        axes: summaries,
-        odd: odd_units(furthest.into_iter().flatten().collect()),
+    let part = units.first().map_or_else(String::new, |unit| unit.part().to_owned());
+    let mut compared: Vec<Compared<'_>> = compared.into_iter().flatten().collect();
+    for unit in &mut compared {
+        let axes = unit.axes as f64;
+        unit.p_value = (unit.distance.p_value * axes).min(1.0);
+        unit.p_values_if_far.iter_mut().for_each(|p_value| *p_value *= axes);
     }
+    (PartSummary { part, axes: summaries, odd: Vec::new(), units_needed: None }, compared)
 }
 
 fn judged_axis<'a>(
@@ -418,8 +501,10 @@ fn judged_axis<'a>(
     asked: &Asked,
     library: &Library,
 ) -> JudgedAxis<'a> {
-    let of_units: Vec<_> =
-        units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?))).collect();
+    let of_units =
+        units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
+    // a number that is not finite says nothing
+    let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_finite()).collect();
     let members: Vec<Member<'_>> = of_units
         .iter()
         .map(|(index, axis)| Member { lot: units[*index].lot(), estimate: &axis.estimate })
@@ -427,8 +512,10 @@ fn judged_axis<'a>(
     let judged = judge(&members, &names_of(&members, asked));
     let noise = |level: usize| median_of(of_units.iter().map(|(_, axis)| axis.noise[level])).unwrap_or(0.0);
     let without = judged.as_ref().err().map(ToString::to_string);
-    let (population, distances) =
-        judged.map_or((None, Vec::new()), |judged| (Some(judged.population), judged.distances));
+    let (population, distances) = judged.map_or((None, Vec::new()), |judged| {
+        let distances: Vec<_> = judged.distances.into_iter().zip(judged.p_values_if_far).collect();
+        (Some(judged.population), distances)
+    });
     JudgedAxis {
         column,
         summary: AxisSummary {
@@ -438,7 +525,12 @@ fn judged_axis<'a>(
             median_noise: [0, 1, 2].map(noise),
             effects: effects_of(units.iter().filter_map(|unit| unit.effects(column)), library),
         },
-        distances: of_units.iter().map(|(index, _)| *index).zip(distances).collect(),
+        distances: of_units
+            .iter()
+            .zip(distances)
+            .filter(|(_, (distance, _))| distance.coefficients > 0)
+            .map(|((index, _), (distance, if_far))| (*index, distance, if_far))
+            .collect(),
     }
 }
 
@@ -450,25 +542,33 @@ fn names_of(members: &[Member<'_>], asked: &Asked) -> Vec<String> {
     told.map(str::to_owned).collect()
 }
 
-fn odd_units(furthest: Vec<Furthest<'_>>) -> Vec<OddUnit> {
-    // of several axes the furthest is further by chance (Bonferroni)
-    let p_value = |unit: &Furthest<'_>| (unit.distance.p_value * unit.axes as f64).min(1.0);
-    let p_values: Vec<f64> = furthest.iter().map(p_value).collect();
-    let mut odd: Vec<OddUnit> = furthest
-        .into_iter()
-        .zip(discoveries(&p_values, FALSE_ODD))
-        .zip(&p_values)
-        .filter(|((_, found), _)| *found)
-        .map(|((unit, _), p_value)| OddUnit {
-            unit: unit.unit.name().to_owned(),
-            lot: unit.unit.lot().map(str::to_owned),
-            column: unit.column.to_owned(),
-            distance: unit.distance,
-            p_value: *p_value,
-        })
-        .collect();
-    odd.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then_with(|| a.unit.cmp(&b.unit)));
-    odd
+/// The odd units of all parts: at most [`FALSE_ODD`] of them belong, over all tests of the fleet; and where none could be found, how many
+/// units that would take.
+fn add_odd_units(parts: &mut [PartSummary], compared: Vec<Vec<Compared<'_>>>) {
+    let p_values: Vec<f64> = compared.iter().flatten().map(|unit| unit.p_value).collect();
+    let mut found = discoveries(&p_values, FALSE_ODD).into_iter();
+    // an odd unit that is the only one has to come below this
+    let limit = FALSE_ODD / p_values.len() as f64;
+    for (part, compared) in parts.iter_mut().zip(compared) {
+        let units = compared.len();
+        let if_far = || compared.iter().flat_map(|unit| &unit.p_values_if_far);
+        if 2 * if_far().filter(|p_value| **p_value <= limit).count() <= if_far().count() {
+            let tests = compared.iter().map(|unit| unit.unit.coefficients()).max().unwrap_or(1);
+            let of_part = FALSE_ODD * units.max(1) as f64 / p_values.len().max(1) as f64;
+            part.units_needed = Some(devices_needed(tests, of_part).max(units + 1));
+        }
+        let odd = compared.into_iter().filter(|_| found.next().unwrap_or(false));
+        part.odd = odd
+            .map(|Compared { unit, column, distance, p_value, .. }| OddUnit {
+                unit: unit.name().to_owned(),
+                lot: unit.lot().map(str::to_owned),
+                column: column.to_owned(),
+                distance,
+                p_value,
+            })
+            .collect();
+        part.odd.sort_by(|a, b| a.p_value.total_cmp(&b.p_value).then_with(|| a.unit.cmp(&b.unit)));
+    }
 }
 
 /// Of each unit that was diagnosed, what was found.

@@ -11,7 +11,10 @@ use crate::estimate::Estimate;
 use crate::row::{Asked, AxisRow, UnitRow};
 
 /// Schema of [`Gathered::to_bytes`].
-const SCHEMA: &str = "fos-gathered/1";
+const SCHEMA: &str = "fos-gathered/2";
+
+/// Bytes of the digest of a log: enough that no two logs share one by chance.
+const LOG_DIGEST: usize = 16;
 
 /// Of white noise, flicker and random walk a level each.
 const LEVELS: usize = 3;
@@ -47,7 +50,7 @@ pub enum GatheredError {
     },
     /// A row has not all numbers that it speaks of.
     #[error(
-        "the row of {unit:?}: {column}: not every coefficient has its numbers\nhelp: rows are what `unit_row` gives"
+        "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use rows as `unit_row` returns them"
     )]
     NotWhole {
         /// Its unit.
@@ -101,6 +104,8 @@ struct Held {
     shape: u32,
     /// SHA-256 of its row.
     digest: [u8; 32],
+    /// The start of the SHA-256 of its row's `sha256`; none where no log could be read.
+    log: Option<[u8; LOG_DIGEST]>,
     /// Of each axis the coefficients, the lower half of their covariance, row by row, and the noise levels.
     numbers: Box<[f64]>,
     /// What was found on its axes.
@@ -143,6 +148,12 @@ pub(crate) struct GatheredAxis {
     pub(crate) noise: [f64; LEVELS],
 }
 
+impl GatheredAxis {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.estimate.is_whole() && self.noise.iter().all(|level| level.is_finite())
+    }
+}
+
 impl Gathered {
     /// Units.
     pub fn len(&self) -> usize {
@@ -164,7 +175,7 @@ impl Gathered {
         let mut asked = row.asked.clone();
         asked.read.strict = false;
         self.check_asked(&asked, &row.unit)?;
-        if let Some(axis) = row.axes.iter().find(|axis| !axis.estimate.coefficients.is_whole()) {
+        if let Some(axis) = row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
             let (unit, column) = (row.unit.clone(), axis.estimate.column.clone());
             return Err(GatheredError::NotWhole { unit, column });
         }
@@ -198,6 +209,7 @@ impl Gathered {
             lot: row.lot.as_deref().map(|lot| self.text(lot)),
             shape: self.shapes.insert_full(shape).0 as u32,
             digest: Sha256::digest(serde_json::to_vec(row).expect("rows have only string keys")).into(),
+            log: log_digest(&row.sha256),
             numbers,
             found: found.into(),
             failed: row.failed.clone().into(),
@@ -381,6 +393,16 @@ impl<'a> GatheredUnit<'a> {
         &self.held.digest
     }
 
+    /// Digest of its log, to compare with those of others.
+    pub(crate) fn log(self) -> Option<[u8; LOG_DIGEST]> {
+        self.held.log
+    }
+
+    /// Coefficients that its log tells, of all axes.
+    pub(crate) fn coefficients(self) -> usize {
+        self.shape().iter().map(|axis| axis.names.len()).sum()
+    }
+
     /// Why something of it could not be told.
     pub(crate) fn failed(self) -> &'a [String] {
         &self.held.failed
@@ -433,6 +455,11 @@ impl<'a> GatheredUnit<'a> {
         }
         None
     }
+}
+
+fn log_digest(sha256: &str) -> Option<[u8; LOG_DIGEST]> {
+    let digest = Sha256::digest(sha256);
+    (!sha256.is_empty()).then(|| std::array::from_fn(|place| digest[place]))
 }
 
 fn numbers_of(axis: &AxisRow) -> impl Iterator<Item = f64> {

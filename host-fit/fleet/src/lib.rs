@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
+mod coefficient;
 mod estimate;
 mod fleet;
 mod folder;
@@ -11,15 +12,16 @@ mod odd;
 mod population;
 mod row;
 mod ship;
+mod tails;
 
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
 pub use fleet::{
-    AxisSummary, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
+    AxisSummary, DuplicateUnit, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
     rows_beside,
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use gathered::{Gathered, GatheredError};
-pub use odd::{Distance, Judged, discoveries, judge};
+pub use odd::{Distance, FAR, Judged, devices_needed, discoveries, judge};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, row_of, unit_row};
 pub use ship::{ShipError, Shipment, ShippedUnit, known_of};

@@ -10,21 +10,21 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use crate::coefficient::{Coefficient, Value, Variances};
 use crate::estimate::{Estimate, Measured};
 use crate::known::{Known, Seen, is_square, matrix_of, symmetric};
+use crate::tails::half_interval;
 
 /// Ends after so many rounds, of three steps each, or when a round gains less than this in −2 ln L.
 const MOST_ROUNDS: usize = 400;
 const GAIN: f64 = 1e-7;
 
-/// Rise of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
-const RISE: f64 = 2.705_543;
+/// Smallest scaled variance that the search begins at.
+const LEAST_START: f64 = 1e-2;
 
-/// An end is found to 10⁻⁶ of the interval, and looked for up to a million times the scatter.
-const HALVINGS: usize = 20;
-const DOUBLINGS: usize = 40;
+/// Half of a 90 % interval of a normal distribution, in standard deviations.
+const NORMAL: f64 = 1.644_854;
 
 /// A unit of a population.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +46,12 @@ pub struct Population {
     pub mean: Vec<f64>,
     /// Covariance of the mean.
     pub mean_covariance: Vec<Vec<f64>>,
+    /// 90 % interval of each mean, by Student's t: the variances behind it are estimated from as many devices as there are.
+    #[serde(default)]
+    pub mean_interval: Vec<[f64; 2]>,
+    /// Of each coefficient, where nine of ten devices of a lot that is not known lie, by Student's t.
+    #[serde(default)]
+    pub unit_interval: Vec<[f64; 2]>,
     /// Covariance of a between lots; 0 if there are fewer than two.
     pub between_lots: Vec<Vec<f64>>,
     /// Covariance of b between units of a lot.
@@ -84,6 +90,20 @@ pub struct Lot {
     pub mean: Vec<f64>,
     /// Its covariance, that of μ included.
     pub covariance: Vec<Vec<f64>>,
+    /// 90 % interval of each mean, by Student's t.
+    #[serde(default)]
+    pub mean_interval: Vec<[f64; 2]>,
+    /// Of each coefficient, where nine of ten devices of the lot lie, by Student's t.
+    #[serde(default)]
+    pub unit_interval: Vec<[f64; 2]>,
+}
+
+impl Lot {
+    /// 90 % interval of a mean, as that of [`Population::mean_interval`].
+    pub fn mean_interval(&self, place: usize) -> [f64; 2] {
+        let normal = || about(self.mean[place], NORMAL, self.covariance[place][place]);
+        self.mean_interval.get(place).copied().unwrap_or_else(normal)
+    }
 }
 
 /// Why there is no population.
@@ -144,18 +164,92 @@ impl Population {
     ///
     /// There are none, or fewer than three units know one of them.
     pub fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
-        Ok(Likeliest::of(members, names)?.with_scatter())
+        check(members, names)?;
+        let scale = scales(members, names);
+        let grouped = Grouped::of(members, names, &scale);
+        let alone: Vec<Coefficient> = values_of(members, names)
+            .into_iter()
+            .map(|known| Coefficient::of(known.into_iter().map(|(_, value)| value).collect(), grouped.lots.len()))
+            .collect();
+        let by_itself: Vec<Variances> = alone.par_iter().map(Coefficient::variances).collect();
+        let (covariances, last) = grouped.likeliest(&by_itself, &scale);
+        let unscaled = |matrix: &DMatrix<f64>| rows_of(matrix, &scale);
+        let lots = grouped.names.iter().zip(&last.lots).map(|((name, units), lot)| Lot {
+            name: name.clone(),
+            units: *units,
+            mean: lot.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
+            covariance: unscaled(&lot.covariance),
+            mean_interval: Vec::new(),
+            unit_interval: Vec::new(),
+        });
+        let mut population = Self {
+            names: names.to_vec(),
+            units: members.len(),
+            mean: last.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
+            mean_covariance: unscaled(&last.mean_covariance),
+            mean_interval: Vec::new(),
+            unit_interval: Vec::new(),
+            between_lots: unscaled(&covariances.lots),
+            between_units: unscaled(&covariances.units),
+            scatter: Vec::new(),
+            lots: lots.collect(),
+        };
+        population.scatter = alone
+            .par_iter()
+            .enumerate()
+            .map(|(place, alone)| population.scatter_of(place, alone, members))
+            .collect();
+        for (place, alone) in alone.iter().enumerate() {
+            population.add_intervals(place, alone);
+        }
+        Ok(population)
     }
 
-    /// Every coefficient has its numbers: of what was read that is not said by its type.
+    /// Every coefficient has its numbers, and every number is finite: of what was read that is not said by its type.
     pub(crate) fn is_whole(&self) -> bool {
         let n = self.names.len();
         let matrices = [&self.mean_covariance, &self.between_lots, &self.between_units];
+        let finite = |values: &[f64]| values.len() == n && values.iter().all(|value| value.is_finite());
+        let square = |matrix: &[Vec<f64>]| is_square(matrix, n) && matrix.iter().all(|row| finite(row));
+        // a population of an earlier version has no intervals of means and devices
+        let intervals = |ends: &[[f64; 2]]| {
+            ends.is_empty() || ends.len() == n && ends.iter().flatten().all(|end| end.is_finite())
+        };
+        let scatter = |scatter: &Scatter| {
+            let [units, lots] = [scatter.units_interval, scatter.lots_interval];
+            let values = [scatter.units, scatter.lots, scatter.measurement, scatter.lots_alike.unwrap_or(0.0)];
+            values.iter().chain(&units).chain(&lots).all(|value| value.is_finite())
+        };
         n > 0
-            && self.mean.len() == n
+            && finite(&self.mean)
             && self.scatter.len() == n
-            && matrices.iter().all(|matrix| is_square(matrix, n))
-            && self.lots.iter().all(|lot| lot.mean.len() == n && is_square(&lot.covariance, n))
+            && self.scatter.iter().all(scatter)
+            && matrices.iter().all(|matrix| square(matrix))
+            && intervals(&self.mean_interval)
+            && intervals(&self.unit_interval)
+            && self.lots.iter().all(|lot| {
+                finite(&lot.mean)
+                    && square(&lot.covariance)
+                    && intervals(&lot.mean_interval)
+                    && intervals(&lot.unit_interval)
+            })
+    }
+
+    /// 90 % interval of a mean. A population of an earlier version has none: it is that of a normal distribution then.
+    pub fn mean_interval(&self, place: usize) -> [f64; 2] {
+        let normal = || about(self.mean[place], NORMAL, self.mean_covariance[place][place]);
+        self.mean_interval.get(place).copied().unwrap_or_else(normal)
+    }
+
+    /// Where nine of ten devices of a lot lie, or of a lot that is not known. Of an earlier version as [`mean_interval`](Self::mean_interval).
+    pub fn unit_interval(&self, lot: Option<&str>, place: usize) -> [f64; 2] {
+        let lot = self.lot_named(lot);
+        let normal = || {
+            let (mean, covariance) = self.prior_in(lot);
+            about(mean[place], NORMAL, covariance[place][place])
+        };
+        let intervals = lot.map_or(&self.unit_interval, |lot| &lot.unit_interval);
+        intervals.get(place).copied().unwrap_or_else(normal)
     }
 
     /// What is known of a unit before it was measured: mean and covariance of its coefficients. Of a lot that the
@@ -188,86 +282,129 @@ impl Population {
         let Some(lot) = self.lots.iter().find(|lot| lot.name == name) else {
             return self.shrunk(estimate, None);
         };
-        let (mean, of_lot) = (DVector::from_column_slice(&lot.mean), matrix_of(&lot.covariance));
-        let scatter = matrix_of(&self.between_units);
-        let ones = vec![1.0; self.names.len()];
-        let seen = estimate.measured(&self.names, &ones).known.through(&scatter);
+        let size = self.sizes(&self.prior_in(Some(lot)).1);
+        let (mean, of_lot) = (scaled(&lot.mean, &size), scaled_matrix(&lot.covariance, &size));
+        let scatter = scaled_matrix(&self.between_units, &size);
+        let seen = estimate.measured(&self.names, &size).known.through(&scatter);
         let values = &mean + &scatter * (&seen.weighted - &seen.information * &mean);
         let gain = &scatter * &seen.information;
         let rest = DMatrix::identity(mean.len(), mean.len()) - &gain;
         let covariance = symmetric(&(&scatter - &gain * &scatter + &rest * of_lot * rest.transpose()));
-        Estimate {
-            names: self.names.clone(),
-            values: values.iter().copied().collect(),
-            covariance: nested(&covariance),
-        }
+        self.estimate_of(&values, &covariance, &size)
     }
 
     /// A unit's own estimate beside what its population says of it (empirical Bayes; Robbins 1956, Efron and Morris 1973): all coefficients of the
     /// population, those that the estimate does not tell too. For a unit that is not among the members; for one
     /// that is, [`of_member`](Self::of_member).
     pub fn shrunk(&self, estimate: &Estimate, lot: Option<&str>) -> Estimate {
-        let (mean, covariance) = self.prior(lot);
-        let (mean, prior) = (DVector::from_vec(mean), matrix_of(&covariance));
-        let ones = vec![1.0; self.names.len()];
-        let seen = estimate.measured(&self.names, &ones).known.through(&prior);
+        let (mean, prior) = self.prior(lot);
+        let size = self.sizes(&prior);
+        let (mean, prior) = (scaled(&mean, &size), scaled_matrix(&prior, &size));
+        let seen = estimate.measured(&self.names, &size).known.through(&prior);
         let values = &mean + &prior * (&seen.weighted - &seen.information * &mean);
         let covariance = symmetric(&(&prior - &prior * &seen.information * &prior));
+        self.estimate_of(&values, &covariance, &size)
+    }
+
+    /// What each coefficient is divided by in between, so that all are near 1.
+    fn sizes(&self, prior: &[Vec<f64>]) -> Vec<f64> {
+        let size = |place: usize| match prior[place][place].sqrt() {
+            deviation if deviation > 0.0 => deviation,
+            _ => 1.0,
+        };
+        (0..self.names.len()).map(size).collect()
+    }
+
+    fn estimate_of(&self, values: &DVector<f64>, covariance: &DMatrix<f64>, size: &[f64]) -> Estimate {
         Estimate {
             names: self.names.clone(),
-            values: values.iter().copied().collect(),
-            covariance: nested(&covariance),
+            values: values.iter().zip(size).map(|(value, size)| value * size).collect(),
+            covariance: rows_of(covariance, size),
         }
     }
 }
 
-/// A population without its scatter, whose intervals cost more than all else.
-pub(crate) struct Likeliest {
-    pub(crate) population: Population,
-    grouped: Grouped,
-    covariances: Covariances,
-    scale: Vec<f64>,
+/// There are names, and at least three units know each.
+pub(crate) fn check(members: &[Member<'_>], names: &[String]) -> Result<(), PopulationError> {
+    if names.is_empty() {
+        return Err(PopulationError::NoCoefficient);
+    }
+    for (coefficient, name) in names.iter().enumerate() {
+        let known = members.iter().filter(|member| member.estimate.place(name).is_some()).count();
+        if known < 3 {
+            return Err(PopulationError::TooFew { coefficient, known });
+        }
+    }
+    Ok(())
 }
 
-impl Likeliest {
-    /// As [`Population::of`].
-    pub(crate) fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
-        if names.is_empty() {
-            return Err(PopulationError::NoCoefficient);
-        }
-        for (coefficient, name) in names.iter().enumerate() {
-            let known = members.iter().filter(|member| member.estimate.place(name).is_some()).count();
-            if known < 3 {
-                return Err(PopulationError::TooFew { coefficient, known });
-            }
-        }
-        let scale = scales(members, names);
-        let grouped = Grouped::of(members, names, &scale);
-        let (covariances, last) = grouped.likeliest(true);
-        let unscaled = |matrix: &DMatrix<f64>| rows_of(matrix, &scale);
-        let lots = grouped.names.iter().zip(&last.lots).map(|((name, units), lot)| Lot {
-            name: name.clone(),
-            units: *units,
-            mean: lot.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
-            covariance: unscaled(&lot.covariance),
-        });
-        let population = Population {
-            names: names.to_vec(),
-            units: members.len(),
-            mean: last.mean.iter().zip(&scale).map(|(mean, scale)| mean * scale).collect(),
-            mean_covariance: unscaled(&last.mean_covariance),
-            between_lots: unscaled(&covariances.lots),
-            between_units: unscaled(&covariances.units),
-            scatter: Vec::new(),
-            lots: lots.collect(),
+/// Of each coefficient the members that know it, by their places, with lots numbered as they first come.
+pub(crate) fn values_of(members: &[Member<'_>], names: &[String]) -> Vec<Vec<(usize, Value)>> {
+    let mut places = HashMap::new();
+    let lots: Vec<usize> = members
+        .iter()
+        .map(|member| {
+            let next = places.len();
+            *places.entry(member.lot.unwrap_or_default()).or_insert(next)
+        })
+        .collect();
+    let known = |name: &String| {
+        let value = |(index, member): (usize, &Member<'_>)| {
+            let place = member.estimate.place(name)?;
+            let (value, error) = (member.estimate.values[place], member.estimate.covariance[place][place]);
+            Some((index, Value { lot: lots[index], value, error }))
         };
-        Ok(Self { population, grouped, covariances, scale })
+        members.iter().enumerate().filter_map(value).collect()
+    };
+    names.iter().map(known).collect()
+}
+
+impl Population {
+    /// Standard deviations of a coefficient, with the intervals that it has by itself.
+    fn scatter_of(&self, place: usize, alone: &Coefficient, members: &[Member<'_>]) -> Scatter {
+        let joint = [self.between_units[place][place], self.between_lots[place][place]].map(|v| v.max(0.0));
+        // what all coefficients together say is inside of them
+        let ends = |[low, high]: [f64; 2], joint: f64| [low.min(joint), high.max(joint)].map(f64::sqrt);
+        let errors: Vec<f64> = members
+            .iter()
+            .filter_map(|member| {
+                let own = member.estimate.place(&self.names[place])?;
+                Some(member.estimate.covariance[own][own])
+            })
+            .collect();
+        Scatter {
+            units: joint[0].sqrt(),
+            units_interval: ends(alone.units_interval(), joint[0]),
+            lots: joint[1].sqrt(),
+            lots_interval: if alone.has_lots() { ends(alone.lots_interval(), joint[1]) } else { [0.0; 2] },
+            lots_alike: alone.lots_alike(),
+            measurement: (errors.iter().sum::<f64>() / errors.len().max(1) as f64).sqrt(),
+        }
     }
 
-    /// With it.
-    pub(crate) fn with_scatter(self) -> Population {
-        Population { scatter: self.grouped.scatter(&self.covariances, &self.scale), ..self.population }
+    /// The intervals of means and devices, of a coefficient.
+    fn add_intervals(&mut self, place: usize, alone: &Coefficient) {
+        let of_units = self.between_units[place][place];
+        let of_lots = self.between_lots[place][place];
+        let freedom = alone.freedom(of_units, of_lots);
+        let of_mean = self.mean_covariance[place][place];
+        self.mean_interval.push(about(self.mean[place], half_interval(freedom.mean), of_mean));
+        let of_unit = of_units + of_lots + of_mean;
+        self.unit_interval.push(about(self.mean[place], half_interval(freedom.unit), of_unit));
+        for (index, lot) in self.lots.iter_mut().enumerate() {
+            // lots that cannot be told apart from their devices are one
+            let freedom = freedom.lots.get(index).unwrap_or(&freedom.lots[0]);
+            let [of_mean, of_unit] = freedom.map(half_interval);
+            let variance = lot.covariance[place][place];
+            lot.mean_interval.push(about(lot.mean[place], of_mean, variance));
+            lot.unit_interval.push(about(lot.mean[place], of_unit, variance + of_units));
+        }
     }
+}
+
+fn about(middle: f64, half: f64, variance: f64) -> [f64; 2] {
+    let half = half * variance.max(0.0).sqrt();
+    [middle - half, middle + half]
 }
 
 impl Grouped {
@@ -289,33 +426,26 @@ impl Grouped {
         grouped
     }
 
-    /// One coefficient as if there were no others.
-    fn alone(&self, place: usize) -> Self {
-        let lots = self.lots.iter().map(|lot| lot.iter().map(|unit| unit.alone(place)).collect()).collect();
-        Self { names: self.names.clone(), lots, has_lots: self.has_lots }
-    }
-
-    /// How often lots that do not differ would look so different, of one coefficient: twice the logarithm of the likelihood ratio is
-    /// then 0 in half of all cases, and else a χ² of one degree of freedom (Self and Liang 1987).
-    fn lots_alike(&self) -> f64 {
-        let [(_, with), (_, without)] = [true, false].map(|with_lots| self.likeliest(with_lots));
-        match without.deviance - with.deviance {
-            ratio if ratio > GAIN => 0.5 * tail(1, ratio),
-            _ => 1.0,
-        }
-    }
-
     fn units(&self) -> impl Iterator<Item = &Measured> {
         self.lots.iter().flatten()
     }
 
-    /// The covariances of the greatest restricted likelihood, and what they come to.
-    fn likeliest(&self, with_lots: bool) -> (Covariances, Step) {
-        let n = self.lots[0][0].values.len();
-        let start =
-            if with_lots && self.has_lots { DMatrix::identity(n, n) * 0.3 } else { DMatrix::zeros(n, n) };
-        let mut now = Covariances { lots: start, units: DMatrix::identity(n, n) };
+    /// The covariances of the greatest restricted likelihood, and what they come to. The search begins at the variances that each coefficient has
+    /// by itself; a single coefficient has those.
+    fn likeliest(&self, by_itself: &[Variances], scale: &[f64]) -> (Covariances, Step) {
+        let n = scale.len();
+        // of 0, expectation and maximisation would never come away
+        let least = if n == 1 { 0.0 } else { LEAST_START };
+        let diagonal = |of: &dyn Fn(&Variances) -> f64| {
+            let start = by_itself.iter().zip(scale).map(|(own, scale)| (of(own) / (scale * scale)).max(least));
+            DMatrix::from_diagonal(&DVector::from_iterator(n, start))
+        };
+        let lots = if self.has_lots { diagonal(&|own| own.lots) } else { DMatrix::zeros(n, n) };
+        let mut now = Covariances { lots, units: diagonal(&|own| own.units) };
         let mut step = self.step(&now);
+        if n == 1 {
+            return (now, step);
+        }
         for _ in 0..MOST_ROUNDS {
             let first = step.next.clone();
             let second = self.step(&first);
@@ -399,64 +529,6 @@ impl Grouped {
         };
         Step { deviance, mean, mean_covariance, lots, next }
     }
-
-    /// Standard deviations, with the intervals of each coefficient as if there were no others: every value at which −2 ln L lies
-    /// at most [`RISE`] above its least, the other variance as it is there.
-    fn scatter(&self, covariances: &Covariances, scale: &[f64]) -> Vec<Scatter> {
-        let of = |place: usize| {
-            let alone = self.alone(place);
-            let (likeliest, _) = alone.likeliest(true);
-            let joint = [covariances.units[(place, place)], covariances.lots[(place, place)]];
-            let ends = |variance: usize| {
-                let [low, high] = alone.interval(&likeliest, variance);
-                [low.min(joint[variance]), high.max(joint[variance])].map(|end| scale[place] * end.sqrt())
-            };
-            let errors: Vec<f64> = self.units().filter_map(|unit| unit.errors[place]).collect();
-            Scatter {
-                units: scale[place] * joint[0].sqrt(),
-                units_interval: ends(0),
-                lots: scale[place] * joint[1].sqrt(),
-                lots_interval: if self.has_lots { ends(1) } else { [0.0, 0.0] },
-                lots_alike: self.has_lots.then(|| alone.lots_alike()),
-                measurement: scale[place] * (errors.iter().sum::<f64>() / errors.len() as f64).sqrt(),
-            }
-        };
-        (0..scale.len()).into_par_iter().map(of).collect()
-    }
-
-    /// The 90 % interval of a variance of the only coefficient: that between units (0) or between lots (1).
-    fn interval(&self, likeliest: &Covariances, variance: usize) -> [f64; 2] {
-        let best = self.step(likeliest).deviance;
-        let rise = |value: f64| {
-            let mut there = likeliest.clone();
-            let place = if variance == 0 { &mut there.units } else { &mut there.lots };
-            place[(0, 0)] = value;
-            self.step(&there).deviance - best - RISE
-        };
-        let at = if variance == 0 { likeliest.units[(0, 0)] } else { likeliest.lots[(0, 0)] };
-        let crossing = |mut inside: f64, mut outside: f64| {
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (inside + outside);
-                *(if rise(middle) > 0.0 { &mut outside } else { &mut inside }) = middle;
-            }
-            inside
-        };
-        let low = if rise(0.0) > 0.0 { crossing(at, 0.0) } else { 0.0 };
-        // scaled coefficients vary by about 1
-        let mut far = at.max(1e-3);
-        for _ in 0..DOUBLINGS {
-            if rise(far) > 0.0 {
-                break;
-            }
-            far *= 2.0;
-        }
-        [low, crossing(at, far)]
-    }
-}
-
-/// How often a χ² of so many degrees of freedom is larger.
-pub(crate) fn tail(freedom: usize, value: f64) -> f64 {
-    ChiSquared::new(freedom as f64).map_or(1.0, |distribution| distribution.sf(value))
 }
 
 impl Covariances {
@@ -480,18 +552,24 @@ impl Covariances {
     }
 }
 
-/// The size of each coefficient: about what its values scatter by, so that all are near 1.
+/// The size of each coefficient: about what its values scatter by, and no less than their errors, so that all are near 1 where values are equal too.
 fn scales(members: &[Member<'_>], names: &[String]) -> Vec<f64> {
-    let scale = |name: &String| {
-        let values: Vec<f64> = members
-            .iter()
-            .filter_map(|member| Some(member.estimate.values[member.estimate.place(name)?]))
-            .collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
-        if variance > 0.0 { variance.sqrt() } else { mean.abs().max(f64::MIN_POSITIVE) }
+    let scale = |known: Vec<(usize, Value)>| {
+        let n = known.len() as f64;
+        let mean = known.iter().map(|(_, value)| value.value).sum::<f64>() / n;
+        let square =
+            known.iter().map(|(_, value)| (value.value - mean).powi(2) + value.error).sum::<f64>() / n;
+        if square > 0.0 { square.sqrt() } else { 1.0 }
     };
-    names.iter().map(scale).collect()
+    values_of(members, names).into_iter().map(scale).collect()
+}
+
+fn scaled(values: &[f64], scale: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(scale.len(), values.iter().zip(scale).map(|(value, scale)| value / scale))
+}
+
+fn scaled_matrix(rows: &[Vec<f64>], scale: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(scale.len(), scale.len(), |row, column| rows[row][column] / (scale[row] * scale[column]))
 }
 
 fn nested(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {

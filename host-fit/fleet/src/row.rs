@@ -5,6 +5,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use fos_core::{StillnessLimits, Transform};
+use fos_data::catch_panic::catch_panic;
 use fos_data::column::Triad;
 use fos_data::recording::{LoadOptions, Recording, Source, load};
 use fos_data::stillness;
@@ -126,7 +127,8 @@ impl UnitRow {
     }
 }
 
-/// The row of a unit. It cannot fail: what went wrong is in it. Of several logs one that cannot be read is left out, and the row says so.
+/// The row of a unit. It cannot fail: what went wrong is in it, a panic on the numbers of a log too, so that one log never ends a fleet.
+/// Of several logs one that cannot be read is left out, and the row says so.
 pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
     row_of(unit, unit.logs.iter().map(|log| load(log, &asked.read)), asked, library, program)
 }
@@ -150,25 +152,50 @@ pub fn row_of<E: Display>(
         axes: Vec::new(),
         failed: Vec::new(),
     };
-    let mut logs = Vec::new();
-    for log in read {
-        match log {
-            Ok(log) => logs.push(log),
-            Err(error) => row.failed.push(error.to_string()),
+    let mut logs: Vec<Recording> = Vec::new();
+    let mut read = read.into_iter();
+    loop {
+        match catch_panic(|| read.next()) {
+            Ok(None) => break,
+            Ok(Some(Ok(log))) => match logs.iter().find(|other| is_same(other, &log)) {
+                Some(other) => row.failed.push(format!(
+                    "{} is the same log as {}: counted once\nhelp: give each log of a unit once",
+                    path_of(&log),
+                    path_of(other)
+                )),
+                None => logs.push(log),
+            },
+            Ok(Some(Err(error))) => row.failed.push(error.to_string()),
+            Err(panic) => row.failed.push(unusable("read", &panic)),
         }
     }
     if !logs.is_empty() {
-        match Recording::join(logs) {
-            Ok(joined) => fill(&mut row, &joined, asked, library),
-            Err(error) => row.failed.push(error.to_string()),
+        match catch_panic(|| Recording::join(logs)) {
+            Ok(Ok(joined)) => fill(&mut row, &joined, asked, library),
+            Ok(Err(error)) => row.failed.push(error.to_string()),
+            Err(panic) => row.failed.push(unusable("joined", &panic)),
         }
     }
     row
 }
 
-/// The digest of the only source, or that of all digests.
+fn unusable(what: &str, panic: &str) -> String {
+    format!("the log cannot be {what}: {panic}\nhelp: this is a defect of the program; report it with the log, the other logs are not affected")
+}
+
+fn is_same(one: &Recording, other: &Recording) -> bool {
+    let digest = digest_of(&one.sources);
+    !digest.is_empty() && digest == digest_of(&other.sources)
+}
+
+fn path_of(log: &Recording) -> String {
+    log.sources.first().map_or_else(String::new, |source| source.path.clone())
+}
+
+/// The digest of the only source, or that of all digests. Empty of data that never were a file.
 fn digest_of(sources: &[Source]) -> String {
     match sources {
+        several if several.iter().any(|source| source.sha256.is_empty()) => String::new(),
         [only] => only.sha256.clone(),
         several => {
             let mut digest = Sha256::new();
@@ -180,37 +207,51 @@ fn digest_of(sources: &[Source]) -> String {
 
 fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Library) {
     row.sha256 = digest_of(&recording.sources);
-    row.log = Some(LogSummary {
-        rows: recording.n_rows(),
-        seconds: recording.duration_s(),
-        rate_hz: recording.rate.true_hz,
-        temperature_c: recording.channel("temp_c").ok().and_then(|channel| range(&channel.values)),
-        inputs: ranges(recording, &asked.regressors),
-        stillness: stillness::limits(recording, &(0..recording.n_rows())),
-        corrected_by: [Triad::Accelerometers, Triad::Gyros]
-            .into_iter()
-            .find_map(|triad| recording.provenance(triad).corrected_by().map(str::to_owned)),
-    });
+    match catch_panic(|| summary_of(recording, asked)) {
+        Ok(summary) => row.log = Some(summary),
+        Err(panic) => row.failed.push(unusable("summarised", &panic)),
+    }
     let axes = match recording.axes() {
         Ok(axes) => axes,
         Err(error) => return row.failed.push(error.to_string()),
     };
     for column in &axes {
-        let found = estimate(recording, column, &asked.regressors, None)
-            .map_err(|error: EstimateError| error.to_string());
-        let diagnosis = match asked.diagnosed && found.is_ok() {
-            true => diagnosed(recording, column, library).map(Some),
-            false => Ok(None),
-        };
-        match (found, diagnosis) {
-            (Ok(estimate), Ok(diagnosis)) => row.axes.push(AxisRow { estimate, diagnosis }),
-            (Err(reason), _) | (_, Err(reason)) => {
-                if !row.failed.contains(&reason) {
-                    row.failed.push(reason);
-                }
-            }
+        let axis = catch_panic(|| axis_of(recording, column, asked, library))
+            .unwrap_or_else(|panic| Err(unusable("estimated", &panic)));
+        match axis {
+            Ok(axis) => row.axes.push(axis),
+            Err(reason) if !row.failed.contains(&reason) => row.failed.push(reason),
+            Err(_) => {}
         }
     }
+}
+
+fn summary_of(recording: &Recording, asked: &Asked) -> LogSummary {
+    let stillness = stillness::limits(recording, &(0..recording.n_rows()));
+    LogSummary {
+        rows: recording.n_rows(),
+        seconds: recording.duration_s(),
+        rate_hz: recording.rate.true_hz,
+        temperature_c: recording.channel("temp_c").ok().and_then(|channel| range(&channel.values)),
+        inputs: ranges(recording, &asked.regressors),
+        stillness: stillness.filter(|limits| {
+            let values = [limits.accel_variance, limits.gyro_variance, limits.gyro_deviation];
+            values.iter().chain(&limits.gyro_at_rest).all(|value| value.is_finite())
+        }),
+        corrected_by: [Triad::Accelerometers, Triad::Gyros]
+            .into_iter()
+            .find_map(|triad| recording.provenance(triad).corrected_by().map(str::to_owned)),
+    }
+}
+
+fn axis_of(recording: &Recording, column: &str, asked: &Asked, library: &Library) -> Result<AxisRow, String> {
+    let estimate = estimate(recording, column, &asked.regressors, None)
+        .map_err(|error: EstimateError| error.to_string())?;
+    if !estimate.is_whole() {
+        return Err(format!("{column}: its coefficients are not finite\nhelp: check the log for values that are far too large"));
+    }
+    let diagnosis = asked.diagnosed.then(|| diagnosed(recording, column, library)).transpose()?;
+    Ok(AxisRow { estimate, diagnosis })
 }
 
 /// Lowest and highest; none of nothing.

@@ -202,12 +202,16 @@ class Lot:
         units: How many.
         mean: Of each coefficient, SI, shape `(n,)`.
         covariance: Of the mean, shape `(n, n)`.
+        mean_interval: 90 % of each mean, by Student's t.
+        unit_interval: Of each coefficient, where nine of ten units of the lot lie.
     """
 
     name: str
     units: int
     mean: Values
     covariance: Matrix
+    mean_interval: tuple[tuple[float, float], ...]
+    unit_interval: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -219,6 +223,8 @@ class Population:
         units: How many units.
         mean: Of the part, shape `(n,)`.
         mean_covariance: Of that mean, shape `(n, n)`.
+        mean_interval: 90 % of each mean, by Student's t.
+        unit_interval: Of each coefficient, where nine of ten units of a lot that is not known lie.
         between_lots: Covariance between lots, shape `(n, n)`.
         between_units: Covariance between units of a lot, shape `(n, n)`.
         scatter: Of each coefficient.
@@ -229,6 +235,8 @@ class Population:
     units: int
     mean: Values
     mean_covariance: Matrix
+    mean_interval: tuple[tuple[float, float], ...]
+    unit_interval: tuple[tuple[float, float], ...]
     between_lots: Matrix
     between_units: Matrix
     scatter: tuple[Scatter, ...]
@@ -276,18 +284,18 @@ class Distance:
     """How far a unit is from its population.
 
     Attributes:
-        squared: In standard deviations of what a unit may be and its log may err (Mahalanobis).
-        coefficients: That it is of.
-        p_value: How often a unit that belongs would be further away.
-        most: The coefficient that is furthest by itself.
-        by: So many standard deviations.
+        coefficients: Coefficients that were compared.
+        p_value: Probability that a unit that belongs is further away in any of them.
+        most: The coefficient that is least probable by itself.
+        by: Its deviation from the population without this unit, in standard deviations: Student's t.
+        freedom: Degrees of freedom of that t.
     """
 
-    squared: float
     coefficients: int
     p_value: float
     most: str
     by: float
+    freedom: float
 
 
 @dataclass(frozen=True)
@@ -299,7 +307,7 @@ class OddUnit:
         lot: Its lot.
         column: The axis that shows it best.
         distance: How far it is there.
-        p_value: How often a unit that belongs would be so far in any axis.
+        p_value: Probability that a unit that belongs is so far in any axis.
     """
 
     unit: str
@@ -311,11 +319,29 @@ class OddUnit:
 
 @dataclass(frozen=True)
 class PartSummary:
-    """A part: its axes, and its units that do not belong, the furthest first."""
+    """A part.
+
+    Attributes:
+        part: Its name.
+        axes: Its axes.
+        odd: Its units that do not belong, the furthest first.
+        units_needed: So many units are needed to find an odd one, and there are fewer: that none is odd is not conclusive. None: there
+            are enough.
+    """
 
     part: str
     axes: tuple[AxisSummary, ...]
     odd: tuple[OddUnit, ...]
+    units_needed: int | None = None
+
+
+@dataclass(frozen=True)
+class DuplicateUnit:
+    """A unit whose log is that of another one, bit by bit; it counts once."""
+
+    part: str
+    unit: str
+    same_as: str
 
 
 @dataclass(frozen=True)
@@ -334,12 +360,14 @@ class Fleet:
         units: Units that were asked.
         parts: Each part, by name.
         failed: Units of which something could not be told.
+        duplicates: Units whose log is that of another one of their part.
     """
 
     units: int
     parts: tuple[PartSummary, ...]
     failed: tuple[FailedUnit, ...]
     _found: _engine.Fleet = field(repr=False, compare=False)
+    duplicates: tuple[DuplicateUnit, ...] = ()
 
     def save(self, path: Path, *, rows: Rows | None = None) -> None:
         """Writes it as `host-fit fleet -o` does, byte for byte of the same rows; whole or not at all.
@@ -360,6 +388,12 @@ class Fleet:
         import pandas
 
         return pandas.DataFrame(self._table(), columns=[*_COLUMNS])
+
+    def _about_odd(self, some: bool) -> str:
+        if some:
+            return "units that do not belong"
+        needed = max((part.units_needed or 0 for part in self.parts), default=0)
+        return f"odd units: not conclusive; at least {needed} units are needed" if needed else "no unit is unlike the others"
 
     def _table(self) -> list[tuple[Any, ...]]:
         return [
@@ -397,7 +431,8 @@ class Fleet:
         return _html.card(
             f"{self.units} units, {len(self.failed)} of them with something that could not be told",
             _html.table(_COLUMNS, rows),
-            _html.paragraph("units that do not belong" if odd else "no unit is unlike the others"),
+            *(_html.paragraph(f"{one.same_as} and {one.unit} are the same log: counted once") for one in self.duplicates),
+            _html.paragraph(self._about_odd(bool(odd))),
             _html.table(("unit", "lot", "axis", "by", "standard deviations", "p"), odd) if odd else "",
             *(_html.paragraph(reason, _html.BAD) for reason in reasons),
         )

@@ -71,6 +71,9 @@ impl Make {
                 print_warning(&format!("{}: {reason}", failed.unit));
             }
         }
+        for duplicate in &fleet.duplicates {
+            print_warning(&duplicate.to_string());
+        }
         if self.json {
             return print_json(&fleet);
         }
@@ -107,7 +110,7 @@ fn print_part(part: &PartSummary) {
     }
     print_line!("{of_axes}");
     print_line!(
-        "standard deviations with their 90 % intervals; lots alike: how often lots that do not differ would look so different"
+        "mean and standard deviations with their 90 % intervals; lots alike: probability that lots that do not differ look so different"
     );
     for axis in part.axes.iter().filter(|axis| !axis.effects.is_empty()) {
         let mut shares = table(&["axis", "effect", "units that have it", "mean fall of the error"]);
@@ -122,11 +125,17 @@ fn print_part(part: &PartSummary) {
         }
         print_line!("\n{shares}");
     }
+    if let Some(sentence) = part.not_conclusive() {
+        print_line!("\nodd units: {sentence}");
+    }
     if part.odd.is_empty() {
-        print_line!("\nno unit is unlike the others\n");
+        if part.units_needed.is_none() {
+            print_line!("\nno unit is unlike the others");
+        }
+        print_line!("");
         return;
     }
-    print_line!("\nunits that do not belong (of these at most {:.0} % do, in the mean):", 100.0 * FALSE_ODD);
+    print_line!("\nunits that do not belong (on average at most {:.0} % of these do):", 100.0 * FALSE_ODD);
     let mut odd = table(&["unit", "lot", "axis", "by", "standard deviations", "p"]);
     for unit in &part.odd {
         odd.add_row(vec![
@@ -151,7 +160,7 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary) {
     for (place, (name, scatter)) in population.names.iter().zip(&population.scatter).enumerate() {
         let told = |value: f64| number(value / unit.si);
         let [low, high] = scatter.units_interval.map(told);
-        let error = population.mean_covariance[place][place].sqrt();
+        let [mean_low, mean_high] = population.mean_interval(place).map(told);
         let between_lots = match scatter.lots_alike {
             Some(_) => told(scatter.lots),
             None => "–".to_owned(),
@@ -161,7 +170,7 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary) {
             name.clone(),
             if name == BIAS { unit.to_string() } else { format!("{unit} per {name}") },
             population.units.to_string(),
-            format!("{} ± {}", told(population.mean[place]), told(1.645 * error)),
+            format!("{} ({mean_low} to {mean_high})", told(population.mean[place])),
             format!("{} ({low} to {high})", told(scatter.units)),
             between_lots,
             scatter.lots_alike.map_or_else(|| "–".to_owned(), |p| format!("{p:.3}")),

@@ -94,10 +94,8 @@ impl CoefficientReport {
         let (unit, si) = unit_of(column, name);
         let scatter = &population.scatter[place];
         let told = |value: f64| value / si;
-        let deviation = |matrix: &[Vec<f64>]| told(matrix[place][place].max(0.0).sqrt());
-        let about = |value: f64, deviation: f64| [value - NINETY * deviation, value + NINETY * deviation];
         let mean = told(population.mean[place]);
-        let mean_interval = about(mean, deviation(&population.mean_covariance));
+        let mean_interval = population.mean_interval(place).map(told);
         let (units, lots, error) = (told(scatter.units), told(scatter.lots), told(scatter.measurement));
         let variances = [lots, units, error].map(|deviation| deviation * deviation);
         let whole: f64 = variances.iter().sum();
@@ -107,7 +105,7 @@ impl CoefficientReport {
         let has_lots = scatter.lots_alike.is_some();
         let lot_means = named.iter().map(|lot| {
             let mean = told(lot.mean[place]);
-            LotMean { name: lot.name.clone(), mean, interval: about(mean, deviation(&lot.covariance)) }
+            LotMean { name: lot.name.clone(), mean, interval: lot.mean_interval(place).map(told) }
         });
         let lot_means: Vec<LotMean> = if has_lots { lot_means.collect() } else { Vec::new() };
 

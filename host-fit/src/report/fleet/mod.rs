@@ -59,6 +59,8 @@ pub struct PartReport {
     pub axes: Vec<AxisReport>,
     /// Units that do not belong, the furthest first.
     pub odd: Vec<OddReport>,
+    /// Why that there is no other odd unit is not conclusive; none where it is.
+    pub not_conclusive: Option<String>,
 }
 
 /// An axis of a part.
@@ -83,7 +85,11 @@ impl FleetReport {
         let mut parts: Vec<PartReport> = fleet
             .parts
             .iter()
-            .map(|part| PartReport::of(part, rows.iter().filter(|row| row.part == part.part).collect()))
+            .map(|part| {
+                let duplicates = fleet.duplicates.iter().filter(|duplicate| duplicate.part == part.part);
+                let rows = rows.iter().filter(|row| row.part == part.part);
+                PartReport::of(part, rows.collect(), duplicates.map(ToString::to_string).collect())
+            })
             .collect();
         parts.sort_by(|a, b| a.part.cmp(&b.part));
         Self {
@@ -97,12 +103,13 @@ impl FleetReport {
 }
 
 impl PartReport {
-    fn of(part: &PartSummary, rows: Vec<&UnitRow>) -> Self {
+    fn of(part: &PartSummary, rows: Vec<&UnitRow>, duplicates: Vec<String>) -> Self {
         let axes: Vec<AxisReport> = part.axes.iter().map(|axis| AxisReport::of(axis, &rows, part)).collect();
         let read = UnitsRead::of(&rows);
         Self {
             part: part.part.clone(),
-            cautions: cautions(&read, &axes, part.odd.len()),
+            cautions: duplicates.into_iter().chain(cautions(&read, &axes, part.odd.len())).collect(),
+            not_conclusive: part.not_conclusive(),
             variance: variance(&axes),
             odd: part.odd.iter().map(|odd| OddReport::of(odd, part, &rows)).collect(),
             axes,

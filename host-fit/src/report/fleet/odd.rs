@@ -18,9 +18,9 @@ pub struct OddReport {
     pub label: String,
     /// The coefficient that is furthest there.
     pub coefficient: String,
-    /// By how many standard deviations of what a unit may be and its log may err.
+    /// Its deviation from the population without it, in standard deviations: Student's t.
     pub by: f64,
-    /// How often a unit that belongs would be so far in any of its axes.
+    /// Probability that a unit that belongs is so far in any of its axes.
     pub p_value: f64,
     /// The unit of the numbers below.
     pub unit_of_size: String,
@@ -46,9 +46,7 @@ impl OddReport {
         let population = part.axes.iter().find(|axis| axis.column == odd.column);
         let expected = population.and_then(|axis| axis.population.as_ref()).and_then(|population| {
             let place = population.names.iter().position(|other| other == name)?;
-            let (mean, covariance) = population.prior(odd.lot.as_deref());
-            let half = NINETY * covariance[place][place].max(0.0).sqrt();
-            Some([mean[place] - half, mean[place] + half].map(|value| value / si))
+            Some(population.unit_interval(odd.lot.as_deref(), place).map(|value| value / si))
         });
         Self {
             unit: odd.unit.clone(),

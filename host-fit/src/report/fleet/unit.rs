@@ -76,6 +76,10 @@ impl UnitReport {
     }
 }
 
+fn middle_and_half([low, high]: [f64; 2]) -> [f64; 2] {
+    [0.5 * (low + high), 0.5 * (high - low)]
+}
+
 impl UnitAxis {
     fn of(row: &UnitRow, axis: &AxisSummary, is_odd: bool) -> Option<Self> {
         let population = axis.population.as_ref()?;
@@ -92,7 +96,7 @@ impl UnitAxis {
                 name: name.clone(),
                 unit,
                 own: told.map(|(value, variance)| with_half(value, variance)),
-                expected: with_half(mean[place], prior[place][place]),
+                expected: middle_and_half(population.unit_interval(lot, place).map(|end| end / si)),
                 together: with_half(together.values[place], together.covariance[place][place]),
                 by: told
                     .map(|(value, variance)| (value - mean[place]) / (variance + prior[place][place]).sqrt())

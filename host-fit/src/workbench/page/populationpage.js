@@ -109,7 +109,7 @@ export class PopulationPage {
           "div",
           { class: "card" },
           part.odd.length === 0
-            ? el("p", {}, "No unit is unlike the others.")
+            ? el("p", {}, part.not_conclusive ?? "No unit is unlike the others.")
             : table(
                 title("odd units"),
                 ["unit", "lot", "axis", "most in", "off by, standard deviations", "its log says", "nine of ten of its lot", "p"],

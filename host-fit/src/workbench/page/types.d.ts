@@ -741,9 +741,9 @@ lot: string | null,
 label: string,
 /** The coefficient that is furthest there. */
 coefficient: string,
-/** By how many standard deviations of what a unit may be and its log may err. */
+/** Its deviation from the population without it, in standard deviations: Student's t. */
 by: number,
-/** How often a unit that belongs would be so far in any of its axes. */
+/** Probability that a unit that belongs is so far in any of its axes. */
 p_value: number,
 /** The unit of the numbers below. */
 unit_of_size: string,
@@ -809,7 +809,9 @@ variance: Figure | null,
 /** Its axes. */
 axes: Array<AxisReport>,
 /** Units that do not belong, the furthest first. */
-odd: Array<OddReport>, };
+odd: Array<OddReport>,
+/** Why that there is no other odd unit is not conclusive; none where it is. */
+not_conclusive: string | null, };
 
 /** A term of the physical part. */
 export type PhysicalTerm = {
