@@ -189,6 +189,49 @@ fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
     assert!(page.contains("Unit by unit") && page.contains("none named"));
 }
 
+/// Whatever a fleet is, what is written of it is shown: equal values, no errors, one to three devices, one log under several names.
+#[test]
+fn degenerate_fleets_are_shown_without_a_number_missing() {
+    let change = |units: usize, change: &dyn Fn(usize, &mut UnitRow)| {
+        let mut rows: Vec<UnitRow> = rows("", 1).into_iter().take(units).collect();
+        rows.iter_mut().enumerate().for_each(|(place, row)| change(place, row));
+        rows
+    };
+    let equal = |row: &mut UnitRow, with_errors: bool| {
+        for axis in &mut row.axes {
+            let estimate = &mut axis.estimate.coefficients;
+            estimate.values.fill(2e-3);
+            if !with_errors {
+                estimate.covariance.iter_mut().for_each(|row| row.fill(0.0));
+            }
+        }
+    };
+    for (what, rows, said) in [
+        ("equal values", change(6, &|_, row| equal(row, true)), "Not conclusive: "),
+        ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
+        ("one device", change(1, &|_, _| {}), "no axis has a population"),
+        ("two devices", change(2, &|_, _| {}), "no axis has a population"),
+        ("three devices", change(3, &|_, _| {}), "Not conclusive: 3 devices"),
+        (
+            "a device of each lot",
+            change(4, &|place, row| row.lot = Some(place.to_string())),
+            "Not conclusive: 4 ",
+        ),
+        (
+            "one log",
+            change(8, &|place, row| row.sha256 = if place < 5 { "a".to_owned() } else { place.to_string() }),
+            "4 is the same log as 0: counted once.",
+        ),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &rows);
+        done(folder.path(), &["fleet", "report", "population.json"]);
+        let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
+        assert!(page.contains(said), "{what}: {said}");
+        assert!(!page.contains("NaN") && !page.contains(">inf"), "{what}");
+    }
+}
+
 #[test]
 fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -225,7 +268,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     for (instead, what) in [
         (nan.as_str(), ":3: "),
         (&nan.replace("[null,0.1]", "[1e999,0.1]"), ":3: "),
-        (&nan.replace("[null,0.1]", "[0.1]"), ":3: no row of a unit: gx_rads: not every coefficient"),
+        (&nan.replace("[null,0.1]", "[0.1]"), ":3: no row of a unit: gx_rads: a number is missing"),
         (&third[..third.len() / 2], ":3: "),
         ("{}", ":3: "),
     ] {
@@ -237,7 +280,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     let mut wrong: Value = serde_json::from_str(&whole).expect("JSON");
     wrong["parts"][0]["axes"][0]["population"]["mean"] = json!([1.0]);
     for (instead, what) in [
-        (wrong.to_string(), "gx_rads: not every coefficient"),
+        (wrong.to_string(), "gx_rads: a number is missing"),
         (whole.replace("fos-population/1", "fos-population/9"), "fos-population/9"),
         ("{".to_owned(), "no population"),
     ] {

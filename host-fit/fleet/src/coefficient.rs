@@ -164,10 +164,7 @@ impl Totals {
             mean,
             precision: omega,
             loss: [u2, omega2],
-            score: [
-                0.5 * (square_b - trace + u2 / omega),
-                0.5 * (square_a - omega + omega2 / omega),
-            ],
+            score: [0.5 * (square_b - trace + u2 / omega), 0.5 * (square_a - omega + omega2 / omega)],
             information: [
                 0.5 * (trace2 - 2.0 * uvu / omega + (u2 / omega).powi(2)),
                 0.5 * (u2 - 2.0 * u2_omega / omega + omega2 * u2 / (omega * omega)),
@@ -232,8 +229,8 @@ impl Coefficient {
     fn scaled(mut values: Vec<Value>, lots: usize) -> Self {
         let mut of_lots = vec![0_usize; lots];
         values.iter().for_each(|value| of_lots[value.lot] += 1);
-        let has_lots = of_lots.iter().filter(|units| **units > 0).count() > 1
-            && of_lots.iter().any(|units| *units > 1);
+        let has_lots =
+            of_lots.iter().filter(|units| **units > 0).count() > 1 && of_lots.iter().any(|units| *units > 1);
         if !has_lots {
             values.iter_mut().for_each(|value| value.lot = 0);
         }
@@ -462,7 +459,9 @@ impl Coefficient {
         let mean_square = within(units) / freedom;
         let filled = sums.iter().filter(|lot| lot.w[0] > 0.0);
         Some(Between {
-            means: filled.map(|lot| [lot.x[0] / lot.w[0], (mean_square / lot.w[0]).max(LEAST_ERROR)]).collect(),
+            means: filled
+                .map(|lot| [lot.x[0] / lot.w[0], (mean_square / lot.w[0]).max(LEAST_ERROR)])
+                .collect(),
             freedoms: [n_lots as f64 - 1.0, freedom],
         })
     }
@@ -478,7 +477,8 @@ struct Between {
 impl Between {
     /// Weighted sum of squares about the weighted mean, at a variance between lots and a multiple of their errors.
     fn squares(&self, lots: f64, error: f64) -> f64 {
-        let weights = || self.means.iter().map(move |[mean, variance]| (mean, 1.0 / (lots + error * variance)));
+        let weights =
+            || self.means.iter().map(move |[mean, variance]| (mean, 1.0 / (lots + error * variance)));
         let whole: f64 = weights().map(|(_, weight)| weight).sum();
         let mean = weights().map(|(mean, weight)| weight * mean).sum::<f64>() / whole;
         weights().map(|(of_lot, weight)| weight * (of_lot - mean).powi(2)).sum()
@@ -486,7 +486,9 @@ impl Between {
 
     /// Its mean, if lots do not differ.
     fn expected(&self, lots: f64, error: f64) -> f64 {
-        let weights = || self.means.iter().map(move |[_, variance]| (error * variance, 1.0 / (lots + error * variance)));
+        let weights = || {
+            self.means.iter().map(move |[_, variance]| (error * variance, 1.0 / (lots + error * variance)))
+        };
         let whole: f64 = weights().map(|(_, weight)| weight).sum();
         let squares: f64 = weights().map(|(variance, weight)| weight * weight * variance).sum();
         weights().map(|(variance, weight)| weight * variance).sum::<f64>() - squares / whole
@@ -549,7 +551,9 @@ mod tests {
     #[test]
     fn taking_a_device_out_of_a_fit_comes_to_what_fitting_without_it_does() {
         let all = Coefficient::of(values(), 3);
-        for model in [all.apart(), all, Coefficient::of(values().iter().map(|v| Value { lot: 0, ..*v }).collect(), 1)] {
+        for model in
+            [all.apart(), all, Coefficient::of(values().iter().map(|v| Value { lot: 0, ..*v }).collect(), 1)]
+        {
             let [fitted, _] = model.deviations_by_itself(&[], usize::MAX);
             let [taken_out, _] = model.deviations_by_itself(&[], 0);
             for (fitted, taken_out) in fitted.iter().flatten().zip(taken_out.iter().flatten()) {
@@ -567,7 +571,10 @@ mod tests {
         let last = found[4].expect("compared");
         // of the other four: mean 1.75, variance 4.25/3
         let expected = (7.0 - 1.75) / (4.25 / 3.0 * 1.25_f64).sqrt();
-        assert!((last.by - expected).abs() < 1e-4 && (last.freedom - 3.0).abs() < 1e-4, "{last:?} {expected}");
+        assert!(
+            (last.by - expected).abs() < 1e-4 && (last.freedom - 3.0).abs() < 1e-4,
+            "{last:?} {expected}"
+        );
     }
 
     #[test]
@@ -582,7 +589,11 @@ mod tests {
             (deviance(at.units, at.lots + step) - deviance(at.units, at.lots - step)) / (2.0 * step),
         ];
         for (slope, score) in slopes.iter().zip(likelihood.score) {
-            assert!((slope + 2.0 * score).abs() < 1e-5 * score.abs().max(1.0), "{slopes:?} {:?}", likelihood.score);
+            assert!(
+                (slope + 2.0 * score).abs() < 1e-5 * score.abs().max(1.0),
+                "{slopes:?} {:?}",
+                likelihood.score
+            );
         }
         let [bb, ba, aa] = likelihood.information;
         assert!(bb > 0.0 && aa > 0.0 && ba * ba < bb * aa, "{:?}", likelihood.information);

@@ -140,10 +140,10 @@ impl PartSummary {
     pub fn not_conclusive(&self) -> Option<String> {
         let needed = self.units_needed?;
         let populations = self.axes.iter().filter_map(|axis| axis.population.as_ref());
-        let devices = populations.map(|population| population.units).max().map_or_else(
-            || "no axis has a population".to_owned(),
-            |devices| format!("{devices} devices"),
-        );
+        let devices = populations
+            .map(|population| population.units)
+            .max()
+            .map_or_else(|| "no axis has a population".to_owned(), |devices| format!("{devices} devices"));
         Some(format!(
             "Not conclusive: {devices}; to find one that is {FAR} standard deviations off, at least {needed} are needed, and lots of several devices each."
         ))
@@ -318,17 +318,15 @@ impl Fleet {
                 // a last line that was cut off does not count
                 Err(_) if index + 1 == lines.len() => {}
                 Err(error) => return Err(wrong(error.to_string())),
-                Ok(Kept { row, .. }) => {
-                    match row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
-                        Some(axis) => {
-                            return Err(wrong(format!(
-                                "{}: a number is missing or not finite",
-                                axis.estimate.column
-                            )));
-                        }
-                        None => rows.push(row),
+                Ok(Kept { row, .. }) => match row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
+                    Some(axis) => {
+                        return Err(wrong(format!(
+                            "{}: a number is missing or not finite",
+                            axis.estimate.column
+                        )));
                     }
-                }
+                    None => rows.push(row),
+                },
             }
         }
         if digest_of(&Gathered::of(&rows).sorted()) != fleet.rows_sha256 {
@@ -501,8 +499,7 @@ fn judged_axis<'a>(
     asked: &Asked,
     library: &Library,
 ) -> JudgedAxis<'a> {
-    let of_units =
-        units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
+    let of_units = units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
     // a number that is not finite says nothing
     let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_finite()).collect();
     let members: Vec<Member<'_>> = of_units

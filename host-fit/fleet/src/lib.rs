@@ -16,8 +16,8 @@ mod tails;
 
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
 pub use fleet::{
-    AxisSummary, DuplicateUnit, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary, SCHEMA, rows,
-    rows_beside,
+    AxisSummary, DuplicateUnit, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary,
+    SCHEMA, rows, rows_beside,
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use gathered::{Gathered, GatheredError};

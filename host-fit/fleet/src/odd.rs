@@ -79,8 +79,12 @@ pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, Populat
         }
         left_out = now;
     };
-    let inside: Vec<Member<'_>> =
-        members.iter().zip(&left_out).filter(|(_, left_out)| !**left_out).map(|(member, _)| *member).collect();
+    let inside: Vec<Member<'_>> = members
+        .iter()
+        .zip(&left_out)
+        .filter(|(_, left_out)| !**left_out)
+        .map(|(member, _)| *member)
+        .collect();
     let if_far = |found: &Vec<(usize, Deviation)>| -> Vec<f64> {
         let coefficients = found.len() as f64;
         let p_value = |deviation: &Deviation| t_tail(deviation.freedom, FAR * deviation.share) * coefficients;
@@ -126,7 +130,8 @@ pub fn devices_needed(tests: usize, rate: f64) -> usize {
 /// Those that were compared and are significant.
 fn significant(distances: &[Distance], rate: f64) -> Vec<bool> {
     let tested = || distances.iter().filter(|distance| distance.coefficients > 0);
-    let mut found = discoveries(&tested().map(|distance| distance.p_value).collect::<Vec<_>>(), rate).into_iter();
+    let mut found =
+        discoveries(&tested().map(|distance| distance.p_value).collect::<Vec<_>>(), rate).into_iter();
     distances.iter().map(|distance| distance.coefficients > 0 && found.next().unwrap_or(false)).collect()
 }
 
@@ -139,10 +144,12 @@ fn deviations(
     let mut found = vec![Vec::new(); left_out.len()];
     for (place, known) in values.iter().enumerate() {
         let (outside, inside): (Vec<_>, Vec<_>) = known.iter().partition(|(member, _)| left_out[*member]);
-        let only_values = |known: &[(usize, Value)]| known.iter().map(|(_, value)| *value).collect::<Vec<_>>();
+        let only_values =
+            |known: &[(usize, Value)]| known.iter().map(|(_, value)| *value).collect::<Vec<_>>();
         let [of_members, of_others] =
             Coefficient::of(only_values(&inside), lots).deviations(&only_values(&outside));
-        for ((member, _), deviation) in inside.iter().chain(&outside).zip(of_members.iter().chain(&of_others)) {
+        for ((member, _), deviation) in inside.iter().chain(&outside).zip(of_members.iter().chain(&of_others))
+        {
             found[*member].extend(deviation.map(|deviation| (place, deviation)));
         }
     }

@@ -169,7 +169,9 @@ impl Population {
         let grouped = Grouped::of(members, names, &scale);
         let alone: Vec<Coefficient> = values_of(members, names)
             .into_iter()
-            .map(|known| Coefficient::of(known.into_iter().map(|(_, value)| value).collect(), grouped.lots.len()))
+            .map(|known| {
+                Coefficient::of(known.into_iter().map(|(_, value)| value).collect(), grouped.lots.len())
+            })
             .collect();
         let by_itself: Vec<Variances> = alone.par_iter().map(Coefficient::variances).collect();
         let (covariances, last) = grouped.likeliest(&by_itself, &scale);
@@ -217,7 +219,8 @@ impl Population {
         };
         let scatter = |scatter: &Scatter| {
             let [units, lots] = [scatter.units_interval, scatter.lots_interval];
-            let values = [scatter.units, scatter.lots, scatter.measurement, scatter.lots_alike.unwrap_or(0.0)];
+            let values =
+                [scatter.units, scatter.lots, scatter.measurement, scatter.lots_alike.unwrap_or(0.0)];
             values.iter().chain(&units).chain(&lots).all(|value| value.is_finite())
         };
         n > 0
@@ -437,7 +440,8 @@ impl Grouped {
         // of 0, expectation and maximisation would never come away
         let least = if n == 1 { 0.0 } else { LEAST_START };
         let diagonal = |of: &dyn Fn(&Variances) -> f64| {
-            let start = by_itself.iter().zip(scale).map(|(own, scale)| (of(own) / (scale * scale)).max(least));
+            let start =
+                by_itself.iter().zip(scale).map(|(own, scale)| (of(own) / (scale * scale)).max(least));
             DMatrix::from_diagonal(&DVector::from_iterator(n, start))
         };
         let lots = if self.has_lots { diagonal(&|own| own.lots) } else { DMatrix::zeros(n, n) };

@@ -180,7 +180,9 @@ pub fn row_of<E: Display>(
 }
 
 fn unusable(what: &str, panic: &str) -> String {
-    format!("the log cannot be {what}: {panic}\nhelp: this is a defect of the program; report it with the log, the other logs are not affected")
+    format!(
+        "the log cannot be {what}: {panic}\nhelp: this is a defect of the program; report it with the log, the other logs are not affected"
+    )
 }
 
 fn is_same(one: &Recording, other: &Recording) -> bool {
@@ -248,7 +250,9 @@ fn axis_of(recording: &Recording, column: &str, asked: &Asked, library: &Library
     let estimate = estimate(recording, column, &asked.regressors, None)
         .map_err(|error: EstimateError| error.to_string())?;
     if !estimate.is_whole() {
-        return Err(format!("{column}: its coefficients are not finite\nhelp: check the log for values that are far too large"));
+        return Err(format!(
+            "{column}: its coefficients are not finite\nhelp: check the log for values that are far too large"
+        ));
     }
     let diagnosis = asked.diagnosed.then(|| diagnosed(recording, column, library)).transpose()?;
     Ok(AxisRow { estimate, diagnosis })

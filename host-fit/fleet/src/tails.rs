@@ -30,8 +30,7 @@ pub(crate) fn half_interval(freedom: f64) -> f64 {
 
 /// The value that χ² exceeds with probability `outside`.
 pub(crate) fn chi_squared_quantile(freedom: f64, outside: f64) -> f64 {
-    ChiSquared::new(freedom)
-        .map_or(0.0, |distribution| falls_to(outside, |value| distribution.sf(value)))
+    ChiSquared::new(freedom).map_or(0.0, |distribution| falls_to(outside, |value| distribution.sf(value)))
 }
 
 /// The value that F exceeds with probability `outside`.
@@ -72,7 +71,8 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_printed_tables() {
-        let near = |found: f64, printed: f64| assert!((found / printed - 1.0).abs() < 1e-4, "{found} {printed}");
+        let near =
+            |found: f64, printed: f64| assert!((found / printed - 1.0).abs() < 1e-4, "{found} {printed}");
         near(t_quantile(1.0, 0.1), 6.3138);
         near(t_quantile(3.0, 0.1), 2.3534);
         near(t_quantile(1e6, 0.1), 1.64485);

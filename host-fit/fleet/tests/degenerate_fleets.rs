@@ -48,7 +48,10 @@ fn without_slope(row: &mut UnitRow) {
 fn cases() -> Vec<(String, Vec<UnitRow>)> {
     let same = |_: usize, value: f64| value;
     let mut cases = vec![
-        ("values that are equal".to_owned(), rows(6, |_, row| set(row, |place, _| [2e-3, 1e-4][place], same))),
+        (
+            "values that are equal".to_owned(),
+            rows(6, |_, row| set(row, |place, _| [2e-3, 1e-4][place], same)),
+        ),
         (
             "values that differ in the last bit".to_owned(),
             rows(6, |unit, row| {
@@ -60,8 +63,22 @@ fn cases() -> Vec<(String, Vec<UnitRow>)> {
         ("zeros".to_owned(), rows(6, |_, row| set(row, |_, _| 0.0, |_, _| 0.0))),
         ("errors that dwarf values".to_owned(), rows(6, |_, row| set(row, same, |_, _| 1e12))),
         ("constant temperature".to_owned(), rows(6, |_, row| without_slope(row))),
-        ("a slope of two devices".to_owned(), rows(6, |unit, row| if unit > 1 { without_slope(row) })),
-        ("a slope of three devices".to_owned(), rows(6, |unit, row| if unit > 2 { without_slope(row) })),
+        (
+            "a slope of two devices".to_owned(),
+            rows(6, |unit, row| {
+                if unit > 1 {
+                    without_slope(row)
+                }
+            }),
+        ),
+        (
+            "a slope of three devices".to_owned(),
+            rows(6, |unit, row| {
+                if unit > 2 {
+                    without_slope(row)
+                }
+            }),
+        ),
         ("a device of each lot".to_owned(), rows(5, |unit, row| row.lot = Some(unit.to_string()))),
         ("two lots, one of one".to_owned(), rows(5, |unit, row| row.lot = Some((unit / 4).to_string()))),
         ("no lots".to_owned(), rows(5, |_, row| row.lot = None)),
@@ -72,10 +89,12 @@ fn cases() -> Vec<(String, Vec<UnitRow>)> {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     for case in 0..40 {
         let (units, lots) = (random.random_range(1..9), random.random_range(1..4));
-        let exponents: Vec<[f64; 2]> =
-            (0..units).map(|_| [random.random_range(-40.0..40.0), random.random_range(-60.0..60.0)]).collect();
+        let exponents: Vec<[f64; 2]> = (0..units)
+            .map(|_| [random.random_range(-40.0..40.0), random.random_range(-60.0..60.0)])
+            .collect();
         let of_case = rows(units, |unit, row| {
-            let [value, variance] = exponents[if case % 2 == 0 { unit } else { 0 }].map(|exponent| 10_f64.powf(exponent));
+            let [value, variance] =
+                exponents[if case % 2 == 0 { unit } else { 0 }].map(|exponent| 10_f64.powf(exponent));
             row.lot = Some((unit % lots).to_string());
             set(row, |_, drawn| drawn * value, |_, drawn| drawn * variance);
         });
@@ -100,7 +119,12 @@ fn failures(name: &str, fleet: &Fleet, rows: &[UnitRow], doctor: impl Fn(&str) -
     }
     // where there is nothing to say there may be null; where there are numbers there is none
     let value: Value = serde_json::from_str(&text).expect("JSON");
-    for axis in value["parts"].as_array().expect("parts").iter().flat_map(|part| part["axes"].as_array().expect("axes")) {
+    for axis in value["parts"]
+        .as_array()
+        .expect("parts")
+        .iter()
+        .flat_map(|part| part["axes"].as_array().expect("axes"))
+    {
         let mut population = axis["population"].clone();
         let scatter = population.get_mut("scatter").and_then(Value::as_array_mut);
         for scatter in scatter.into_iter().flatten() {
@@ -143,7 +167,9 @@ fn equal_values_make_a_population_without_scatter_and_no_odd_device() {
     assert!(fleet.parts[0].odd.is_empty() && fleet.duplicates.is_empty());
     for axis in &fleet.parts[0].axes {
         let population = axis.population.as_ref().expect("a population");
-        assert!((population.mean[0] / 2e-3 - 1.0).abs() < 1e-6 && (population.mean[1] / 1e-4 - 1.0).abs() < 1e-6);
+        assert!(
+            (population.mean[0] / 2e-3 - 1.0).abs() < 1e-6 && (population.mean[1] / 1e-4 - 1.0).abs() < 1e-6
+        );
         // errors of the logs are 2e-4 and 1e-4 times up to 2
         assert!(population.scatter[0].units < 1e-4, "{:?}", population.scatter);
         let [low, high] = population.scatter[0].units_interval;

@@ -35,7 +35,8 @@ fn draw(units: usize, coefficients: usize, errors: f64, random: &mut ChaCha8Rng)
             let first = normal(random);
             let second = CORRELATION * first + (1.0 - CORRELATION * CORRELATION).sqrt() * normal(random);
             let off = [first, second];
-            let value = |place: usize, truth: f64| MEAN[place] + UNITS[place] * truth + errors[place] * off[place];
+            let value =
+                |place: usize, truth: f64| MEAN[place] + UNITS[place] * truth + errors[place] * off[place];
             let truth = [normal(random), normal(random)];
             let covariance = |row: usize, column: usize| {
                 errors[row] * errors[column] * if row == column { 1.0 } else { CORRELATION }
@@ -91,13 +92,15 @@ const TAKES_IT_FOR_KNOWN: Rule = Rule {
             }
         }
         let population_of = |left_out: &[bool]| {
-            let inside = members(estimates).into_iter().zip(left_out).filter(|(_, out)| !**out).map(|(one, _)| one);
+            let inside =
+                members(estimates).into_iter().zip(left_out).filter(|(_, out)| !**out).map(|(one, _)| one);
             Population::of(&inside.collect::<Vec<_>>(), names).ok()
         };
         let mut found = None;
         for _ in 0..10 {
             let Some(population) = population_of(&left_out) else { break };
-            let p_values: Vec<f64> = estimates.iter().map(|estimate| chi_squared_2(&population, estimate)).collect();
+            let p_values: Vec<f64> =
+                estimates.iter().map(|estimate| chi_squared_2(&population, estimate)).collect();
             let now: Vec<bool> = p_values.iter().map(|p_value| *p_value < 1e-3).collect();
             found = Some((population, p_values));
             if now == left_out {
@@ -105,7 +108,8 @@ const TAKES_IT_FOR_KNOWN: Rule = Rule {
             }
             left_out = now;
         }
-        let without = || (population_of(&vec![false; estimates.len()]).expect("three"), vec![1.0; estimates.len()]);
+        let without =
+            || (population_of(&vec![false; estimates.len()]).expect("three"), vec![1.0; estimates.len()]);
         found.unwrap_or_else(without)
     },
     mean_interval: |population, place| {
@@ -166,7 +170,8 @@ fn shares(rule: &Rule, units: usize, fleets: Fleets) -> Shares {
                 continue;
             }
             let next = MEAN[place] + UNITS[place] * normal(&mut random);
-            let inside = |[low, high]: [f64; 2], value: f64| f64::from(u8::from(low <= value && value <= high));
+            let inside =
+                |[low, high]: [f64; 2], value: f64| f64::from(u8::from(low <= value && value <= high));
             shares.held[0] += inside((rule.mean_interval)(&population, place), MEAN[place]);
             shares.held[1] += inside((rule.units_interval)(&population, place), UNITS[place]);
             shares.held[2] += inside(population.unit_interval(None, place), next);
@@ -262,7 +267,9 @@ fn no_device_of_small_lots_is_odd_more_often_than_promised() {
             of_lots += inside(population.scatter[0].lots_interval, spread);
             alike += i32::from(fleet % 2 == 0 && population.scatter[0].lots_alike.is_some_and(|p| p < 0.05));
         }
-        println!("{lots} lots of {a_lot}: odd {odd}, mean {mean}, units {of_units}, lots {of_lots} of {fleets}; apart {alike}");
+        println!(
+            "{lots} lots of {a_lot}: odd {odd}, mean {mean}, units {of_units}, lots {of_lots} of {fleets}; apart {alike}"
+        );
         // 3.3 standard deviations of the binomial about 10, 90 and 5 %
         assert!(odd <= 47, "{lots} lots of {a_lot}: {odd} of {fleets}");
         assert!(mean >= 253, "{lots} lots of {a_lot}: {mean} of {fleets}");
@@ -292,7 +299,10 @@ fn a_device_far_off_is_found_from_so_many_devices_as_are_said_to_be_needed() {
         }
         found
     };
-    println!("{needed} devices are needed; found with one fewer, so many, two more: {:?}", [needed - 1, needed, needed + 2].map(found));
+    println!(
+        "{needed} devices are needed; found with one fewer, so many, two more: {:?}",
+        [needed - 1, needed, needed + 2].map(found)
+    );
     assert!((5..=8).contains(&needed), "{needed}");
     assert!(found(needed) >= fleets * 2 / 5 && found(needed + 2) >= fleets * 4 / 5);
     assert!(found(needed - 2) < fleets / 2);
