@@ -207,7 +207,7 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
         }
     };
     for (what, rows, said) in [
-        ("equal values", change(6, &|_, row| equal(row, true)), "Not conclusive: "),
+        ("equal values", change(6, &|_, row| equal(row, true)), "No unit is unlike the others."),
         ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
         ("one device", change(1, &|_, _| {}), "no axis has a population"),
         ("two devices", change(2, &|_, _| {}), "no axis has a population"),

@@ -453,12 +453,18 @@ struct JudgedAxis<'a> {
     distances: Vec<(usize, Distance, Vec<f64>)>,
 }
 
-/// A part without its odd units, and its units that were compared.
+/// The units of a part that were compared, and the coefficients that one of them has on all its axes.
+struct OfPart<'a> {
+    compared: Vec<Compared<'a>>,
+    tests: usize,
+}
+
+/// A part without its odd units, and what they are found by.
 fn part_summary<'a>(
     units: &[GatheredUnit<'a>],
     asked: &Asked,
     library: &Library,
-) -> (PartSummary, Vec<Compared<'a>>) {
+) -> (PartSummary, OfPart<'a>) {
     let columns: BTreeSet<&str> = units.iter().flat_map(|unit| unit.columns()).collect();
     let columns: Vec<&str> = columns.into_iter().collect();
     let axes: Vec<_> =
@@ -490,7 +496,8 @@ fn part_summary<'a>(
         unit.p_value = (unit.distance.p_value * axes).min(1.0);
         unit.p_values_if_far.iter_mut().for_each(|p_value| *p_value *= axes);
     }
-    (PartSummary { part, axes: summaries, odd: Vec::new(), units_needed: None }, compared)
+    let tests = units.iter().map(|unit| unit.coefficients()).max().unwrap_or(1);
+    (PartSummary { part, axes: summaries, odd: Vec::new(), units_needed: None }, OfPart { compared, tests })
 }
 
 fn judged_axis<'a>(
@@ -541,16 +548,16 @@ fn names_of(members: &[Member<'_>], asked: &Asked) -> Vec<String> {
 
 /// The odd units of all parts: at most [`FALSE_ODD`] of them belong, over all tests of the fleet; and where none could be found, how many
 /// units that would take.
-fn add_odd_units(parts: &mut [PartSummary], compared: Vec<Vec<Compared<'_>>>) {
-    let p_values: Vec<f64> = compared.iter().flatten().map(|unit| unit.p_value).collect();
+fn add_odd_units(parts: &mut [PartSummary], of_parts: Vec<OfPart<'_>>) {
+    let p_values: Vec<f64> =
+        of_parts.iter().flat_map(|part| &part.compared).map(|unit| unit.p_value).collect();
     let mut found = discoveries(&p_values, FALSE_ODD).into_iter();
     // an odd unit that is the only one has to come below this
     let limit = FALSE_ODD / p_values.len() as f64;
-    for (part, compared) in parts.iter_mut().zip(compared) {
+    for (part, OfPart { compared, tests }) in parts.iter_mut().zip(of_parts) {
         let units = compared.len();
         let if_far = || compared.iter().flat_map(|unit| &unit.p_values_if_far);
         if 2 * if_far().filter(|p_value| **p_value <= limit).count() <= if_far().count() {
-            let tests = compared.iter().map(|unit| unit.unit.coefficients()).max().unwrap_or(1);
             let of_part = FALSE_ODD * units.max(1) as f64 / p_values.len().max(1) as f64;
             part.units_needed = Some(devices_needed(tests, of_part).max(units + 1));
         }

@@ -111,12 +111,12 @@ impl Lot {
 pub enum PopulationError {
     /// There is no coefficient that enough units tell.
     #[error(
-        "no coefficient is told by three units or more\nhelp: logs of more units at rest; with one temperature alone there is no coefficient of it"
+        "no coefficient is identifiable from the logs of three units or more\nhelp: record more units at rest for some minutes, while the temperature changes"
     )]
     NoCoefficient,
     /// A coefficient is known of fewer than two units.
     #[error(
-        "{known} units tell this coefficient; a population needs three\nhelp: logs of more units, in which what it depends on changes"
+        "this coefficient is identifiable from the logs of {known} units; a population needs three\nhelp: record more units at rest, while what the coefficient depends on changes"
     )]
     TooFew {
         /// Its place among the names.
