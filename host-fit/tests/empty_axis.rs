@@ -5,7 +5,7 @@ mod session;
 use std::fmt::Write as _;
 use std::fs;
 
-use session::{done, fails};
+use session::{done, fails, said};
 
 /// Two minutes at rest, `gy_rads` empty or not.
 fn log(seed: u64, with_gy: bool) -> String {
@@ -37,22 +37,27 @@ fn every_command_uses_the_other_axes() {
     fs::write(folder.join("six.csv"), log(2, true)).expect("written");
     let small = ["--max-lag", "2", "--degree", "1", "--max-terms", "2", "--memory", "none"];
     let fit = |log: &str, study: &str| done(folder, &[&["fit", log, "-o", study][..], &small].concat());
-    let said = fit("five.csv", "five.json");
-    assert!(said.contains("gy_rads: every cell is empty") && said.contains("\ngz_rads: "), "{said}");
+    let told = fit("five.csv", "five.json");
+    assert!(told.contains("gy_rads: every cell is empty") && told.contains("\ngz_rads: "), "{told}");
     fit("six.csv", "six.json");
     done(folder, &["compare", "five.json"]);
     done(folder, &["compare", "five.json", "six.csv"]);
-    let said = done(folder, &["compare", "six.json", "five.csv"]);
-    assert!(said.contains("\ngz_rads: ") && !said.contains("\ngy_rads: "), "{said}");
-    done(folder, &["diagnose", "five.csv"]);
-    let said = done(folder, &["noise", "five.csv"]);
-    assert!(said.contains("gx_rads") && said.contains("gz_rads"), "{said}");
+    let told = done(folder, &["compare", "six.json", "five.csv"]);
+    assert!(told.contains("\ngz_rads: ") && !told.contains("\ngy_rads: "), "{told}");
+    assert!(said(folder, &["diagnose", "five.csv"]).contains("left out: five.csv: gy_rads: every cell"));
+    let told = done(folder, &["noise", "five.csv"]);
+    assert!(told.contains("gx_rads") && told.contains("gz_rads"), "{told}");
+    fs::create_dir(folder.join("units")).expect("a folder");
+    for unit in 3..6 {
+        fs::write(folder.join(format!("units/{unit}.csv")), log(unit, false)).expect("written");
+    }
+    done(folder, &["fleet", "units", "-o", "population.json"]);
     done(folder, &["convert", "five.csv", "-o", "converted.csv"]);
     let header = fs::read_to_string(folder.join("converted.csv")).expect("written");
     assert!(!header.lines().next().expect("a header").contains("gy_rads"));
     // named, it is refused
     for command in [&["noise", "five.csv", "--axis", "gy"][..], &["fit", "five.csv", "--axis", "gy"]] {
-        let said = fails(folder, 1, command);
-        assert!(said.contains("gy_rads: every cell of its 6000 rows is empty"), "{said}");
+        let told = fails(folder, 1, command);
+        assert!(told.contains("gy_rads: every cell of its 6000 rows is empty"), "{told}");
     }
 }

@@ -217,6 +217,8 @@ fn fill(row: &mut UnitRow, recording: &Recording, asked: &Asked, library: &Libra
         Ok(axes) => axes,
         Err(error) => return row.failed.push(error.to_string()),
     };
+    let empty = recording.quality.empty_axes.iter().filter_map(|axis| recording.axis(axis).err());
+    row.failed.extend(empty.map(|error| error.to_string()));
     for column in &axes {
         let axis = catch_panic(|| axis_of(recording, column, asked, library))
             .unwrap_or_else(|panic| Err(unusable("estimated", &panic)));

@@ -93,14 +93,16 @@ impl Diagnose {
         for axis in &axes {
             match of_axis(axis) {
                 Ok(answer) => answers.push(answer),
-                // an axis that nobody asked for, as one that is stuck, does not keep the others from being explained
-                Err(error) if self.axis.is_none() => refused.push(error),
+                // an axis that is not named, as one that is stuck, does not keep the others from being explained
+                Err(error) if self.axis.as_ref().is_none_or(|axis| axis == "all") => refused.push(error),
                 Err(error) => return Err(error),
             }
         }
         if answers.is_empty() && !refused.is_empty() {
             return Err(refused.swap_remove(0));
         }
+        refused
+            .extend(field.quality.empty_axes.iter().filter_map(|axis| Some(field.axis(axis).err()?.into())));
         refused.iter().for_each(|error| print_warning(&format!("left out: {error}")));
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
         let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();

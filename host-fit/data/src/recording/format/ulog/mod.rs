@@ -362,7 +362,7 @@ impl Gathered {
     ///
     /// # Errors
     ///
-    /// An inertial topic has several, and `asked` names none or more than one of them; or it names one that is not there.
+    /// An inertial topic has several, and `asked` names none of them; or it names one that is not there.
     fn choose_devices(&mut self, path: &Path, asked: &[&str]) -> Result<(), RecordingError> {
         let refused = |problem: String, help: &str| choice::no_sensors(path, Format::Ulog, problem, help);
         let known: Vec<String> = self.devices.iter().flatten().map(Device::name).collect();
@@ -381,8 +381,10 @@ impl Gathered {
             let most = devices.first().map_or(0, |device| device.messages);
             let few: Vec<Device> =
                 devices.extract_if(.., |device| device.messages * choice::SELDOM < most).collect();
-            let is_asked = |device: &&Device| asked.contains(&device.name().as_str());
-            if at <= GYRO_FIFO && devices.len() > 1 && devices.iter().filter(is_asked).count() != 1 {
+            // where two of the topic are named, the first is meant: the other is of another topic
+            let is_of = |id: &&str| devices.iter().position(|device| device.name() == **id);
+            let place = asked.iter().find_map(|id| is_of(&id));
+            if at <= GYRO_FIFO && devices.len() > 1 && place.is_none() {
                 let there: Vec<String> = devices
                     .iter()
                     .map(|device| format!("{}@{} ({} messages)", self.wanted, device.name(), device.messages))
@@ -401,12 +403,10 @@ impl Gathered {
                 );
                 return Err(refused(problem, &help));
             }
-            let place =
-                devices.iter().position(|device| asked.contains(&device.name().as_str())).unwrap_or(0);
             if devices.is_empty() {
                 continue;
             }
-            let Device { id, triads, slow, .. } = devices.remove(place);
+            let Device { id, triads, slow, .. } = devices.remove(place.unwrap_or(0));
             self.beside[at] = devices.iter().chain(&few).map(Device::name).collect();
             (self.device[at], self.triads[at], self.slow[at]) = (id.ok(), triads, slow);
         }
