@@ -70,8 +70,9 @@ pub struct FoundIn {
     pub effect: String,
     /// Name and value of its parameter.
     pub parameter: Option<(String, f64)>,
-    /// Gain in −2 ln L after all prices; accepted from 9, lines from 15.
-    pub score: f64,
+    /// Gain in −2 ln L after all prices; accepted from 9, lines from 15. None for faults of the data.
+    #[serde(default)]
+    pub score: Option<f64>,
     /// Predicted reduction, and its 90 % interval.
     pub expected: (f64, [f64; 2]),
     /// Identifiers of the effects that the log cannot tell from it.
@@ -170,7 +171,7 @@ fn alarms(
     for target in AXES {
         let meta = CaseMeta { target: target.to_owned(), ..meta.clone() };
         let answer = diagnose(&question_of_logs(&meta, field, Some(baseline), Some(eval), library))?;
-        if answer.verdict != Verdict::NothingMissing {
+        if answer.verdict.is_alarm() {
             let found = answer.findings.iter().map(|finding| finding.effect.clone());
             let named = found.chain(answer.leads.iter().take(1).map(|lead| lead.follows.clone()));
             alarms.push(Alarm { target: target.to_owned(), verdict: answer.verdict, named: named.collect() });

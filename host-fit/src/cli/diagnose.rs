@@ -210,7 +210,7 @@ fn row(finding: &Finding) -> Vec<String> {
     };
     vec![
         format!("  {}", finding.effect),
-        format!("{:.0}", finding.score.min(1e6)),
+        finding.score.map_or_else(|| "–".to_owned(), |score| format!("{score:.0}")),
         sizes.join(", "),
         params.join(", "),
         fall,

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::duty_cycle;
+
 /// Over more missing samples than this the count is not exact (a period known to 1e-4 is one sample off), and the
 /// two sides are not used together to measure the period.
 pub(super) const EXACT_MISSING: u64 = 5_000;
@@ -29,7 +31,8 @@ pub(super) const EXACT_MISSING: u64 = 5_000;
 /// longest wait between the last row that is too early to come after the gap and the first that is not late.
 ///
 /// A gap of ten seconds is a pause, and so is every long wait of a duty-cycled log (bursts of samples that last, and
-/// waits of a second and more between them that are most of its time): the log is a whole one of many segments.
+/// waits of a second and more between them that are most of its time, or that come at regular intervals): the log is a
+/// whole one of many segments.
 ///
 /// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
 /// it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
@@ -92,6 +95,9 @@ impl Grid {
             if segment.boundary == Boundary::Gap && segment.missing_before as f64 * period_s >= PAUSE_S {
                 segment.boundary = Boundary::Pause;
             }
+        }
+        if let Some((pauses, _)) = duty_cycle::regular(&self.segments, period_s) {
+            pauses.into_iter().for_each(|pause| self.segments[pause].boundary = Boundary::Pause);
         }
         self
     }

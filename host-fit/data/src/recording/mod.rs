@@ -8,7 +8,7 @@
 //! | in the log | what happens |
 //! |---|---|
 //! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
-//! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
+//! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
 //! | a stated rate that is 7 % off what the stamps show | refused, with both |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
 //! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
@@ -32,6 +32,7 @@ mod coarse;
 mod column_map;
 mod column_words;
 mod csv_file;
+mod duty_cycle;
 mod error;
 mod error_series;
 mod failed_reads;
@@ -90,6 +91,7 @@ use crate::column::{AXES, Column};
 
 pub use channel::Channel;
 pub use column_map::{ColumnMap, MapError};
+pub use duty_cycle::DutyCycle;
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use failed_reads::FailedReads;

@@ -19,6 +19,16 @@ pub enum Verdict {
     NothingMissing,
     /// Something is missing, and nothing in the library explains it.
     Unexplained,
+    /// No slow effect could be tested: the log is too short, too little of it is at rest, or the effects need columns
+    /// that it lacks. Neither a finding nor an all-clear.
+    NotEnoughData,
+}
+
+impl Verdict {
+    /// Whether the diagnosis reports a missing or an unexplained error.
+    pub fn is_alarm(self) -> bool {
+        matches!(self, Self::Missing | Self::Unexplained)
+    }
 }
 
 /// What is missing from a model on a log.
@@ -33,18 +43,25 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
-    /// What is missing, best first.
+    /// Missing effects, best first, then faults of the data.
     pub findings: Vec<Finding>,
     /// What else the log follows; leads and no findings.
     pub leads: Vec<Lead>,
     /// Effects that were tried and rejected, with their score; the nearest first.
     pub rejected: Vec<Rejected>,
-    /// Effects that could not be tried, with the columns that would be needed.
+    /// Slow effects that were tested. Empty if the log allows no such test; the verdict is then never
+    /// [`Verdict::NothingMissing`].
+    #[serde(default)]
+    pub tested: Vec<String>,
+    /// Effects that could not be tested, with the data that would be needed.
     pub untested: Vec<Untested>,
     /// The noise levels that the evidence rests on.
     pub noise: NoiseReport,
     /// Why the answer should be taken with care.
     pub cautions: Vec<String>,
+    /// Properties of the log that are neither faults nor reasons for doubt, as its duty cycle.
+    #[serde(default)]
+    pub notes: Vec<String>,
     /// When the unit was moved though it was meant to be at rest, in words.
     #[serde(default)]
     pub moved: Vec<String>,
@@ -67,10 +84,11 @@ pub struct Finding {
     pub params_interval: BTreeMap<String, [f64; 2]>,
     /// Its size in data-sheet units, one per regressor.
     pub sizes: Vec<Size>,
-    /// By how much −2 ln L falls with it.
-    pub gain: f64,
+    /// By how much −2 ln L falls with it. None for faults of the data, which are counted and not weighed.
+    pub gain: Option<f64>,
     /// The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
-    pub score: f64,
+    /// None for faults of the data.
+    pub score: Option<f64>,
     /// Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide).
     #[serde(rename = "expected_drop")]
     pub predicted_reduction: f64,
@@ -155,8 +173,15 @@ pub struct Rejected {
 pub struct Untested {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
-    /// What of its columns the log does not have, in words: that they are not there, begin too late, never change.
+    /// The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest.
     pub needs: Vec<String>,
+}
+
+impl Untested {
+    /// What would be needed, in words.
+    pub(crate) fn needs(&self) -> impl Iterator<Item = &str> {
+        self.needs.iter().map(String::as_str)
+    }
 }
 
 /// The noise behind a diagnosis.

@@ -1,6 +1,7 @@
 //! What is missing: faults of the data, then lines, then slow effects, then what no library knows; and effects
 //! estimated whether they are missing or not.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use fos_data::column::{AXES, Column};
@@ -13,11 +14,12 @@ use super::findings::Assembly;
 use super::hypothesis::Hypotheses;
 use super::left_over::{LeftOver, left_over};
 use super::lines::{self, Line};
+use super::power::Power;
 use super::prepared::Prepared;
-use super::question::{DiagnoseError, MIN_BLOCKS, Question};
+use super::question::{DiagnoseError, Question};
 use super::slow::SlowResult;
 use super::testable::{Testable, lacking};
-use crate::effects::{Band, Detector, Inputs};
+use crate::effects::{Band, Detector, Effect, Inputs};
 
 /// Says what is missing.
 ///
@@ -28,6 +30,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let mut diagnosis = diagnose_cleaned(&logs.question(question))?;
     diagnosis.cautions.extend(logs.cautions());
+    diagnosis.notes.extend(question.field.duty_cycle().map(|cycle| cycle.to_string()));
     diagnosis.moved = disturbance::told(question.field, logs.disturbances());
     Ok(diagnosis)
 }
@@ -49,18 +52,29 @@ fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError>
     let mut untested = prepared.testable.untested.clone();
     let silent = slow.silent.iter().map(|effect| Testable::adds_nothing(effect, &inputs, column));
     untested.extend(silent);
+    let mut lacks = None;
     if hidden {
         let needs = match stairs {
             true => "samples that are neither clipped nor in coarse steps".to_owned(),
-            false => {
-                format!("a log of {:.0} s and more at rest", MIN_BLOCKS as f64 * reduced.blocks.length_s)
-            }
+            false => prepared.time_needed(question)?,
         };
+        lacks = Some(needs.clone());
         let needs = vec![needs];
         let effects = prepared.testable.effects.iter();
         untested.extend(effects.map(|effect| Untested { effect: effect.id.clone(), needs: needs.clone() }));
     }
-    assembly(&prepared, question, &lines, &slow, left, untested).diagnosis()
+    let was_tried = |effect: &&Arc<Effect>| slow.tried.iter().any(|(id, _)| *id == effect.id);
+    let mut tested: Vec<&Arc<Effect>> = effects.iter().filter(was_tried).collect();
+    let powerless = Power::of(&prepared, &hypotheses, &slow, &inputs).powerless(&tested)?;
+    tested.retain(|effect| !powerless.iter().any(|other| other.effect == effect.id));
+    if tested.is_empty() && lacks.is_none() {
+        let needs: BTreeSet<&str> = untested.iter().chain(&powerless).flat_map(Untested::needs).collect();
+        lacks = Some(format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", ")));
+    }
+    untested.extend(powerless);
+    let tested = tested.iter().map(|effect| effect.id.clone()).collect();
+    let of_log = OfLog { left, tested, untested, lacks };
+    assembly(&prepared, question, &lines, &slow, of_log).diagnosis()
 }
 
 /// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall
@@ -97,7 +111,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     }
     let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
-    let assembly = assembly(&prepared, question, &lines, &slow, LeftOver::default(), Vec::new());
+    let assembly = assembly(&prepared, question, &lines, &slow, OfLog::default());
     let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
     let mut line_findings = assembly.line_findings()?.into_iter();
     effects
@@ -108,13 +122,23 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
                 _ => slow_findings.find(|finding| finding.effect == *id),
             };
             found.filter(|finding| !finding.correction.is_empty()).ok_or_else(|| {
-                not_there(
-                    id,
-                    "nothing of it shows: what it follows does not change, or it drowns in the noise",
-                )
+                let experiment = question.library.get(id).map_or("", |effect| effect.experiment.as_str());
+                let reason = format!(
+                    "its inputs do not change, or it stays within the noise\nhelp: record a log that shows it: {experiment}"
+                );
+                not_there(id, &reason)
             })
         })
         .collect()
+}
+
+/// What a diagnosis says of the log itself; an estimate says none of it.
+#[derive(Default)]
+struct OfLog {
+    left: LeftOver,
+    tested: Vec<String>,
+    untested: Vec<Untested>,
+    lacks: Option<String>,
 }
 
 fn assembly<'s>(
@@ -122,12 +146,25 @@ fn assembly<'s>(
     question: &'s Question<'s>,
     lines: &'s [Line],
     slow: &'s SlowResult,
-    left: LeftOver,
-    untested: Vec<Untested>,
+    of_log: OfLog,
 ) -> Assembly<'s> {
     let Prepared { column, faults, reduced, given, .. } = prepared;
     let learnt_from = learnt_from(question);
-    Assembly { question, column, reduced, given, faults, lines, slow, left, untested, learnt_from }
+    let OfLog { left, tested, untested, lacks } = of_log;
+    Assembly {
+        question,
+        column,
+        reduced,
+        given,
+        faults,
+        lines,
+        slow,
+        left,
+        tested,
+        untested,
+        lacks,
+        learnt_from,
+    }
 }
 
 fn learnt_from(question: &Question<'_>) -> String {

@@ -1,6 +1,6 @@
 //! What was found in one log, held against another: what makes the error worse there is no law.
 
-use super::answer::{Diagnosis, Finding};
+use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{sentence, verdict};
@@ -68,8 +68,8 @@ pub fn with_measured_reduction(
                     finding.name,
                     -100.0 * fall
                 ),
-                gain: finding.gain,
-                score: finding.score,
+                gain: finding.gain.unwrap_or(0.0),
+                score: finding.score.unwrap_or(0.0),
                 share: finding.predicted_reduction,
                 band: finding.band,
                 decides: true,
@@ -79,9 +79,9 @@ pub fn with_measured_reduction(
         }
     }
     diagnosis.findings = held;
-    if !diagnosis.leads.is_empty() {
+    if !diagnosis.leads.is_empty() && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
-        diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads);
+        diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
     }
     Ok(diagnosis)

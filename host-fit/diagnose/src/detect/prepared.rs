@@ -117,6 +117,23 @@ impl Prepared {
         self.reduced.blocks.len() < MIN_BLOCKS
     }
 
+    /// What a log that is too short for slow effects needs: time at rest, or the columns that are unknown for most of it.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn time_needed(&self, question: &Question<'_>) -> Result<String, DiagnoseError> {
+        let (has, wanted) = (self.reduced.blocks.len(), MIN_BLOCKS as f64 * self.reduced.blocks.length_s);
+        let has_s = has as f64 * self.reduced.blocks.length_s;
+        let whatever_known = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
+        Ok(match whatever_known.blocks.len() < MIN_BLOCKS {
+            true => format!("{wanted:.0} s at rest, {:.0} s more than this log has", (wanted - has_s).ceil()),
+            false => format!(
+                "values of every logged input over {wanted:.0} s at rest; they are all known in only {has_s:.0} s"
+            ),
+        })
+    }
+
     /// Refuses a log that is too short for slow effects.
     pub(super) fn long_enough(&self) -> Result<(), DiagnoseError> {
         if self.is_short() { Err(too_short(&self.column, &self.reduced)) } else { Ok(()) }

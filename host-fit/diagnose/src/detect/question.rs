@@ -81,8 +81,9 @@ pub enum DiagnoseError {
     },
     /// Too little to say anything.
     #[error(
-        "{column}: {blocks} blocks of {length_s:.1} s at rest; at least {} are needed to tell an effect from drifting noise\nhelp: a longer log at rest, or one with a reference",
-        MIN_BLOCKS
+        "{column}: {:.1} s at rest; at least {:.0} s are needed to tell an effect from drifting noise\nhelp: record a longer log at rest, or one with the true values (`ref_…`)",
+        *blocks as f64 * length_s,
+        MIN_BLOCKS as f64 * length_s
     )]
     TooShort {
         /// The column.

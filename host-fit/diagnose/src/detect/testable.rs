@@ -82,7 +82,7 @@ fn regressors(effect: &Effect, target: &str) -> Option<Vec<Regressor>> {
 }
 
 /// The columns of the log that an effect follows.
-fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Vec<String> {
+pub(super) fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Vec<String> {
     let regressors = regressors(effect, target).unwrap_or_default();
     let logged = regressors.iter().filter_map(|regressor| inputs.logged(regressor));
     logged.flat_map(|regressor| regressor.columns().map(str::to_owned).collect::<Vec<_>>()).collect()

@@ -50,15 +50,47 @@ pub enum RefineError {
         "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"
     )]
     Twice(String),
-    /// What was added before was estimated and judged elsewhere.
+    /// The log does not determine it.
+    #[error("{effect} is not identifiable from this log: {reason}\nhelp: record a log that shows it: {experiment}")]
+    NotIdentifiable {
+        /// The effect.
+        effect: String,
+        /// Why.
+        reason: String,
+        /// The experiment that would identify it.
+        experiment: String,
+    },
+    /// With it the error of a log is larger than without.
     #[error(
-        "{column} was refined on {log}; its steps cannot be compared with those on another log\nhelp: leave the logs out to go on there, or take the steps back first (undo)"
+        "{effect} was not added: with it the {what} over {log} grows from {before} to {after} {unit}, more than its uncertainty of {margin} {unit}\nhelp: record a log that shows the effect: {experiment}"
+    )]
+    MakesWorse {
+        /// The effect.
+        effect: String,
+        /// Which error: the mean error or the slow error.
+        what: &'static str,
+        /// The log.
+        log: String,
+        /// Error before.
+        before: String,
+        /// Error with the effect.
+        after: String,
+        /// What may be chance.
+        margin: String,
+        /// Unit of the three.
+        unit: &'static str,
+        /// The experiment that would identify it.
+        experiment: String,
+    },
+    /// What was added before was estimated and evaluated on other data.
+    #[error(
+        "{column} was refined on other data: {changes}; steps on different data cannot be compared\nhelp: put the same logs back to go on, or take the steps back first (undo)"
     )]
     OtherLogs {
         /// The axis.
         column: String,
-        /// The log that it was refined on.
-        log: String,
+        /// What differs from then, in words.
+        changes: String,
     },
     /// There is nothing to take off.
     #[error("{0}: nothing of it can be taken off sample by sample\nhelp: {1}")]

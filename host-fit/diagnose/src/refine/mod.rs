@@ -1,6 +1,7 @@
 //! Refines a model by physical effects: estimates them together on a log where the model fails, puts them into its
 //! physical part, and judges every step on rows that were not fitted.
 
+mod check;
 mod error;
 mod evidence;
 mod logs;

@@ -16,6 +16,7 @@ use fos_fit::model::{FittedAxis, Plain, UnitModel};
 use fos_fit::playback::Playback;
 use fos_fit::signal;
 
+use super::check;
 use super::error::RefineError;
 use super::terms;
 use crate::detect::{
@@ -119,8 +120,8 @@ impl<'a> Refiner<'a> {
         match study.refinement_of(column) {
             Some(refinement) if refinement.logs == logs => Ok(refinement.clone()),
             Some(refinement) if refinement.added().next().is_some() => {
-                let (column, log) = (column.to_owned(), refinement.logs.field.path.clone());
-                Err(RefineError::OtherLogs { column, log })
+                let (column, changes) = (column.to_owned(), refinement.logs.changes(&logs));
+                Err(RefineError::OtherLogs { column, changes })
             }
             _ => self.begin(study, column, logs),
         }
@@ -154,7 +155,14 @@ impl<'a> Refiner<'a> {
         });
         let given: Vec<Given> = given.collect();
         let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
-        Ok(diagnose(&question)?)
+        let mut diagnosis = diagnose(&question)?;
+        // the diagnosis fits what was added anew, and so cannot see that the model got worse by it
+        if diagnosis.verdict == Verdict::NothingMissing
+            && let Some((verdict, sentence)) = check::all_clear_refuted(refinement)
+        {
+            (diagnosis.verdict, diagnosis.sentence) = (verdict, sentence);
+        }
+        Ok(diagnosis)
     }
 
     /// The model of `refinement` and `effect`, all effects estimated anew together, and together with what the
@@ -162,7 +170,8 @@ impl<'a> Refiner<'a> {
     ///
     /// # Errors
     ///
-    /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short.
+    /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short or
+    /// does not determine the effect, or the error of another log grows with it.
     pub fn add(&self, refinement: &Refinement, effect: &Effect) -> Result<RefinementStep, RefineError> {
         self.can_add(&refinement.column, effect)?;
         self.add_beside(refinement, effect, &self.diagnose(refinement)?)
@@ -191,10 +200,13 @@ impl<'a> Refiner<'a> {
         wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
         let field = self.without_base(refinement, &[])?;
         let mut findings = estimate(&self.question(&field, &refinement.column, &library), &wanted)?;
-        findings.truncate(in_model);
+        let in_question = in_model - 1;
+        check::identifiable(&findings[..in_model], &library, &refinement.column)?;
         let [first, ..] = &refinement.steps[..] else {
             return Err(StudyAxisError::NothingAdded(refinement.column.clone()).into());
         };
+        self.check_errors(&first.model, &findings, in_question, effect)?;
+        findings.truncate(in_model);
         let mut model = first.model.clone();
         let effects = terms::add(&mut model, &findings, &self.field)?;
         let field = self.measured(&refinement.column);
@@ -363,6 +375,36 @@ impl<'a> Refiner<'a> {
         Ok(Some(log.with_values(column, moved)))
     }
 
+    /// The logs that an effect must not make worse, with what they are called and the rows that count.
+    pub(super) fn checked_logs(&self) -> Vec<(&'static str, &Recording, Range<usize>)> {
+        let judged = self.judged_at_rest.as_ref().unwrap_or(self.judged);
+        let evaluation = ("the evaluation log", judged, self.judged_rows.clone());
+        let reference = self.quiet.map(|quiet| ("the reference log", quiet, 0..quiet.n_rows()));
+        [evaluation].into_iter().chain(reference).collect()
+    }
+
+    /// The rows of the field log that are at rest.
+    pub(super) fn field_at_rest(&self) -> &Recording {
+        self.field_at_rest.as_ref().unwrap_or(&self.field)
+    }
+
+    /// The error of `log` in blocks of the slow error, and its samples without the physical part of `base` and without
+    /// `findings`.
+    pub(super) fn reduced_without(
+        &self,
+        base: &UnitModel,
+        findings: &[Finding],
+        log: &Recording,
+    ) -> Result<(ErrorInBlocks, Vec<f64>), RefineError> {
+        let reduced = ErrorInBlocks::in_slow_blocks(log, &base.axes[0].column)?;
+        let mut left = reduced.error.clone();
+        let base = self.physical(base, log)?;
+        left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
+        let taken = correction(findings, &self.field, log)?;
+        left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
+        Ok((reduced, left))
+    }
+
     /// The field log without samples of an axis that are no measurements.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
         self.field.only_measurements(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
@@ -395,17 +437,9 @@ impl<'a> Refiner<'a> {
     /// What the model before it grew and the findings leave of the error on the judged rows.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
         let column = &base.axes[0].column;
-        let of = |log: &Recording| -> Result<(ErrorInBlocks, Vec<f64>), RefineError> {
-            let reduced = ErrorInBlocks::in_slow_blocks(log, column)?;
-            let mut left = reduced.error.clone();
-            let base = self.physical(base, log)?;
-            left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
-            let taken = correction(findings, &self.field, log)?;
-            left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
-            Ok((reduced, left))
-        };
-        let (field, left_of_field) = of(self.field_at_rest.as_ref().unwrap_or(&self.field))?;
-        let (reduced, left) = of(self.judged_at_rest.as_ref().unwrap_or(self.judged))?;
+        let (field, left_of_field) = self.reduced_without(base, findings, self.field_at_rest())?;
+        let judged = self.judged_at_rest.as_ref().unwrap_or(self.judged);
+        let (reduced, left) = self.reduced_without(base, findings, judged)?;
         let rows = &self.judged_rows;
         let moved = || {
             let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));

@@ -83,6 +83,33 @@ pub struct Left {
     pub bias: Option<f64>,
 }
 
+impl LogSources {
+    /// What differs from the logs of `now`, in words; empty if they are the same.
+    pub(crate) fn changes(&self, now: &Self) -> String {
+        let mut changes = Vec::new();
+        let of = |which: &str, then: Option<&Source>, now: Option<&Source>| match (then, now) {
+            (then, now) if then == now => None,
+            (Some(then), Some(now)) if then.path == now.path => {
+                Some(format!("{} (the {which}) has changed since", then.path))
+            }
+            (Some(then), Some(now)) => Some(format!("the {which} was {} and is now {}", then.path, now.path)),
+            (Some(then), None) => Some(format!("the {which} was {} and is not given now", then.path)),
+            (None, Some(now)) => Some(format!("{} is given as the {which} and was not then", now.path)),
+            (None, None) => None,
+        };
+        changes.extend(of("log to explain", Some(&self.field), Some(&now.field)));
+        changes.extend(of("reference log", self.quiet.as_ref(), now.quiet.as_ref()));
+        changes.extend(of("evaluation log", self.judged.as_ref(), now.judged.as_ref()));
+        if self.read != now.read {
+            changes.push("the logs were read with other options".to_owned());
+        }
+        if changes.is_empty() && self != now {
+            changes.push(format!("{} rows were fitted then and {} now", self.fitted_rows, now.fitted_rows));
+        }
+        changes.join("; ")
+    }
+}
+
 impl Refinement {
     /// The effects that were added, in order.
     pub fn added(&self) -> impl Iterator<Item = &Added> {

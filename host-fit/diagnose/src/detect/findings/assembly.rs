@@ -25,7 +25,10 @@ pub(crate) struct Assembly<'a> {
     pub(crate) lines: &'a [Line],
     pub(crate) slow: &'a SlowResult,
     pub(crate) left: LeftOver,
+    pub(crate) tested: Vec<String>,
     pub(crate) untested: Vec<Untested>,
+    /// What the log lacks for a test of any slow effect.
+    pub(crate) lacks: Option<String>,
     pub(crate) learnt_from: String,
 }
 
@@ -38,7 +41,7 @@ impl Assembly<'_> {
     pub(super) fn fault_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
         let of = |search: Detector, value: f64| -> Result<Finding, DiagnoseError> {
             let effect = self.found_as(search, value)?;
-            Ok(Finding { params: param(effect, value), ..bare(effect, f64::MAX.sqrt()) })
+            Ok(Finding { params: param(effect, value), ..bare(effect) })
         };
         self.faults
             .iter()
@@ -56,14 +59,15 @@ impl Assembly<'_> {
             ExtraNoise::None => None,
             ExtraNoise::Walk => {
                 let effect = self.found_as(Detector::RandomWalk, 0.0)?;
-                Some(Finding { gain: slow.noise_gain, ..bare(effect, slow.noise_score) })
+                Some(Finding { gain: Some(slow.noise_gain), score: Some(slow.noise_score), ..bare(effect) })
             }
             ExtraNoise::GaussMarkov(process) => {
                 let effect = self.found_as(Detector::GaussMarkov, process.tau_s)?;
                 let mut finding = Finding {
                     params: param(effect, process.tau_s),
-                    gain: slow.noise_gain,
-                    ..bare(effect, slow.noise_score)
+                    gain: Some(slow.noise_gain),
+                    score: Some(slow.noise_score),
+                    ..bare(effect)
                 };
                 let unit = SizeUnit::of_axis(Column::named(self.column));
                 let value = process.deviation / unit.si;
@@ -79,8 +83,8 @@ impl Assembly<'_> {
     }
 }
 
-/// A finding that says no more than its name and score.
-pub(super) fn bare(effect: &Effect, score: f64) -> Finding {
+/// A finding with a name and no numbers.
+pub(super) fn bare(effect: &Effect) -> Finding {
     Finding {
         effect: effect.id.clone(),
         name: effect.name.clone(),
@@ -88,8 +92,8 @@ pub(super) fn bare(effect: &Effect, score: f64) -> Finding {
         params: BTreeMap::new(),
         params_interval: BTreeMap::new(),
         sizes: Vec::new(),
-        gain: score,
-        score,
+        gain: None,
+        score: None,
         predicted_reduction: 0.0,
         predicted_reduction_interval: [0.0; 2],
         measured_reduction: None,

@@ -3,7 +3,7 @@
 use super::assembly::Assembly;
 use super::doubt::{beyond_typical, doubt};
 use super::verdict::{sentence, verdict};
-use crate::detect::answer::{Diagnosis, NoiseReport};
+use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
@@ -24,14 +24,15 @@ const LEAST_DUTY: f64 = 0.01;
 impl Assembly<'_> {
     /// The answer.
     pub(crate) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
-        let mut findings = self.fault_findings()?;
-        let mut others = self.line_findings()?;
+        let mut findings = self.line_findings()?;
         let mut order: Vec<&Found> = self.slow.found.iter().collect();
         order.sort_by(|a, b| b.score.total_cmp(&a.score));
-        others.extend(self.slow_findings(order)?);
-        others.extend(self.noise_finding()?);
-        others.sort_by(|a, b| b.score.total_cmp(&a.score));
-        findings.extend(others);
+        findings.extend(self.slow_findings(order)?);
+        findings.extend(self.noise_finding()?);
+        let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
+        findings.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        // a fault of the data explains no drift, and comes after the effects that do
+        findings.extend(self.fault_findings()?);
 
         let mut leads = self.left.leads.clone();
         leads.extend(self.left.misshapes.iter().map(lead_of));
@@ -48,8 +49,8 @@ impl Assembly<'_> {
             let effect = self.question.library.get(id);
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
-        let gains: Vec<f64> =
-            findings.iter().filter(|finding| is_step(&finding.effect)).map(|finding| finding.gain).collect();
+        let of_steps = findings.iter().filter(|finding| is_step(&finding.effect));
+        let gains: Vec<f64> = of_steps.filter_map(|finding| finding.gain).collect();
         let steps = gains.len();
         let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
         if steps > 0 && steps + given > MOST_STEPS {
@@ -90,7 +91,7 @@ impl Assembly<'_> {
         doubt(&mut findings, self.question.library, self.column);
         let stood = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let verdict = verdict(&mut findings, &leads);
+        let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());
         let rejected = self.rejected(&findings, &stood, &leads);
         let mut cautions = beyond_typical(&findings, self.question.library, self.column);
         if self.question.quiet.is_none() {
@@ -101,10 +102,16 @@ impl Assembly<'_> {
             target: self.column.to_owned(),
             unit: Column::named(self.column).unit().label().to_owned(),
             verdict,
-            sentence: sentence(verdict, &findings, &leads),
+            sentence: match (verdict, &self.lacks) {
+                (Verdict::NotEnoughData, Some(lacks)) => {
+                    format!("Not enough data to test any slow effect: {lacks}.")
+                }
+                _ => sentence(verdict, &findings, &leads),
+            },
             findings,
             leads,
             rejected,
+            tested: self.tested,
             untested: self.untested,
             noise: NoiseReport {
                 levels: self.slow.fitted.levels,
@@ -113,6 +120,7 @@ impl Assembly<'_> {
                 blocks: self.reduced.blocks.len(),
             },
             cautions,
+            notes: Vec::new(),
             moved: Vec::new(),
         })
     }

@@ -1,7 +1,8 @@
 //! What speaks against a slow effect that was found: it is no claim then, and says why.
 
-use crate::detect::answer::Finding;
+use crate::detect::answer::{Finding, Size};
 use crate::effects::{Band, Detector, Effect, Library};
+use fos_data::text::number;
 
 /// A parameter this near to a limit of the search is at it.
 const AT_LIMIT: f64 = 1.02;
@@ -33,7 +34,7 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str) {
                 .or(far);
         }
     }
-    findings.sort_by_key(|finding| finding.doubt.is_some());
+    findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
 }
 
 /// The log to be judged goes where the coefficients say nothing.
@@ -59,6 +60,52 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
         .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
 }
 
+/// Half of a 95 % interval, over the value, from which on a coefficient is known to less than a factor of two.
+const UNKNOWN: f64 = 0.5;
+
+/// Why a log does not identify an effect that was estimated from it, whether it is missing or not: its parameter has no
+/// bound, or its coefficients are known neither to the size that is typical nor to half of their own.
+pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
+    if effect.band != Band::Slow {
+        return None;
+    }
+    let is_searched = effect.search == Detector::Terms;
+    let unbounded = effect.parameter.as_ref().filter(|parameter| {
+        is_searched
+            && finding.params.contains_key(&parameter.name)
+            && !finding.params_interval.contains_key(&parameter.name)
+    });
+    if let Some(parameter) = unbounded {
+        return Some(format!("the log does not bound its {}", parameter.name));
+    }
+    if let Some(why) = parameter(finding, effect).filter(|_| is_searched) {
+        return Some(why);
+    }
+    let typical: Vec<(String, f64)> = typical_sizes(effect, target);
+    let half = |size: &Size| 0.5 * (size.interval[1] - size.interval[0]);
+    // of a curve or a moment no single coefficient has a typical size: what counts is whether the log supports it
+    if typical.is_empty() || effect.search == Detector::Step {
+        let score = finding.score.unwrap_or(0.0);
+        return (score <= 0.0)
+            .then(|| format!("the log fits as well without it (score {score:.1}, 0 is the least)"));
+    }
+    finding.sizes.iter().find_map(|size| {
+        let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
+        let half = half(size);
+        let is_known = half <= *typical || half <= UNKNOWN * size.value.abs();
+        (!is_known).then(|| {
+            let (half, typical) = (number(half), number(*typical));
+            format!("the log determines its size only to ±{half} {unit}; typical sizes are up to {typical} {unit}")
+        })
+    })
+}
+
+/// Unit and largest typical value of the terms of an effect that have them.
+fn typical_sizes(effect: &Effect, target: &str) -> Vec<(String, f64)> {
+    let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
+    (0..effect.terms.len()).filter_map(known).collect()
+}
+
 /// An effect of a size that nobody knows is believed if it explains most of the error.
 const MOST: f64 = 0.5;
 
@@ -68,8 +115,7 @@ pub(super) fn beyond_typical(findings: &[Finding], library: &Library, target: &s
 }
 
 fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
-    let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
-    let typical: Vec<(String, f64)> = (0..effect.terms.len()).filter_map(known).collect();
+    let typical = typical_sizes(effect, target);
     finding.sizes.iter().find_map(|size| {
         let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
         let [low, high] = size.interval;

@@ -26,9 +26,9 @@ impl Assembly<'_> {
                 let effect = self.found_as(search, line.frequency_hz)?;
                 let mut finding = Finding {
                     params: param(effect, line.frequency_hz),
-                    score: line.score,
-                    gain: line.score,
-                    ..bare(effect, line.score)
+                    score: Some(line.score),
+                    gain: Some(line.score),
+                    ..bare(effect)
                 };
                 let unit = SizeUnit::of_axis(Column::named(self.column));
                 let error = TWO_SIDED_95 * line.amplitude_error;

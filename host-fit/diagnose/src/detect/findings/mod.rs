@@ -17,4 +17,5 @@ mod slow;
 mod verdict;
 
 pub(super) use assembly::Assembly;
+pub(crate) use doubt::not_identifiable;
 pub(super) use verdict::{sentence, verdict};

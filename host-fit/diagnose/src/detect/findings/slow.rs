@@ -74,7 +74,8 @@ impl Assembly<'_> {
                 params_interval: params.keys().filter_map(|name| Some((name.clone(), interval?))).collect(),
                 params,
                 sizes,
-                gain: found.gain,
+                gain: Some(found.gain),
+                score: Some(found.score),
                 doubt: fall.beyond.and_then(far),
                 predicted_reduction: fall.median,
                 predicted_reduction_interval: fall.interval,
@@ -88,7 +89,7 @@ impl Assembly<'_> {
                 shows_from_to_s: self.shows(found, &coefficients),
                 correction,
                 limits: limits[own].clone(),
-                ..bare(effect, found.score)
+                ..bare(effect)
             });
         }
         Ok(findings)

@@ -7,9 +7,9 @@ use crate::effects::Band;
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
 const OUTWEIGHS: f64 = 5.0;
 
-/// The outcome. Of the findings those are left that explain far more than anything of their band that follows no effect:
+/// The outcome; `tested` says whether any slow effect was tested. Of the findings those are left that explain far more than anything of their band that follows no effect:
 /// what stands by itself is not withheld because something else is there too, which is described beside it.
-pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead]) -> Verdict {
+pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool) -> Verdict {
     let is_wide = |band: Band| band == Band::Wide;
     let most = |finding: &Finding| {
         let against = leads.iter().filter(|lead| lead.decides && is_wide(lead.band) == is_wide(finding.band));
@@ -20,13 +20,18 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead]) -> Verdict {
         against.map(weight).fold(0.0, f64::max)
     };
     let before = findings.len();
-    findings.retain(|finding| finding.band == Band::Data || finding.gain > most(finding));
+    findings.retain(|finding| finding.gain.is_none_or(|gain| gain > most(finding)));
     let has_slow_lead = leads.iter().any(|lead| lead.decides && !is_wide(lead.band));
-    let claims = || findings.iter().filter(|finding| finding.doubt.is_none());
+    // a fault of the data is a claim of its own only where no physical effect was found
+    let is_fault = |finding: &Finding| finding.band == Band::Data;
+    let only_faults = findings.iter().all(is_fault);
+    let claims =
+        || findings.iter().filter(|finding| finding.doubt.is_none() && (only_faults || !is_fault(finding)));
     let is_slow = |finding: &Finding| matches!(finding.band, Band::Slow | Band::Stochastic);
     let slow_is_explained = !has_slow_lead || findings.len() == before && claims().any(is_slow);
     match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
-        (true, true) => Verdict::NothingMissing,
+        (true, true) if tested => Verdict::NothingMissing,
+        (true, true) => Verdict::NotEnoughData,
         (false, _) if slow_is_explained && claims().next().is_some() => Verdict::Missing,
         _ => Verdict::Unexplained,
     }
@@ -59,11 +64,16 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 "Something is missing{beside}, and nothing in the library explains it; a lead: it follows {lead}."
             )
         }
+        Verdict::NotEnoughData => "Not enough data to test any slow effect.".to_owned(),
+        Verdict::Missing if findings[0].band == Band::Data => {
+            let beside = match leads.first() {
+                Some(lead) => format!("A trace is left: it follows {}", lead.follows),
+                None => "No physical effect was found".to_owned(),
+            };
+            format!("{beside}. {}", faults(findings))
+        }
         Verdict::Missing => {
             let finding = &findings[0];
-            let params: Vec<String> =
-                finding.params.iter().map(|(name, value)| format!("{name} = {value:.4}")).collect();
-            let params = if params.is_empty() { String::new() } else { format!(" ({})", params.join(", ")) };
             let drop = match finding.predicted_reduction > 0.0 {
                 true => {
                     format!("; with it the error should fall by {:.1} %", 100.0 * finding.predicted_reduction)
@@ -80,7 +90,28 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
             let beside = leads.first().map_or_else(String::new, |lead| {
                 format!(" Something smaller is left beside it: it follows {}.", lead.follows)
             });
-            format!("Most likely missing: {}{params}{drop}.{rivals}{beside}", finding.name)
+            let faults = match findings.iter().any(|finding| finding.band == Band::Data) {
+                true => format!(" {}", faults(findings)),
+                false => String::new(),
+            };
+            let name = with_params(finding);
+            format!("Most likely missing: {name}{drop}.{rivals}{beside}{faults}")
         }
+    }
+}
+
+/// The faults of the data among the findings, in a sentence.
+fn faults(findings: &[Finding]) -> String {
+    let faults = findings.iter().filter(|finding| finding.band == Band::Data);
+    format!("Faults of the data: {}.", faults.map(with_params).collect::<Vec<_>>().join(", "))
+}
+
+/// The name of a finding with its parameters.
+fn with_params(finding: &Finding) -> String {
+    let params = finding.params.iter().map(|(name, value)| format!("{name} = {value:.4}"));
+    let params: Vec<String> = params.collect();
+    match params.is_empty() {
+        true => finding.name.clone(),
+        false => format!("{} ({})", finding.name, params.join(", ")),
     }
 }
