@@ -65,6 +65,63 @@ fn nothing_is_coloured_where_no_terminal_is() {
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
 
+/// Words in backticks in the messages of the libraries: an option of the program, which shows it by its flag, or what
+/// stands in a log.
+fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
+    const IN_LOGS: [&str; 4] = ["still", "segment", "ref_…", "t_s"];
+    if !line.contains("help: ") && !line.contains("#[error(") {
+        return Vec::new();
+    }
+    let quoted = line.split('`').skip(1).step_by(2);
+    let unknown = |word: &&str| !options.iter().any(|option| option == word) && !IN_LOGS.contains(word);
+    let mut unknown: Vec<String> = quoted.filter(unknown).map(str::to_owned).collect();
+    // fields of the libraries that are options, outside backticks
+    let bare = options.iter().filter(|option| option.contains('_')).filter(|option| {
+        line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '`' && c != '{' && c != '.')
+            .any(|word| word == option.as_str())
+    });
+    unknown.extend(bare.cloned());
+    if line.contains("(!") && !line.contains("`columns`") {
+        unknown.push("!column".to_owned());
+    }
+    unknown
+}
+
+#[test]
+fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
+    let all = host_fit::cli::subcommands();
+    let arguments = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
+    let options: Vec<String> = arguments
+        .filter(|option| option.get_long().is_some())
+        .map(|option| option.get_id().to_string())
+        .collect();
+    let mut found = Vec::new();
+    for (path, text) in &sources(&["data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]) {
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        found.extend(
+            code.flat_map(|line| unknown_words(line, &options)).map(|word| format!("{path}: {word}")),
+        );
+    }
+    assert_eq!(found, [""; 0]);
+    // negative control: messages of before
+    for before in [
+        "\"help: or give the sample rate (rate_hz) if there is none\"",
+        "\"help: leave the column out (!t_s)\"",
+        "\"help: a larger `trian`\"",
+    ] {
+        assert_eq!(unknown_words(before, &options).len(), 1, "{before}");
+    }
+}
+
+#[test]
+fn a_log_without_times_is_answered_with_flags() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("log.csv"), "gx_rads\n0.1\n0.2\n0.3\n").expect("written");
+    let said = fails(folder.path(), 1, &["diagnose", "log.csv"]);
+    assert!(said.contains("--rate") && said.contains("with --map, as in t_s=time:ms"), "{said}");
+    assert!(!said.contains("rate_hz") && !said.contains('`'), "{said}");
+}
+
 /// The crates under the program are used without it, from a page or from another program: what to do is said in their
 /// own words, options by the names of their fields.
 #[test]

@@ -159,6 +159,17 @@ fn what_cannot_be_added_says_why() {
     assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
+/// One orientation does not determine an effect of gravity; the bias of the gyro went from 2e-4 to -2.6e-3 rad/s.
+#[test]
+fn an_effect_that_the_log_does_not_determine_leaves_the_study_as_it_was() {
+    let folder = with_hidden("thermal_lag", "desk", "5");
+    let folder = folder.path();
+    let before = std::fs::read(folder.join("unit.json")).expect("a study");
+    let said = fails(folder, 1, &[&["add", "unit.json", "g_sensitivity"][..], &FIELD, &LATER].concat());
+    assert!(said.contains("not identifiable from this log") && said.contains("help: record"), "{said}");
+    assert_eq!(std::fs::read(folder.join("unit.json")).expect("a study"), before);
+}
+
 #[test]
 fn a_batch_answers_every_case_and_goes_on_where_it_was() {
     let folder = tempfile::tempdir().expect("a folder");

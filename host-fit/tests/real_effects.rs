@@ -198,7 +198,7 @@ fn print_rows(diagnosis: &Diagnosis) {
             "| {target} | {verdict:?} | {}{} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
             if finding.doubt.is_some() { "in doubt: " } else { "" },
             finding.effect,
-            finding.score,
+            finding.score.unwrap_or(f64::NAN),
             sizes.join(", "),
             params.join(", "),
             100.0 * finding.predicted_reduction,

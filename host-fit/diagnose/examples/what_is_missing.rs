@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * share);
         println!(
             "  {}: score {:.0}, the error should fall by {low:.1} to {high:.1} %",
-            finding.effect, finding.score
+            finding.effect,
+            finding.score.unwrap_or(f64::NAN)
         );
     }
     assert_eq!((answer.verdict, answer.findings[0].effect.as_str()), (Verdict::Missing, "temp_linear"));

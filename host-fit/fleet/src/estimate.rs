@@ -76,13 +76,15 @@ pub enum EstimateError {
     },
     /// Too little at rest.
     #[error(
-        "{column}: {seconds:.1} s at rest are too short for its coefficients; at least {needed:.0} s are needed\nhelp: a longer log of the unit lying still"
+        "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its coefficients need at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions"
     )]
     TooShort {
         /// The axis.
         column: String,
-        /// Time at rest, s.
+        /// Time at rest in blocks with enough samples, s.
         seconds: f64,
+        /// Length of a block, s.
+        block_s: f64,
         /// Time needed, s.
         needed: f64,
     },
@@ -170,8 +172,9 @@ pub fn estimate(
     let blocks = &reduced.blocks;
     let seconds = blocks.samples() as f64 * blocks.period_s;
     if blocks.len() < FEWEST_BLOCKS {
-        let needed = FEWEST_BLOCKS as f64 * blocks.length_s;
-        return Err(EstimateError::TooShort { column: column.to_owned(), seconds, needed });
+        let (column, block_s) = (column.to_owned(), blocks.length_s);
+        let (seconds, needed) = (blocks.len() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
+        return Err(EstimateError::TooShort { column, seconds, block_s, needed });
     }
     let has_bias = !pose::has_unknown_level(column, &log.error_series(column)?.reference);
     let levels = blocks.levels(if has_bias { &[] } else { &log.turns });

@@ -53,7 +53,7 @@ pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
     /// gx_rads=gx_cnt:*1.33e-4:rad/s; a column with a colon in its name stands in quotes, gx_rads="gyro:x":mdps. May be
     /// repeated
-    #[arg(long = "map", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
+    #[arg(long = "map", id = "columns", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
     pub(super) map: Vec<String>,
     /// The same, from a TOML file
     #[arg(long, value_name = "FILE")]
@@ -65,7 +65,7 @@ pub(super) struct Reading {
     #[arg(long, value_name = "NAME")]
     pub(super) topic: Option<String>,
     /// Nominal sample rate, Hz; needed if the log has no time stamps
-    #[arg(long, value_name = "HZ")]
+    #[arg(long = "rate", id = "rate_hz", value_name = "HZ")]
     pub(super) rate: Option<f64>,
     /// Refuse the first row that cannot be read instead of skipping and counting
     #[arg(long)]

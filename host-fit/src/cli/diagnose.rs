@@ -12,7 +12,7 @@ use super::output::{
 };
 use super::refinement::{LogArguments, column_of, read_logs};
 use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
-use fos_diagnose::effects::Library;
+use fos_diagnose::effects::{Band, Library};
 use fos_diagnose::study::Study;
 
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
@@ -132,19 +132,31 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     for caution in &diagnosis.cautions {
         print_line!("  caution: {}", with_flags(caution, options.get_arguments()));
     }
+    for note in &diagnosis.notes {
+        print_line!("  note: {note}");
+    }
     for moved in &diagnosis.moved {
         print_line!("  moved: {moved}");
     }
-    if !diagnosis.findings.is_empty() {
+    let (faults, effects): (Vec<&Finding>, Vec<&Finding>) =
+        diagnosis.findings.iter().partition(|finding| finding.band == Band::Data);
+    if !effects.is_empty() {
         print_line!();
         let mut rows =
             table(&["  effect", "score", "size", "parameter", "predicted reduction (90 %)", "measured"]);
-        for finding in &diagnosis.findings {
+        for finding in &effects {
             rows.add_row(row(finding));
         }
         print_line!("{rows}");
-        for finding in &diagnosis.findings {
+        for finding in &effects {
             print_evidence(finding);
+        }
+    }
+    if !faults.is_empty() {
+        print_line!("\n  faults of the data:");
+        for fault in faults {
+            let params = fault.params.iter().map(|(name, value)| format!(" {name} {}", number(*value)));
+            print_line!("    {}{}", fault.effect, params.collect::<String>());
         }
     }
     if !diagnosis.leads.is_empty() {
@@ -167,12 +179,15 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
             print_line!("    {}: {why}", rejected.effect);
         }
     }
+    if !diagnosis.tested.is_empty() {
+        print_line!("  tested: {}", diagnosis.tested.join(", "));
+    }
     let mut by_needs: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for untested in &diagnosis.untested {
         by_needs.entry(untested.needs.join(", ")).or_default().push(&untested.effect);
     }
     for (needs, effects) in by_needs {
-        print_line!("  not tested for want of {needs}: {}", effects.join(", "));
+        print_line!("  not tested, needs {needs}: {}", effects.join(", "));
     }
     print_line!(
         "  noise learnt from {}; {} blocks of {:.2} s",
@@ -220,7 +235,7 @@ fn row(finding: &Finding) -> Vec<String> {
 
 fn print_evidence(finding: &Finding) {
     if let Some(doubt) = &finding.doubt {
-        print_line!("  {}: no claim, since {doubt}", finding.effect);
+        print_line!("  {}: not conclusive: {doubt}", finding.effect);
     }
     if let Some([begin, end]) = finding.shows_from_to_s {
         let against =

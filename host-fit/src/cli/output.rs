@@ -115,13 +115,17 @@ pub(super) fn print_error(failure: &dyn Display) {
     tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
-/// What the libraries say, which name options as their fields are called, `` `max_lag` ``, as the user of the command line
-/// knows them: `--max-lag`. What helps one subcommand may be an option of another.
+/// Words of the libraries for what the command line does with an option.
+const IN_WORDS: [(&str, &str); 2] = [("in the column map", "with --map"), ("the column map", "--map")];
+
+/// Messages of the libraries, which name options as their fields are called, `` `max_lag` ``, with the options of the
+/// command line: `--max-lag`. What helps one subcommand may be an option of another.
 pub(super) fn with_flags<'a>(
     said: &impl ToString,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
-    arguments.into_iter().fold(said.to_string(), |text, argument| match argument.get_long() {
+    let said = IN_WORDS.iter().fold(said.to_string(), |text, (words, option)| text.replace(words, option));
+    arguments.into_iter().fold(said, |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
         None => text,
     })

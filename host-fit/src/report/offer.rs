@@ -91,17 +91,20 @@ pub fn offers(
     let subject = Subject { channel: column.label(), unit: column.unit().label() };
     let offer = |finding: &Finding| {
         let effect = library.get(&finding.effect)?;
-        let added = refiner.can_add(&refinement.column, effect);
+        let added = refiner.can_add_finding(&refinement.column, effect, finding);
         let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
         let evidence = Evidence::of(refiner, refinement, diagnosis, finding, field)?;
         Ok(Offer {
             effect: finding.effect.clone(),
-            can_be_added: added.is_ok() && !finding.correction.is_empty(),
+            can_be_added: added.is_ok() && !finding.correction.is_empty() && finding.doubt.is_none(),
             why_not: match added {
                 Err(RefineError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
                 Err(other) => Some(other.to_string()),
                 Ok(()) if finding.correction.is_empty() => Some("nothing of it can be taken off".to_owned()),
-                Ok(()) => None,
+                Ok(()) => finding
+                    .doubt
+                    .as_ref()
+                    .map(|doubt| format!("it is not conclusive: {doubt}. To decide: {}", effect.experiment)),
             },
             card: Card::of(effect),
             cost: price,

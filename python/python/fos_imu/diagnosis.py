@@ -130,8 +130,9 @@ class Finding:
         params: Its parameters; their names say the units, as `tau_s`.
         params_interval: 95 % intervals of them, where they are known.
         sizes: Its size, one a regressor.
-        gain: By how much −2 ln L falls with it.
+        gain: By how much −2 ln L falls with it; None for a fault of the data.
         score: The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines: 15).
+            None for a fault of the data.
         predicted_reduction: Share of the error of its band that should go, 0 … 1: of the variance of 1-s means (slow),
             of the samples (wide).
         predicted_reduction_interval: 90 %.
@@ -153,8 +154,8 @@ class Finding:
     params: Mapping[str, float]
     params_interval: Mapping[str, Interval]
     sizes: tuple[Size, ...]
-    gain: float
-    score: float
+    gain: float | None
+    score: float | None
     predicted_reduction: float
     predicted_reduction_interval: Interval
     confounded_with: tuple[str, ...]
@@ -271,20 +272,22 @@ class Diagnosis:
         target: The column that was explained.
         unit: Its unit.
         verdict: `missing`: effects of the library are; `nothing_missing`; `unexplained`: something is, and nothing in the
-            library explains it.
+            library explains it; `not_enough_data`: no slow effect could be tested.
         sentence: The outcome in a sentence.
-        findings: What is missing, best first.
+        findings: Missing effects, best first, then faults of the data.
         leads: What else the log follows; no findings.
         rejected: Effects that were tried and not chosen, the nearest first.
-        untested: Effects that could not be tried.
+        tested: Slow effects that were tested.
+        untested: Effects that could not be tested.
         noise: The noise that the evidence rests on.
         cautions: Why the answer should be taken with care.
         moved: When the unit was moved though it was meant to be at rest.
+        notes: Properties of the log that are no faults, as its duty cycle.
     """
 
     target: str
     unit: str
-    verdict: Literal["missing", "nothing_missing", "unexplained"]
+    verdict: Literal["missing", "nothing_missing", "unexplained", "not_enough_data"]
     sentence: str
     findings: tuple[Finding, ...]
     leads: tuple[Lead, ...]
@@ -293,6 +296,8 @@ class Diagnosis:
     noise: NoiseReport
     cautions: tuple[str, ...]
     moved: tuple[str, ...] = field(default=())
+    tested: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = field(default=())
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row a finding: effect, score, size and its interval, predicted and measured reduction."""
@@ -303,7 +308,7 @@ class Diagnosis:
             return {
                 "effect": finding.effect,
                 "band": finding.band,
-                "score": finding.score,
+                "score": float("nan") if finding.score is None else finding.score,
                 **finding.params,
                 "size": size.value if size else float("nan"),
                 "size_low": size.interval[0] if size else float("nan"),
@@ -321,8 +326,9 @@ class Diagnosis:
         return f"{self.target}: {self.sentence}"
 
     def _repr_html_(self) -> str:
-        good = self.verdict == "nothing_missing"
+        colours = {"nothing_missing": _html.GOOD, "not_enough_data": _html.PLAIN}
         notes = [f"caution: {caution}" for caution in self.cautions] + [f"moved: {moved}" for moved in self.moved]
+        notes += [f"note: {note}" for note in self.notes]
         leads = "; ".join(lead.follows for lead in self.leads[:3])
         near = ", ".join(f"{one.effect} ({one.score:.0f})" for one in self.rejected[:6])
         noise = f"noise learnt from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
@@ -340,7 +346,7 @@ class Diagnosis:
             *(_html.paragraph(note, _html.BAD) for note in notes),
             *(_finding(finding, self.unit) for finding in self.findings),
             *(_html.paragraph(text) for text in tail),
-            colour=_html.GOOD if good else _html.BAD,
+            colour=colours.get(self.verdict, _html.BAD),
         )
 
 
@@ -359,8 +365,9 @@ def _finding(finding: Finding, unit: str) -> str:
         cost = finding.cost
         more = f"{cost.terms} terms, {cost.ram_bytes} bytes of RAM, {cost.instructions} instructions a sample"
         rows.append(("costs more on the device", more))
-    rows.append(("score", f"{min(finding.score, 1e6):.0f}"))
-    doubt = [_html.paragraph(f"no claim, since {finding.doubt}", _html.BAD)] if finding.doubt else []
+    if finding.score is not None:
+        rows.append(("score", f"{finding.score:.0f}"))
+    doubt = [_html.paragraph(f"not conclusive: {finding.doubt}", _html.BAD)] if finding.doubt else []
     rivals = [f"cannot be told from {other.effect}: {other.experiment}" for other in finding.separate]
     return _html.card(
         f"{finding.name} ({finding.effect})",

@@ -54,7 +54,7 @@ class AxisDiagnosis:
         effects: Those that are missing, and nothing speaks against.
     """
 
-    verdict: Literal["missing", "nothing_missing", "unexplained"]
+    verdict: Literal["missing", "nothing_missing", "unexplained", "not_enough_data"]
     effects: tuple[FoundEffect, ...]
 
 

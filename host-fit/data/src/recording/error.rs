@@ -244,7 +244,7 @@ pub enum RecordingError {
         rows: usize,
     },
     /// The rate that was stated is not that of the stamps.
-    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave the rate out if the stamps are right; if they are in another unit, name it in the column map, as in t_s={column}:ms", path.display())]
+    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave `rate_hz` out if the stamps are right; if they are in another unit, name it in the column map, as in t_s={column}:ms", path.display())]
     OtherRate {
         /// As it was given.
         path: PathBuf,
@@ -283,7 +283,7 @@ pub enum RecordingError {
         if first.as_ref().is_some_and(|row| row.has_decimal_comma()) {
             "write decimals with a point: 0.25, not 0,25"
         } else {
-            "check the header, map another column to it (target=column:unit), or leave it out (!column)"
+            "check the header, map another column to it (target=column:unit), or leave it out (`columns` '!column')"
         }
     )]
     TextColumn {
@@ -296,7 +296,7 @@ pub enum RecordingError {
     },
     /// No time stamps, and no rate to stand in for them.
     #[error(
-        "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (rate_hz) if there is none{}",
+        "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (`rate_hz`) if there is none{}",
         path.display(),
         suggest(closest, available),
         perhaps_of(perhaps)
@@ -313,7 +313,7 @@ pub enum RecordingError {
     },
     /// Time stamps that do not run forward.
     #[error(
-        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or leave the column out (!{column}) and give rate_hz",
+        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or leave the column out (`columns` '!{column}') and give `rate_hz`",
         path.display()
     )]
     NoClock {
@@ -324,7 +324,7 @@ pub enum RecordingError {
     },
     /// Time stamps in another unit than is said.
     #[error(
-        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or leave the column out (!{column}) and give rate_hz",
+        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or leave the column out (`columns` '!{column}') and give `rate_hz`",
         path.display()
     )]
     NoSuchClock {
@@ -336,7 +336,7 @@ pub enum RecordingError {
         period_s: f64,
     },
     /// A rate that is no rate.
-    #[error("rate_hz is {rate_hz:?}\nhelp: give the samples per second, from {} to {}", RATES_HZ.start(), RATES_HZ.end())]
+    #[error("a sample rate of {rate_hz:?} Hz is out of range\nhelp: give the samples per second, from {} to {}", RATES_HZ.start(), RATES_HZ.end())]
     BadRate {
         /// The rate, Hz.
         rate_hz: f64,
@@ -350,7 +350,7 @@ pub enum RecordingError {
         rows: usize,
     },
     /// A row that cannot be used, in strict mode.
-    #[error("{}:{row}\nhelp: correct or remove that row, or load without strict to skip such rows", path.display())]
+    #[error("{}:{row}\nhelp: correct or remove that row, or load without `strict` to skip such rows", path.display())]
     BadRow {
         /// As it was given.
         path: PathBuf,
@@ -359,7 +359,7 @@ pub enum RecordingError {
     },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(
-        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (!column)",
+        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (`columns` '!column')",
         path.display(),
         limit * 100.0,
         path.display()

@@ -116,3 +116,41 @@ fn a_stated_rate_that_the_stamps_contradict_is_refused_with_both() {
         }
     }
 }
+
+/// Half a duty of 5.7 s: 49 % of the samples were said to be dropped.
+#[test]
+fn short_pauses_at_regular_intervals_are_a_duty_cycle() {
+    let stamps = |waits: &mut dyn FnMut(usize) -> f64| -> Vec<f64> {
+        let (mut stamps, mut begin) = (Vec::new(), 0.0);
+        for burst in 0..120 {
+            stamps.extend((0..144).map(|row| begin + row as f64 * T));
+            begin += 144.0 * T + waits(burst);
+        }
+        stamps
+    };
+    let log = load(stamps(&mut |burst| 2.8 + 0.1 * (burst % 3) as f64), Some(50.0)).unwrap();
+    assert_eq!((log.quality.gaps, log.samples_missing(), log.quality.pauses), (0, 0, 119));
+    let cycle = log.duty_cycle().unwrap();
+    assert_eq!(cycle.to_string(), "recorded in 120 bursts of 2.9 s every 5.8 s");
+    // a gap that is none of them stays one
+    let log = load(stamps(&mut |burst| if burst == 60 { 8.0 } else { 2.8 }), Some(50.0)).unwrap();
+    assert_eq!((log.quality.gaps, log.quality.pauses), (1, 118));
+}
+
+/// Negative control of the rule: losses of any length at random moments are losses.
+#[test]
+fn losses_at_random_moments_are_no_duty_cycle() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    for seconds in [1.5, 4.0] {
+        let (mut stamps, mut now) = (Vec::new(), 0.0);
+        for _ in 0..40_000 {
+            stamps.push(now);
+            now += T;
+            if random.random_range(0.0..1.0) < 0.003 {
+                now += seconds;
+            }
+        }
+        let log = load(stamps, Some(50.0)).unwrap();
+        assert!(log.duty_cycle().is_none() && log.samples_missing() > 1000, "{:?}", log.duty_cycle());
+    }
+}

@@ -1,9 +1,11 @@
-//! What an effect must satisfy before it is added: the log determines it, and no other log gets worse by it, in its mean
-//! or in its scatter.
+//! What an effect must satisfy before it is added: the log determines it, and the evaluation log does not get worse by it,
+//! in its mean or in its scatter.
+
+use std::ops::Range;
 
 use super::error::RefineError;
 use super::refiner::Refiner;
-use crate::detect::{Finding, Verdict, is_bias_known, is_step, not_identifiable};
+use crate::detect::{ErrorInBlocks, Finding, Verdict, is_bias_known, not_identifiable};
 use crate::effects::{Band, Effect, Library};
 use crate::study::{Left, Refinement};
 use fos_data::column::Column;
@@ -22,13 +24,20 @@ const TWO_SIDED_95: f64 = 1.96;
 /// 7 % if they are independent, and they are not.
 const SAME_RMS: f64 = 0.1;
 
+/// Refuses an effect that the log it was found in does not determine.
+pub(super) fn identified(finding: &Finding, effect: &Effect, column: &str) -> Result<(), RefineError> {
+    match not_identifiable(finding, effect, column) {
+        Some(reason) => {
+            let (effect, experiment) = (effect.id.clone(), effect.experiment.clone());
+            Err(RefineError::NotIdentifiable { effect, reason, experiment })
+        }
+        None => Ok(()),
+    }
+}
+
 /// Refuses the last of the effects that a model would have if the log does not determine it, or with it no longer
 /// another.
-pub(super) fn identifiable(
-    findings: &[Finding],
-    library: &Library,
-    column: &str,
-) -> Result<(), RefineError> {
+pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str) -> Result<(), RefineError> {
     let Some(added) = findings.last() else { return Ok(()) };
     for finding in findings.iter().rev() {
         let effect = library.get(&finding.effect)?;
@@ -70,7 +79,7 @@ pub(super) fn all_clear_refuted(refinement: &Refinement) -> Option<(Verdict, Str
     })
 }
 
-/// The error of a log: the mean less that of the field log, where both are known, and the RMS about it.
+/// The error of the evaluation log: the mean less that of the field log, where both are known, and the RMS about it.
 struct Errors {
     mean: Option<f64>,
     rms: f64,
@@ -79,8 +88,9 @@ struct Errors {
 }
 
 impl Refiner<'_> {
-    /// Refuses the effect at `place` of `findings` if with it the error of another log grows by more than its interval.
-    /// All others are taken off before and after: of two effects that cancel in part each alone makes an error larger.
+    /// Refuses the effect at `place` of `findings` if with it the error of the evaluation log grows by more than its
+    /// interval. All others are taken off before and after: of two effects that cancel in part each alone makes an error
+    /// larger. The reference log is not asked: by what it is for, it may be one without the effect.
     pub(super) fn check_errors(
         &self,
         base: &UnitModel,
@@ -88,64 +98,53 @@ impl Refiner<'_> {
         place: usize,
         effect: &Effect,
     ) -> Result<(), RefineError> {
-        let Some(finding) = findings.get(place) else { return Ok(()) };
         let mut without = findings.to_vec();
-        without.remove(place);
-        let column = &base.axes[0].column;
-        let unit = Column::named(column).unit().label();
-        for (at, (name, log, rows)) in self.checked_logs().into_iter().enumerate() {
-            // a reference log may be older than a step, and its power may have come on long before it
-            if at > 0 && (is_step(finding) || effect.follows_clock_alone()) {
-                continue;
-            }
-            let errors = |findings: &[Finding]| -> Result<Errors, RefineError> {
-                let (field, of_field) = self.reduced_without(base, findings, self.field_at_rest())?;
-                let (reduced, left) = self.reduced_without(base, findings, log)?;
-                let all = 0..of_field.len();
-                let is_known = is_bias_known(log, column) && is_bias_known(self.field_at_rest(), column);
-                let mean = reduced.slow_mean(&left, &rows) - field.slow_mean(&of_field, &all);
-                let parts = |reduced: &crate::detect::ErrorInBlocks, left: &[f64], rows: &std::ops::Range<usize>| {
-                    let length = rows.len().div_ceil(PARTS).max(1);
-                    let starts = rows.clone().step_by(length);
-                    let means = starts.map(|start| {
-                        reduced.slow_mean(left, &(start..(start + length).min(rows.end)))
-                    });
-                    let means: Vec<f64> = means.filter(|mean| mean.is_finite()).collect();
-                    signal::variance(&[&means])
-                };
-                Ok(Errors {
-                    mean: is_known.then_some(mean),
-                    rms: match effect.band {
-                        Band::Wide => reduced.wide_variance(&left, &rows).sqrt(),
-                        _ => reduced.slow_variance(&left, &rows).sqrt(),
-                    },
-                    deviation: (parts(&field, &of_field, &all) + parts(&reduced, &left, &rows)).sqrt(),
-                })
-            };
-            // a reference log need not have every input
-            let (before, after) = match (errors(&without), errors(findings)) {
-                (Ok(before), Ok(after)) => (before, after),
-                (Err(RefineError::Recording(_)), _) | (_, Err(RefineError::Recording(_))) if at > 0 => continue,
-                (Err(error), _) | (_, Err(error)) => return Err(error),
-            };
-            let worse = |what: &'static str, before: f64, after: f64, margin: f64| {
-                let [before, after, margin] = [before, after, margin].map(|value| rounded(value, 3));
-                let (log, experiment) = (name.to_owned(), effect.experiment.clone());
-                let effect = effect.id.clone();
-                RefineError::MakesWorse { effect, what, log, before, after, margin, unit, experiment }
-            };
-            if let (Some(was), Some(is)) = (before.mean, after.mean) {
-                let margin = TWO_SIDED_95 * before.deviation.min(after.deviation);
-                if is.abs() > was.abs() + margin {
-                    return Err(worse("mean error", was.abs(), is.abs(), margin));
-                }
-            }
-            // the reference log shows no effect, and scatters as its noise does whatever is taken off
-            let margin = SAME_RMS * before.rms;
-            if at == 0 && after.rms > before.rms + margin {
-                return Err(worse("slow error", before.rms, after.rms, margin));
+        if place < without.len() {
+            without.remove(place);
+        }
+        let (before, after) =
+            (self.errors(base, &without, effect.band)?, self.errors(base, findings, effect.band)?);
+        let unit = Column::named(&base.axes[0].column).unit().label();
+        let worse = |what: &'static str, values: [f64; 3]| {
+            let [before, after, margin] = values.map(|value| rounded(value, 3));
+            let (effect, experiment) = (effect.id.clone(), effect.experiment.clone());
+            RefineError::MakesWorse { effect, what, before, after, margin, unit, experiment }
+        };
+        if let (Some(was), Some(is)) = (before.mean, after.mean) {
+            let margin = TWO_SIDED_95 * before.deviation.min(after.deviation);
+            if is.abs() > was.abs() + margin {
+                return Err(worse("mean error", [was.abs(), is.abs(), margin]));
             }
         }
+        let margin = SAME_RMS * before.rms;
+        if after.rms > before.rms + margin {
+            return Err(worse("RMS error", [before.rms, after.rms, margin]));
+        }
         Ok(())
+    }
+
+    /// The errors of the evaluation log without the physical part of `base` and without `findings`.
+    fn errors(&self, base: &UnitModel, findings: &[Finding], band: Band) -> Result<Errors, RefineError> {
+        let (column, judged, rows) = (&base.axes[0].column, self.judged(), self.judged_rows());
+        let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
+        let (reduced, left) = self.reduced_without(base, findings, judged)?;
+        let all = 0..left_of_field.len();
+        let parts = |reduced: &ErrorInBlocks, left: &[f64], rows: &Range<usize>| {
+            let length = rows.len().div_ceil(PARTS).max(1);
+            let ends = |start: usize| (start + length).min(rows.end);
+            let starts = rows.clone().step_by(length);
+            let means = starts.map(|start| reduced.slow_mean(left, &(start..ends(start))));
+            signal::variance(&[&means.filter(|mean| mean.is_finite()).collect::<Vec<f64>>()])
+        };
+        let mean = reduced.slow_mean(&left, &rows) - field.slow_mean(&left_of_field, &all);
+        let is_known = is_bias_known(judged, column) && is_bias_known(self.field(), column);
+        Ok(Errors {
+            mean: is_known.then_some(mean),
+            rms: match band {
+                Band::Wide => reduced.wide_variance(&left, &rows).sqrt(),
+                _ => reduced.slow_variance(&left, &rows).sqrt(),
+            },
+            deviation: (parts(&field, &left_of_field, &all) + parts(&reduced, &left, &rows)).sqrt(),
+        })
     }
 }

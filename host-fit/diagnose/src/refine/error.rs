@@ -51,7 +51,9 @@ pub enum RefineError {
     )]
     Twice(String),
     /// The log does not determine it.
-    #[error("{effect} is not identifiable from this log: {reason}\nhelp: record a log that shows it: {experiment}")]
+    #[error(
+        "{effect} is not identifiable from this log: {reason}\nhelp: record a log that shows it: {experiment}"
+    )]
     NotIdentifiable {
         /// The effect.
         effect: String,
@@ -60,17 +62,15 @@ pub enum RefineError {
         /// The experiment that would identify it.
         experiment: String,
     },
-    /// With it the error of a log is larger than without.
+    /// With it the error of the evaluation log is larger than without.
     #[error(
-        "{effect} was not added: with it the {what} over {log} grows from {before} to {after} {unit}, more than its uncertainty of {margin} {unit}\nhelp: record a log that shows the effect: {experiment}"
+        "{effect} was not added: with it the {what} over the evaluation log grows from {before} to {after} {unit}, more than its uncertainty of {margin} {unit}\nhelp: record a log that shows the effect: {experiment}"
     )]
     MakesWorse {
         /// The effect.
         effect: String,
-        /// Which error: the mean error or the slow error.
+        /// Which error: the mean or the RMS.
         what: &'static str,
-        /// The log.
-        log: String,
         /// Error before.
         before: String,
         /// Error with the effect.

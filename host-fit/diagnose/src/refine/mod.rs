@@ -7,6 +7,8 @@ mod evidence;
 mod logs;
 mod refiner;
 mod terms;
+#[cfg(test)]
+mod undetermined_tests;
 
 pub use error::RefineError;
 pub use evidence::{Against, Evidence, evidence_without_model, line_spectrum};

@@ -140,6 +140,21 @@ impl<'a> Refiner<'a> {
         can_be_added(effect)
     }
 
+    /// Whether an effect that a diagnosis found can be added: the same, and the log determines it.
+    ///
+    /// # Errors
+    ///
+    /// What to do instead, or what to record.
+    pub fn can_add_finding(
+        &self,
+        column: &str,
+        effect: &Effect,
+        finding: &Finding,
+    ) -> Result<(), RefineError> {
+        self.can_add(column, effect)?;
+        check::identified(finding, effect, column)
+    }
+
     /// What is missing from the model as it is after `refinement`.
     ///
     /// # Errors
@@ -171,7 +186,7 @@ impl<'a> Refiner<'a> {
     /// # Errors
     ///
     /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short or
-    /// does not determine the effect, or the error of another log grows with it.
+    /// does not determine the effect, or the error of the evaluation log grows with it.
     pub fn add(&self, refinement: &Refinement, effect: &Effect) -> Result<RefinementStep, RefineError> {
         self.can_add(&refinement.column, effect)?;
         self.add_beside(refinement, effect, &self.diagnose(refinement)?)
@@ -375,17 +390,19 @@ impl<'a> Refiner<'a> {
         Ok(Some(log.with_values(column, moved)))
     }
 
-    /// The logs that an effect must not make worse, with what they are called and the rows that count.
-    pub(super) fn checked_logs(&self) -> Vec<(&'static str, &Recording, Range<usize>)> {
-        let judged = self.judged_at_rest.as_ref().unwrap_or(self.judged);
-        let evaluation = ("the evaluation log", judged, self.judged_rows.clone());
-        let reference = self.quiet.map(|quiet| ("the reference log", quiet, 0..quiet.n_rows()));
-        [evaluation].into_iter().chain(reference).collect()
+    /// The field log at rest.
+    pub(super) fn field(&self) -> &Recording {
+        self.field_at_rest.as_ref().unwrap_or(&self.field)
     }
 
-    /// The rows of the field log that are at rest.
-    pub(super) fn field_at_rest(&self) -> &Recording {
-        self.field_at_rest.as_ref().unwrap_or(&self.field)
+    /// The evaluation log at rest.
+    pub(super) fn judged(&self) -> &Recording {
+        self.judged_at_rest.as_ref().unwrap_or(self.judged)
+    }
+
+    /// The rows of the evaluation log that were not fitted.
+    pub(super) fn judged_rows(&self) -> Range<usize> {
+        self.judged_rows.clone()
     }
 
     /// The error of `log` in blocks of the slow error, and its samples without the physical part of `base` and without
@@ -437,9 +454,8 @@ impl<'a> Refiner<'a> {
     /// What the model before it grew and the findings leave of the error on the judged rows.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
         let column = &base.axes[0].column;
-        let (field, left_of_field) = self.reduced_without(base, findings, self.field_at_rest())?;
-        let judged = self.judged_at_rest.as_ref().unwrap_or(self.judged);
-        let (reduced, left) = self.reduced_without(base, findings, judged)?;
+        let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
+        let (reduced, left) = self.reduced_without(base, findings, self.judged())?;
         let rows = &self.judged_rows;
         let moved = || {
             let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));

@@ -121,3 +121,34 @@ impl Refinement {
         self.steps.last()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(path: &str, digest: &str) -> Source {
+        Source { sha256: digest.to_owned(), ..Source::made_by(path) }
+    }
+
+    /// A changed evaluation log was blamed on the log to explain.
+    #[test]
+    fn names_the_log_that_changed_and_no_other() {
+        let then = LogSources {
+            field: source("field.csv", "a"),
+            quiet: Some(source("quiet.csv", "b")),
+            judged: Some(source("later.csv", "c")),
+            fitted_rows: 10,
+            read: LoadOptions::default(),
+        };
+        assert_eq!(then.changes(&then), "");
+        let judged = LogSources { judged: Some(source("later.csv", "d")), ..then.clone() };
+        assert_eq!(then.changes(&judged), "later.csv (the evaluation log) has changed since");
+        let field = LogSources { field: source("other.csv", "e"), ..then.clone() };
+        assert_eq!(then.changes(&field), "the log to explain was field.csv and is now other.csv");
+        let none = LogSources { quiet: None, ..then.clone() };
+        assert_eq!(then.changes(&none), "the reference log was quiet.csv and is not given now");
+        let read =
+            LogSources { read: LoadOptions { rate_hz: Some(9.0), ..LoadOptions::default() }, ..then.clone() };
+        assert_eq!(then.changes(&read), "the logs were read with other options");
+    }
+}

@@ -47,13 +47,15 @@ pub enum AxisNoiseError {
     Recording(#[from] RecordingError),
     /// Too little at rest.
     #[error(
-        "{column}: {seconds:.1} s at rest are too short to tell its noise; at least {needed:.0} s are needed\nhelp: a longer log of the unit lying still; three hours tell the random walk of most parts"
+        "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its noise needs at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions; three hours show the random walk of most parts"
     )]
     TooShort {
         /// The column.
         column: String,
-        /// Time at rest, s.
+        /// Time at rest in blocks with enough samples, s.
         seconds: f64,
+        /// Length of a block, s.
+        block_s: f64,
         /// Time needed, s.
         needed: f64,
     },
@@ -111,8 +113,9 @@ pub fn axis_noise(
     let period_s = recording.rate.period_s;
     let seconds = blocks.known().iter().filter(|known| **known).count() as f64 * period_s;
     if blocks.len() < FEWEST_BLOCKS {
-        let needed = FEWEST_BLOCKS as f64 * blocks.length_s;
-        return Err(AxisNoiseError::TooShort { column, seconds, needed });
+        let block_s = blocks.length_s;
+        let (seconds, needed) = (blocks.len() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
+        return Err(AxisNoiseError::TooShort { column, seconds, block_s, needed });
     }
     let y = blocks.means(&series.values);
     let constants = blocks.levels(turns);

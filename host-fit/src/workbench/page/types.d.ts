@@ -349,18 +349,23 @@ unit: string,
 verdict: Verdict,
 /** The outcome in a sentence. */
 sentence: string,
-/** What is missing, best first. */
+/** Missing effects, best first, then faults of the data. */
 findings: Array<Finding>,
 /** What else the log follows; leads and no findings. */
 leads: Array<Lead>,
 /** Effects that were tried and rejected, with their score; the nearest first. */
 rejected: Array<Rejected>,
-/** Effects that could not be tried, with the columns that would be needed. */
+/** Slow effects that were tested. Empty if the log allows no such test; the verdict is then never
+ * [`Verdict::NothingMissing`]. */
+tested: Array<string>,
+/** Effects that could not be tested, with the data that would be needed. */
 untested: Array<Untested>,
 /** The noise levels that the evidence rests on. */
 noise: NoiseReport,
 /** Why the answer should be taken with care. */
 cautions: Array<string>,
+/** Properties of the log that are neither faults nor reasons for doubt, as its duty cycle. */
+notes: Array<string>,
 /** When the unit was moved though it was meant to be at rest, in words. */
 moved: Array<string>, };
 
@@ -453,10 +458,11 @@ params: { [key in string]: number },
 params_interval: { [key in string]: [number | null, number | null] },
 /** Its size in data-sheet units, one per regressor. */
 sizes: Array<Size>,
-/** By how much −2 ln L falls with it. */
-gain: number,
-/** The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15). */
-score: number,
+/** By how much −2 ln L falls with it. None for faults of the data, which are counted and not weighed. */
+gain: number | null,
+/** The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
+ * None for faults of the data. */
+score: number | null,
 /** Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide). */
 expected_drop: number,
 /** Its 90 % interval. */
@@ -1101,11 +1107,11 @@ more: number, };
 export type Untested = {
 /** As in the library, as `thermal_lag`. */
 effect: string,
-/** What of its columns the log does not have, in words: that they are not there, begin too late, never change. */
+/** The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest. */
 needs: Array<string>, };
 
 /** The outcome in one word. */
-export type Verdict = "missing" | "nothing_missing" | "unexplained";
+export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enough_data";
 
 /** What is shown beside the measurements. */
 export type ViewKind = "one_step" | "coast" | "slow";

@@ -95,7 +95,9 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
         let is_known = half <= *typical || half <= UNKNOWN * size.value.abs();
         (!is_known).then(|| {
             let (half, typical) = (number(half), number(*typical));
-            format!("the log determines its size only to ±{half} {unit}; typical sizes are up to {typical} {unit}")
+            format!(
+                "the log determines its size only to ±{half} {unit}; typical sizes are up to {typical} {unit}"
+            )
         })
     })
 }

@@ -26,19 +26,19 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
       "header",
       { class: "finding-head" },
       el("span", { class: "rank" }, el("span", { class: "unseen" }, "Rank "), rank),
-      el("div", { class: "finding-name" }, el("h3", {}, capitalised(finding.name)), el("p", { class: "note" }, "score ", number(finding.score), " (9 is enough)")),
+      el("div", { class: "finding-name" }, el("h3", {}, capitalised(finding.name)), finding.score === null ? null : el("p", { class: "note" }, "score ", number(finding.score), " (9 is enough)")),
       adding(finding, offer, isBusy, context, axis),
     ),
-    offer && !offer.can_be_added && offer.why_not ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), offer.why_not) : null,
+    offer && !offer.can_be_added && offer.why_not && !finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), offer.why_not) : null,
     el(
       "div",
       { class: "finding-body" },
       el(
         "div",
         { class: "finding-words" },
-        finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "No claim. "), `${finding.doubt.charAt(0).toUpperCase()}${finding.doubt.slice(1)}.`) : null,
+        finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Not conclusive. "), `${finding.doubt.charAt(0).toUpperCase()}${finding.doubt.slice(1)}.`, card?.experiment ? [el("br", {}), el("b", {}, "To decide: "), card.experiment] : null) : null,
         mechanism ? el("p", { class: "mechanism" }, mechanism) : null,
-        fall(finding, band),
+        band === "data" ? null : fall(finding, band),
         el("dl", { class: "facts-list" }, facts(finding, offer)),
         shows(finding, context),
         rivals(finding),
@@ -50,7 +50,8 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
 }
 
 /** @param {Finding} finding @param {Offer | null} offer @param {boolean} isBusy @param {Context} context @param {string} axis */
-function adding({ effect, name }, offer, isBusy, { change, announce, goTo }, axis) {
+function adding({ effect, name, doubt }, offer, isBusy, { change, announce, goTo }, axis) {
+  if (doubt) return el("p", { class: "cannot" }, "Not conclusive");
   if (!offer?.can_be_added) return el("p", { class: "cannot" }, "Cannot be added");
   return el(
     "button",

@@ -2,7 +2,7 @@
 // Part 3: the answer, the effects that are missing in order, and what the answer rests on.
 
 import { el, icon, replace } from "../dom.js";
-import { count, number, quantity } from "../format.js";
+import { capitalised, count, number, quantity } from "../format.js";
 import { effectName, effectOf, readLibrary } from "../library.js";
 import { VERDICTS } from "../verdict.js";
 import { findingCard } from "./findingcard.js";
@@ -35,7 +35,11 @@ export function missingPart(context) {
       replace(verdict, diagnosis ? verdictElement(diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, state.job ? `This comes with the diagnosis: ${state.job.what} …` : "This axis has not been diagnosed yet.")));
       const entry = (/** @type {import("../types.js").Finding} */ finding, /** @type {number} */ at) =>
         findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, unit: diagnosis?.unit ?? "", isBusy, context, axis: axis?.column ?? "" });
-      replace(cards, diagnosis?.findings.map(entry) ?? []);
+      const entries = diagnosis?.findings.map(entry) ?? [];
+      // faults of the data come last, apart from the effects
+      const firstFault = diagnosis?.findings.findIndex(({ band }) => band === "data") ?? -1;
+      if (firstFault >= 0) entries.splice(firstFault, 0, el("li", { class: "faults" }, el("h3", {}, "Faults of the data")));
+      replace(cards, entries);
       cards.hidden = !diagnosis || diagnosis.findings.length === 0;
     }
     const nowMotion = JSON.stringify([state.logs, state.keeps_moved, hasEffects(state.axes)]);
@@ -72,7 +76,7 @@ export function missingPart(context) {
 function verdictElement({ verdict, sentence }) {
   const { title } = VERDICTS[verdict];
   // the sentence of this answer begins with its title
-  const says = sentence.startsWith(title) && verdict === "nothing_missing" ? sentence.replace(/^[^:.]*[:.]\s*/, "") : sentence;
+  const says = sentence.startsWith(title) && (verdict === "nothing_missing" || verdict === "not_enough_data") ? sentence.replace(/^[^:.]*[:.]\s*/, "") : sentence;
   return el("div", { class: `verdict ${verdict}`, "data-verdict": verdict }, icon(verdict), el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, says.charAt(0).toUpperCase() + says.slice(1))));
 }
 
@@ -105,7 +109,7 @@ function motionOf({ logs, keeps_moved: isKept, axes }, context) {
 
 /** What else is to be known of the answer. @param {Diagnosis} diagnosis */
 function restOf(diagnosis) {
-  const { cautions, leads, rejected, untested, noise, unit } = diagnosis;
+  const { cautions, notes, leads, rejected, tested, untested, noise, unit } = diagnosis;
   const levels = [
     ["white", quantity(noise.levels.white, unit)],
     ["flicker", quantity(noise.levels.flicker, unit)],
@@ -115,6 +119,7 @@ function restOf(diagnosis) {
     "div",
     { class: "grid two" },
     cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "To be taken with care"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
+    notes.length > 0 && el("div", { class: "card wide" }, el("h3", {}, "About the log"), el("ul", {}, notes.map((text) => el("li", {}, capitalised(text))))),
     leads.length > 0 &&
       el(
         "div",
@@ -137,10 +142,12 @@ function restOf(diagnosis) {
     el(
       "div",
       { class: "card" },
+      el("h3", {}, "Tested"),
+      el("p", { class: "note" }, tested.length === 0 ? "No slow effect could be tested on this log." : tested.map(effectName).join(", ")),
       el("h3", {}, "Not tested"),
       untested.length === 0
         ? el("p", { class: "note" }, "The log has every column that the library asks for.")
-        : [el("p", { class: "note" }, "What this log lacks to try these:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.map((column) => el("code", {}, column))))))],
+        : [el("p", { class: "note" }, "What this log lacks to try these:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.join(", ")))))],
       el("h3", {}, "Noise"),
       el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),

@@ -1,0 +1,105 @@
+//! An all-clear needs tests: whatever the length of a log and its share at rest.
+
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_simulate::{Simulation, simulate};
+
+use super::findings::verdict;
+use super::{DiagnoseError, Diagnosis, Question, Verdict, diagnose};
+use crate::effects::Library;
+
+/// A gyro and a thermometer at 50 Hz, at rest for this share of every ten seconds.
+fn log(seconds: f64, share_at_rest: f64, temperature: f64) -> Recording {
+    let simulation = Simulation { duration_s: seconds, rate_hz: 50.0, seed: 3, temperature, motion: false };
+    let mut columns = simulate(&simulation).columns;
+    columns.retain(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_str()));
+    let is_still = |time_s: &f64| f64::from(u8::from(time_s.rem_euclid(10.0) < 10.0 * share_at_rest));
+    let still = columns[0].1.iter().map(is_still).collect();
+    columns.push(("still".to_owned(), still));
+    Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a recording")
+}
+
+fn answer(field: &Recording) -> Result<Diagnosis, DiagnoseError> {
+    let library = Library::built_in();
+    diagnose(&Question {
+        field,
+        quiet: None,
+        judged: None,
+        target: "gx",
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library: &library,
+        given: &[],
+    })
+}
+
+/// Whether an answer says that nothing is missing though no slow effect was tested.
+fn is_empty_all_clear(answer: &Diagnosis) -> bool {
+    let is_untested = |id: &String| answer.untested.iter().any(|untested| untested.effect == *id);
+    answer.verdict == Verdict::NothingMissing && answer.tested.iter().all(is_untested)
+}
+
+#[test]
+fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
+    let mut verdicts = Vec::new();
+    for seconds in [1.0, 5.0, 12.0, 28.0, 31.0, 45.0, 90.0, 300.0] {
+        for share_at_rest in [0.0, 0.03, 0.3, 0.7, 1.0] {
+            let Ok(answer) = answer(&log(seconds, share_at_rest, 0.0)) else { continue };
+            assert!(!is_empty_all_clear(&answer), "{seconds} s, {share_at_rest}: {}", answer.sentence);
+            if answer.verdict == Verdict::NotEnoughData {
+                assert!(answer.sentence.contains("more than this log has"), "{}", answer.sentence);
+                // negative control: the rule of before, by which no finding is an all-clear
+                let before = verdict(&mut answer.findings.clone(), &answer.leads, true);
+                assert!(is_empty_all_clear(&Diagnosis { verdict: before, ..answer.clone() }));
+            }
+            verdicts.push(answer.verdict);
+        }
+    }
+    assert!(verdicts.contains(&Verdict::NotEnoughData) && verdicts.contains(&Verdict::NothingMissing));
+}
+
+/// They came before a drift with temperature, with a score of 10¹⁵⁴.
+#[test]
+fn dropped_samples_come_after_the_drift_and_have_no_score() {
+    let simulation =
+        Simulation { duration_s: 1200.0, rate_hz: 50.0, seed: 5, temperature: 1.0, motion: false };
+    let mut columns = simulate(&simulation).columns;
+    columns.retain(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_str()));
+    // bursts of losses at irregular times
+    for (_, values) in &mut columns {
+        let mut row = 0_usize;
+        values.retain(|_| {
+            row += 1;
+            row.wrapping_mul(row / 97) % 1009 > 60
+        });
+    }
+    let log =
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log");
+    assert!(log.samples_missing() > 100);
+    let answer = answer(&log).expect("a diagnosis");
+    let found: Vec<(&str, bool)> =
+        answer.findings.iter().map(|finding| (finding.effect.as_str(), finding.score.is_some())).collect();
+    assert_eq!(found, [("temp_linear", true), ("dropped_samples", false)], "{}", answer.sentence);
+    assert!(
+        answer.sentence.starts_with("Most likely missing: ") && answer.sentence.contains("dropped samples")
+    );
+}
+
+#[test]
+fn a_half_duty_log_is_noted_and_its_drift_is_named() {
+    let simulation =
+        Simulation { duration_s: 2200.0, rate_hz: 58.0, seed: 6, temperature: 1.0, motion: false };
+    let mut columns = simulate(&simulation).columns;
+    columns.retain(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_str()));
+    let awake: Vec<bool> = columns[0].1.iter().map(|time_s| time_s.rem_euclid(5.7) < 2.9).collect();
+    for (_, values) in &mut columns {
+        let mut awake = awake.iter();
+        values.retain(|_| *awake.next().expect("as many"));
+    }
+    let log =
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log");
+    let answer = answer(&log).expect("a diagnosis");
+    assert_eq!(answer.notes, ["recorded in 386 bursts of 2.9 s every 5.7 s"]);
+    let found: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
+    assert_eq!(found, ["temp_linear"], "{}", answer.sentence);
+}

@@ -1,0 +1,161 @@
+//! Effects that a log does not determine are refused, whatever the error is.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{RefineError, Refiner};
+use crate::detect::{Question, Verdict, estimate};
+use crate::effects::{Detector, Effect, Library};
+use crate::study::{LogSources, Refinement};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_fit::fit::{FitOptions, fit_axis, rest};
+
+const RATE_HZ: f64 = 10.0;
+
+/// Inputs of a log: their constant and the noise of their sensors, by column.
+const INPUTS: [(&str, f64, f64); 8] = [
+    ("ax_mps2", 0.1, 0.012),
+    ("ay_mps2", 0.2, 0.012),
+    ("az_mps2", 9.79, 0.012),
+    ("temp_c", 27.0, 0.02),
+    ("supply_v", 3.3, 1e-4),
+    ("load_pct", 20.0, 0.1),
+    ("mag_x_ut", 20.0, 0.3),
+    ("mag_z_ut", -40.0, 0.3),
+];
+
+/// Ten minutes in which every input is constant but for the noise of its sensor; `slope` of the temperature is in K/s, and
+/// the gyro follows `per_kelvin` of it, rad/s/K.
+fn log(name: &str, seed: u64, slope: f64, per_kelvin: f64) -> Recording {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut noise =
+        |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+    let rows = (600.0 * RATE_HZ) as usize;
+    let time: Vec<f64> = (0..rows).map(|row| row as f64 / RATE_HZ).collect();
+    let mut columns = vec![("t_s".to_owned(), time.clone())];
+    let rise = |time_s: f64| slope * time_s;
+    for (column, constant, deviation) in INPUTS {
+        let is_warm = f64::from(u8::from(column == "temp_c"));
+        let values =
+            time.iter().map(|time_s| constant + is_warm * rise(*time_s) + noise(deviation)).collect();
+        columns.push((column.to_owned(), values));
+    }
+    let gyro = time.iter().map(|time_s| 2e-4 + per_kelvin * rise(*time_s) + noise(1.5e-3)).collect();
+    columns.push(("gx_rads".to_owned(), gyro));
+    Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).expect("a recording")
+}
+
+/// The axis before anything is added.
+fn begin(refiner: &Refiner<'_>, quiet: &Recording) -> Refinement {
+    let options = FitOptions { max_lag: 2, ..FitOptions::default() };
+    let fit = fit_axis(quiet, &rest(quiet, options.train), "gx", &options).expect("a fit");
+    let logs = LogSources {
+        field: Source::made_by("field"),
+        quiet: Some(Source::made_by("quiet")),
+        judged: Some(Source::made_by("later")),
+        fitted_rows: refiner.fitted_rows(),
+        read: LoadOptions::default(),
+    };
+    let steps = vec![refiner.first_step(&fit.model).expect("a state")];
+    Refinement { column: "gx_rads".to_owned(), logs, steps }
+}
+
+/// Slow effects of the library that follow a logged column of a log without a reference.
+fn of_inputs(library: &Library) -> Vec<&Effect> {
+    let effects = library.effects().iter().filter(|effect| effect.search == Detector::Terms);
+    effects.filter(|effect| effect.strikes("gx_rads") && !effect.follows_clock_alone()).collect()
+}
+
+/// What an effect does to a model by the rule of before: whatever can be estimated is added. The effects for which it
+/// refuses nothing.
+fn can_be_estimated(field: &Recording, library: &Library) -> usize {
+    let question = Question {
+        field,
+        quiet: None,
+        judged: None,
+        target: "gx",
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library,
+        given: &[],
+    };
+    let estimated = |effect: &&Effect| estimate(&question, std::slice::from_ref(&effect.id)).is_ok();
+    of_inputs(library).into_iter().filter(estimated).count()
+}
+
+/// g-sensitivity was taken from one orientation, and the bias of the gyro grew thirteenfold.
+#[test]
+fn effects_whose_inputs_do_not_change_are_refused_and_the_study_stays() {
+    let (quiet, field, later) =
+        (log("quiet", 1, 0.0, 0.0), log("field", 2, 0.0, 0.0), log("later", 3, 0.0, 0.0));
+    let library = Library::built_in();
+    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
+    let refinement = begin(&refiner, &quiet);
+    let before = refinement.clone();
+    for effect in of_inputs(&library) {
+        let refused = refiner.add(&refinement, effect);
+        let Err(error) = refused else { panic!("{} was added", effect.id) };
+        let text = error.to_string();
+        assert!(text.contains("\nhelp: ") || text.contains("has no"), "{}: {text}", effect.id);
+    }
+    assert_eq!(refinement, before);
+    // negative control: what can be estimated is not refused by that alone
+    assert!(can_be_estimated(&field, &library) >= 5, "the table would pass whatever is added");
+}
+
+#[test]
+fn an_effect_that_the_log_determines_is_added_and_lowers_the_error() {
+    let coefficient = 2e-4;
+    let logs = [(4, 0.0), (5, 0.02), (6, -0.015)];
+    let [quiet, field, later] =
+        logs.map(|(seed, slope)| log(&format!("log {seed}"), seed, slope, coefficient));
+    let library = Library::built_in();
+    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
+    let mut refinement = begin(&refiner, &quiet);
+    let step = refiner.add(&refinement, library.get("temp_linear").expect("known")).expect("added");
+    let found = step.added.as_ref().expect("added").finding.correction[0].coefficient;
+    assert!((found / coefficient - 1.0).abs() < 0.05, "{found}");
+    refinement.steps.push(step);
+    assert!(refinement.steps[1].left.slow < 0.5 * refinement.steps[0].left.slow);
+}
+
+/// In the evaluation log the effect is not there: with it the error would grow.
+#[test]
+fn an_effect_that_makes_the_evaluation_log_worse_is_refused() {
+    let (quiet, field, later) =
+        (log("quiet", 7, 0.0, 0.0), log("field", 8, 0.02, 2e-4), log("later", 9, 0.04, 0.0));
+    let library = Library::built_in();
+    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
+    let refused = refiner.add(&begin(&refiner, &quiet), library.get("temp_linear").expect("known"));
+    assert!(matches!(refused, Err(RefineError::MakesWorse { .. })), "{refused:?}");
+}
+
+/// A study of before may hold an effect that its log did not determine.
+#[test]
+fn a_model_with_an_undetermined_effect_is_not_all_clear() {
+    let (quiet, field) = (log("quiet", 10, 0.0, 0.0), log("field", 11, 0.0, 0.0));
+    let library = Library::built_in();
+    let refiner = Refiner::new(&field, Some(&quiet), Some(&field), &library);
+    let mut refinement = begin(&refiner, &quiet);
+    assert_eq!(refiner.diagnose(&refinement).expect("a diagnosis").verdict, Verdict::NothingMissing);
+    let question = Question {
+        field: &field,
+        quiet: None,
+        judged: None,
+        target: "gx",
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library: &library,
+        given: &[],
+    };
+    let finding = estimate(&question, &["g_sensitivity".to_owned()]).expect("estimated").remove(0);
+    let effect = library.get("g_sensitivity").expect("known").clone();
+    let mut step = refinement.steps[0].clone();
+    step.added = Some(crate::study::Added { effect, finding, measured_reduction: 0.0 });
+    refinement.steps.push(step);
+    let answer = refiner.diagnose(&refinement).expect("a diagnosis");
+    assert_eq!(answer.verdict, Verdict::NotEnoughData, "{}", answer.sentence);
+}
