@@ -256,16 +256,17 @@ impl<'a> Refiner<'a> {
         mut progress: impl FnMut(&Diagnosis, Option<&RefinementStep>),
     ) -> Result<Vec<RefinementStep>, RefineError> {
         let mut refinement = refinement.clone();
-        let mut steps = Vec::new();
+        let (mut steps, mut refused) = (Vec::new(), Vec::new());
         // ends after MOST: each step fell on rows that were not fitted, but the next is estimated anew with all before
-        // it
+        // it; and a finding that is refused is not tried again
         while steps.len() < MOST {
             let diagnosis = self.diagnose(&refinement)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {
                 let effect = self.library.get(&finding.effect);
-                let can_be_added =
-                    effect.is_ok_and(|effect| self.can_add(&refinement.column, effect).is_ok());
-                !finding.correction.is_empty() && finding.doubt.is_none() && can_be_added
+                let can_be_added = effect
+                    .is_ok_and(|effect| self.can_add_finding(&refinement.column, effect, finding).is_ok());
+                let is_claim = !finding.correction.is_empty() && finding.doubt.is_none();
+                is_claim && can_be_added && !refused.contains(&finding.effect)
             });
             // two effects may cancel in part: the one that helps most alone comes first
             let best = worth_adding.max_by(|a, b| {
@@ -276,7 +277,13 @@ impl<'a> Refiner<'a> {
                 progress(&diagnosis, None);
                 break;
             };
-            let step = self.add_beside(&refinement, self.library.get(&best.effect)?, &diagnosis)?;
+            let step = match self.add_beside(&refinement, self.library.get(&best.effect)?, &diagnosis) {
+                Err(RefineError::NotIdentifiable { .. } | RefineError::MakesWorse { .. }) => {
+                    refused.push(best.effect.clone());
+                    continue;
+                }
+                step => step?,
+            };
             progress(&diagnosis, Some(&step));
             // on data that were not fitted it did not help: not worth its cost
             if step.added.as_ref().is_some_and(|added| added.measured_reduction <= 0.0) {
