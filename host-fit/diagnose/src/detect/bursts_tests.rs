@@ -66,7 +66,7 @@ fn a_short_log_says_what_it_cannot_tell_and_is_asked_for_the_rest() {
     let quiet = answer(&recording(columns.clone()));
     assert_eq!((quiet.verdict, quiet.findings.len()), (Verdict::NotEnoughData, 0));
     let untested = quiet.untested.iter().find(|untested| untested.effect == "temp_linear").expect("said");
-    assert_eq!(untested.needs, ["30 s at rest, 2 s more than this log has"]);
+    assert_eq!(untested.needs, ["30 s at rest, 3 s more than this log has"]);
     // samples that were lost
     for (_, values) in &mut columns {
         values.drain(9000..9100);

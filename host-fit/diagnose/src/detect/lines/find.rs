@@ -24,6 +24,10 @@ pub(crate) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
 /// Looks for lines in `error`, one value per row, among the rows that `known` marks.
 pub(super) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<Line> {
     let slow = slow_blocks(recording, known);
+    // drift would be taken for lines
+    if slow.is_empty() {
+        return Vec::new();
+    }
     let mut error = error.to_vec();
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
