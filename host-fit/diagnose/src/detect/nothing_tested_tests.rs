@@ -1,6 +1,8 @@
 //! An all-clear needs tests: whatever the length of a log and its share at rest.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_fit::noise::axis_noise;
 use fos_simulate::{Simulation, simulate};
 
 use super::findings::verdict;
@@ -102,4 +104,33 @@ fn a_half_duty_log_is_noted_and_its_drift_is_named() {
     assert_eq!(answer.notes, ["recorded in 386 bursts of 2.9 s every 5.7 s"]);
     let found: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
     assert_eq!(found, ["temp_linear"], "{}", answer.sentence);
+}
+
+/// Whether a message says that more time at rest is needed than there is; true of one that says nothing of it.
+fn asks_for_more(message: &str) -> bool {
+    let number_before =
+        |words: &str| -> Option<f64> { message.split_once(words)?.0.rsplit(' ').next()?.parse().ok() };
+    let needed = || message.split_once("at least ")?.1.split(' ').next()?.parse::<f64>().ok();
+    match (number_before(" s at rest"), needed()) {
+        (Some(has_s), Some(needed_s)) => has_s < needed_s,
+        _ => true,
+    }
+}
+
+/// "60.0 s at rest are too short; at least 20 s are needed": the rests were shorter than a block.
+#[test]
+fn refusals_of_short_logs_ask_for_more_than_the_log_has() {
+    let mut refusals = 0;
+    for (seconds, share_at_rest) in [(3.0, 1.0), (12.0, 1.0), (200.0, 0.005), (200.0, 0.02), (200.0, 0.1)] {
+        let log = log(seconds, share_at_rest, 0.0);
+        let diagnosis = answer(&log).err().map(|error| error.to_string());
+        let noise = axis_noise(&log, &stillness::find(&log), "gx").err().map(|error| error.to_string());
+        for message in diagnosis.into_iter().chain(noise) {
+            assert!(asks_for_more(&message), "{seconds} s, {share_at_rest}: {message}");
+            refusals += 1;
+        }
+    }
+    assert!(refusals >= 4, "{refusals}");
+    // negative control
+    assert!(!asks_for_more("gx: 60.0 s at rest are too short to tell its noise; at least 20 s are needed"));
 }
