@@ -4,11 +4,12 @@
 //! both is the true value of neither, and what a model would call the error is the difference.
 
 use crate::column::{ACCELEROMETERS, Column};
+use std::fmt;
 use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
-use crate::recording::{Recording, Reference};
+use crate::recording::{Boundary, Recording, Reference};
 use crate::statistics::{MAD_TO_SD, finite_median, mean, median};
 
 /// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias
@@ -88,31 +89,127 @@ pub(crate) const LEVEL_S: f64 = 5.0;
 const MOVED: f64 = 8.0;
 const LEAST_TILT_MPS2: f64 = 0.01;
 
+/// Without samples for so long, s, somebody may have picked the device up and put it down.
+const PAUSE_S: f64 = 1.0;
+
+/// A bias follows the temperature by at most this, m/s²/K: 1 mg/K, the worst coefficient of a data sheet.
+const BIAS_PER_K: f64 = 0.01;
+
+/// Share of a change of the level that may be a change of |a| though only the orientation changed: biases of 0.05 g and
+/// scale errors turn with the device.
+const NOT_CONSERVED: f64 = 0.1;
+
 /// The rows at rest from which on gravity may have another direction than before: after a motion that tilted the unit,
-/// or where a new log begins in another pose. `tilted` are rows of motions that are known to have tilted it.
+/// after a pause in which it may have been turned, or where a new log begins in another pose. `tilted` are rows of
+/// motions that are known to have tilted it.
 pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> Vec<usize> {
-    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(FEWEST_ROWS);
     let mut turns = Vec::new();
-    let mut before: Option<Range<usize>> = None;
-    for rest in recording.stretches_where(|row| still[row]) {
-        if rest.len() < FEWEST_ROWS {
-            continue;
-        }
-        let head = rest.start..rest.end.min(rest.start + length);
-        if let Some(tail) = before.replace(rest.start.max(rest.end.saturating_sub(length))..rest.end) {
-            let gap = tail.end..head.start;
-            let is_told = || tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
-            let has_turned = match gap.is_empty() {
-                // nobody moved it: a bias may have drifted
-                true => is_far(recording, &tail, &head),
-                false => is_told() || is_tilted(recording, &tail, &head),
-            };
-            if has_turned {
-                turns.push(head.start);
+    for (tail, head) in neighbouring_rests(recording, still) {
+        let gap = tail.end..head.start;
+        let has_turned = match gap.is_empty() {
+            // nobody moved it while it was recorded
+            true => is_far(recording, &tail, &head) || after_pause(recording, &tail, &head).is_some(),
+            false => {
+                let is_told = tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
+                is_told || is_tilted(recording, &tail, &head)
             }
+        };
+        if has_turned {
+            turns.push(head.start);
         }
     }
     turns
+}
+
+/// The last rows of each rest and the first of the next.
+fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize>, Range<usize>)> {
+    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(FEWEST_ROWS);
+    let rests =
+        recording.stretches_where(|row| still[row]).into_iter().filter(|rest| rest.len() >= FEWEST_ROWS);
+    let rests: Vec<Range<usize>> = rests.collect();
+    let tail = |rest: &Range<usize>| rest.start.max(rest.end.saturating_sub(length))..rest.end;
+    let head = |rest: &Range<usize>| rest.start..rest.end.min(rest.start + length);
+    rests.windows(2).map(|pair| (tail(&pair[0]), head(&pair[1]))).collect()
+}
+
+/// Levels of the accelerometers that are others after a pause, by less than makes another pose for certain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelsAfterPauses {
+    /// How many pauses.
+    pub count: usize,
+    /// End of the pause with the largest change, s as stamped.
+    pub time_s: f64,
+    /// Its duration, s.
+    pub pause_s: f64,
+    /// The change of the specific force, m/s².
+    pub change: f64,
+}
+
+impl fmt::Display for LevelsAfterPauses {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, time_s, pause_s, change } = self;
+        let tilt = (change / f64::from(GRAVITY_MPS2)).to_degrees();
+        match count {
+            1 => write!(f, "after a pause of {pause_s:.1} s, at {time_s:.1} s,")?,
+            count => write!(f, "after {count} pauses, most at {time_s:.1} s,")?,
+        }
+        write!(
+            f,
+            " the accelerometers show another level, by {change:.3} m/s², as a tilt of {tilt:.1}° would: orientation changed or bias step, indistinguishable across a pause; each side has a level of its own"
+        )
+    }
+}
+
+/// The level changes across pauses in which the device may have been tilted a little.
+pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<LevelsAfterPauses> {
+    let changes: Vec<(f64, usize)> = neighbouring_rests(recording, still)
+        .into_iter()
+        .filter(|(tail, head)| tail.end == head.start && !is_far(recording, tail, head))
+        .filter_map(|(tail, head)| Some((after_pause(recording, &tail, &head)?, head.start)))
+        .collect();
+    let (change, row) = *changes.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let pause_s = recording.time_s[row] - recording.time_s[row - 1];
+    Some(LevelsAfterPauses { count: changes.len(), time_s: recording.time_s[row], pause_s, change })
+}
+
+/// By how much the accelerometers show another level after a pause than before, m/s², where gravity in another direction
+/// explains it: beyond the noise and what a bias may do with the temperature, and without a change of |a|. One or two
+/// axes do not show |a|. `None` where samples are missing for less than a second, or there is no such change.
+fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> Option<f64> {
+    let at = recording.segments.binary_search_by_key(&after.start, |segment| segment.rows.start).ok()?;
+    let segment = &recording.segments[at];
+    let pause_s = segment.missing_before as f64 * recording.rate.period_s;
+    if pause_s < PAUSE_S && segment.boundary != Boundary::Recording {
+        return None;
+    }
+    let axes: Vec<&[f64]> = ACCELEROMETERS
+        .iter()
+        .filter_map(|name| recording.channel(name).ok())
+        .map(|c| &c.values[..])
+        .collect();
+    let level = |axis: &[f64], rows: &Range<usize>| {
+        let values: Vec<f64> = axis[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect();
+        let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+        let pairs = values.len().checked_sub(1).filter(|pairs| *pairs + 1 >= FEWEST_ROWS)? as f64;
+        Some((mean(&[&values]), squares / (2.0 * pairs) / values.len() as f64))
+    };
+    let (mut change, mut variance, mut squares) = (0.0, 0.0, [0.0; 2]);
+    for axis in &axes {
+        let ((was, error), (is, other)) = (level(axis, before)?, level(axis, after)?);
+        change += (is - was).powi(2);
+        variance += error + other;
+        squares[0] += was * was;
+        squares[1] += is * is;
+    }
+    let (change, error) = (change.sqrt(), f64::sqrt(variance));
+    let temperature =
+        |rows: &Range<usize>| finite_median(&recording.channel("temp_c").ok()?.values[rows.clone()]);
+    let warmer =
+        temperature(before).zip(temperature(after)).map_or(0.0, |(before, after)| (after - before).abs());
+    let has_moved = change > MOVED * error && change > LEAST_TILT_MPS2 + BIAS_PER_K * warmer;
+    let of_magnitude = (squares[1].sqrt() - squares[0].sqrt()).abs();
+    let is_conserved = axes.len() < 3 || of_magnitude < NOT_CONSERVED * change + MOVED * error;
+    (has_moved && is_conserved).then_some(change)
 }
 
 /// Whether a column shows a level that is nobody's to say: that of an accelerometer without a reference holds gravity, in
@@ -202,6 +299,7 @@ fn is_other(one: &[f64], other: &[f64]) -> bool {
 mod tests {
     use super::*;
     use crate::recording::{LoadOptions, Source};
+    use fos_testkit::noise::white_noise;
 
     const G: f64 = GRAVITY_MPS2 as f64;
 
@@ -245,5 +343,68 @@ mod tests {
         assert_eq!(first_two(&log(turned), &ACCELEROMETERS, &used).len(), 1);
         assert_eq!(columns_of(&log(turned), "ay_mps2"), ACCELEROMETERS);
         assert!(columns_of(&log(turned), "gx_rads").is_empty());
+    }
+
+    /// Two minutes at 50 Hz with a pause in the middle, noise of 0.012 m/s², the specific force of each half, °C of each.
+    fn with_pause(pause_s: f64, force: [[f64; 3]; 2], celsius: [f64; 2]) -> Recording {
+        let half = |row: usize| usize::from(row >= 3000);
+        let time_s: Vec<f64> = (0..6000).map(|k| k as f64 * 0.02 + pause_s * half(k) as f64).collect();
+        let noise: Vec<Vec<f64>> = (1..4).map(|seed| white_noise(seed, 6000)).collect();
+        let axis = |i: usize| (0..6000).map(|k| force[half(k)][i] + 0.012 * noise[i][k]).collect();
+        let axes = ACCELEROMETERS.into_iter().enumerate().map(|(i, name)| (name.to_owned(), axis(i)));
+        let temperature = ("temp_c".to_owned(), (0..6000).map(|k| celsius[half(k)]).collect());
+        let columns = std::iter::once(("t_s".to_owned(), time_s)).chain(axes).chain([temperature]).collect();
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
+    }
+
+    /// Which pauses and tilts, °, a rule that says where levels begin overlooks.
+    fn overlooked(rule: impl Fn(&Recording) -> Vec<usize>) -> Vec<(f64, f64)> {
+        let lying = [0.1, 0.2, 9.79];
+        let tilted = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            [lying[0] * cos + lying[2] * sin, lying[1], lying[2] * cos - lying[0] * sin]
+        };
+        let cases = [1.5, 5.0, 60.0]
+            .into_iter()
+            .flat_map(|pause_s| [0.5, 1.0, 3.0, 5.0, 8.0, 15.0].map(|degrees| (pause_s, degrees)));
+        let turns = |(pause_s, degrees): &(f64, f64)| {
+            rule(&with_pause(*pause_s, [lying, tilted(*degrees)], [25.0; 2]))
+        };
+        cases.filter(|case| turns(case) != [3000]).collect()
+    }
+
+    #[test]
+    fn each_side_of_a_pause_with_a_tilt_has_a_level_of_its_own() {
+        let at_rest = |log: &Recording| turns(log, &[true; 6000], &[]);
+        assert_eq!(overlooked(at_rest), []);
+        // negative control: another pose only where the levels are 6° apart
+        let far = |log: &Recording| {
+            let rests = neighbouring_rests(log, &[true; 6000]);
+            let far = rests.into_iter().filter(|(before, after)| is_far(log, before, after));
+            far.map(|(_, after)| after.start).collect()
+        };
+        assert_eq!(overlooked(far).len(), 12);
+    }
+
+    #[test]
+    fn a_level_change_that_no_tilt_explains_is_none() {
+        let lying = [0.1, 0.2, 9.79];
+        let found = |pause_s: f64, after: [f64; 3], celsius: [f64; 2]| {
+            turns(&with_pause(pause_s, [lying, after], celsius), &[true; 6000], &[]).len()
+        };
+        let tilted = [0.27, 0.2, 9.79];
+        assert_eq!(found(60.0, tilted, [25.0; 2]), 1);
+        assert_eq!(found(0.0, tilted, [25.0; 2]), 0, "recorded without a pause");
+        assert_eq!(found(60.0, [0.1, 0.2, 9.9], [25.0; 2]), 0, "|a| changed");
+        assert_eq!(found(60.0, lying, [25.0; 2]), 0);
+        assert_eq!(found(60.0, [0.2, 0.2, 9.79], [25.0, 37.0]), 0, "a bias may follow 12 K so far");
+    }
+
+    #[test]
+    fn says_that_a_tilt_and_a_step_are_indistinguishable_across_a_pause() {
+        let log = with_pause(60.0, [[0.1, 0.2, 9.79], [0.27, 0.2, 9.79]], [25.0; 2]);
+        let said = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
+        assert!(said.contains("after a pause of 60.0 s") && said.contains("tilt of 1.0°"), "{said}");
+        assert!(said.contains("orientation changed or bias step, indistinguishable"), "{said}");
     }
 }

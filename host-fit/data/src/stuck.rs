@@ -1,41 +1,93 @@
-//! Stretches in which an axis holds its value although it measures noise: a register that was not renewed.
+//! Stretches in which an axis holds its value although it measures noise: a register that was not renewed. One rule for
+//! any length; what it marks is excluded from fits and diagnoses.
 
 use std::ops::Range;
 
 /// Shorter repeats are left to chance.
 const FEWEST: usize = 10;
 
-/// Chance makes one run of so many repeats in so many logs, by the share of neighbours that are equal.
+/// Chance makes one run of so many repeats in so many logs.
 const ODDS: f64 = 1e-4;
 
-/// Repeats that are so many times as long as the longest of nearly all others are none of a converter with coarse steps.
+/// A value that is held so many times as long as nearly all others is none of a sensor that is read more often than it
+/// measures, or of a converter with coarse steps.
 const LONGER: usize = 3;
 
-/// A converter with coarse steps makes so many runs of repeats at least.
-const RUNS_OF_A_CONVERTER: usize = 100;
+/// Least share of changes by two steps and more that shows how large the noise is beside the step: that of steps of 4
+/// standard deviations. With coarser ones a value stays for as long as it likes.
+const LEAST_TWO_STEPS: f64 = 1e-3;
 
-/// More than this share of the values: coarse steps, or a sensor that is read more often than it measures.
-const MOST: f64 = 0.02;
+/// Share of the rows at rest from which on an axis that is stuck is refused: less than it hides is left.
+pub(crate) const REFUSED_SHARE: f64 = 0.5;
 
-/// The rows, within `stretches` without gaps, that repeat a value for longer than chance would have it; the first of
-/// each run is a measurement and not among them.
+/// Changes of fewer rows than this say nothing of noise and step: the axis holds one value.
+pub(crate) const FEWEST_CHANGES: usize = 10;
+
+/// The rows, within `stretches` without gaps, that repeat a value for longer than the noise and the step of the axis let
+/// expect; the first of each run is a measurement and not among them.
+///
+/// Steps of r standard deviations leave neighbours equal most often where the mean lies on a code: with probability
+/// (1 − 2Q)² + 2Q², Q the tail beyond half a step, and 2Q² of the changes are then of two steps. So the changes alone,
+/// which a stuck stretch has none of, bound how often chance repeats a value.
 pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
+    let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let runs: Vec<Range<usize>> = stretches.iter().flat_map(|rows| repeats(values, rows.clone())).collect();
     let known: usize = stretches.iter().map(Range::len).sum();
+    let by_chance = ((ODDS / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
+    let least = by_chance.max(FEWEST).max(LONGER * usual(&runs, known));
+    runs.into_iter().filter(|run| run.len() >= least).collect()
+}
+
+/// Largest probability that noise leaves a value as it is, by the changes of two steps and more; `None` where there are
+/// too few to say.
+fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
+    let (two_steps, pairs) = two_step_changes(values, stretches)?;
+    // three standard errors fewer: too few make the bound on repeats larger
+    let share = (two_steps - 3.0 * two_steps.sqrt()) / pairs;
+    if share < LEAST_TWO_STEPS {
+        return None;
+    }
+    let tail = (share / 2.0).sqrt().min(1.0 / 3.0);
+    Some((1.0 - 2.0 * tail).powi(2) + 2.0 * tail * tail)
+}
+
+/// How many changes from one value to the next are of more than one step, and of how many neighbours.
+fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, f64)> {
+    let pairs = || stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
+    let mut changes: Vec<f64> = pairs().map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();
+    if changes.len() < FEWEST_CHANGES {
+        return None;
+    }
+    let low = changes.len() / 10;
+    let step = *changes.select_nth_unstable_by(low, f64::total_cmp).1;
+    let two_steps = changes.iter().filter(|change| **change > 1.5 * step).count();
+    Some((two_steps as f64, pairs().count() as f64))
+}
+
+/// The step of an axis that is coarser than about 2.5 standard deviations of its noise: values change, and nearly always
+/// by one step.
+pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
+    /// Of the neighbours, with steps of 2.5 standard deviations and the mean on a code.
+    const SHARE: f64 = 0.022;
+    let (two_steps, pairs) = two_step_changes(values, stretches)?;
+    if two_steps > SHARE * pairs {
+        return None;
+    }
+    let changes = stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
+    let changes = changes.map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    crate::statistics::median_of(changes)
+}
+
+/// For how many repeats nearly every value of a sensor that holds its values stays; 0 where most values stand alone.
+fn usual(runs: &[Range<usize>], known: usize) -> usize {
+    let in_runs: usize = runs.iter().map(|run| run.len() + 1).sum();
+    if runs.len() < known.saturating_sub(in_runs) {
+        return 0;
+    }
     let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
     lengths.sort_unstable();
-    // of a few repeats in a whole log none is usual
-    let usual = match lengths.len() {
-        0..RUNS_OF_A_CONVERTER => 0,
-        count => lengths[count - 4 - count / 1000],
-    };
-    let is_equal = lengths.iter().filter(|length| **length <= usual).sum::<usize>().max(1);
-    let share = (is_equal as f64 / known.max(1) as f64).clamp(1e-3, 0.999);
-    let by_chance = ((ODDS / known.max(1) as f64).ln() / share.ln()).ceil() as usize;
-    let least = by_chance.max(FEWEST).max(LONGER * usual);
-    let stuck: Vec<Range<usize>> = runs.into_iter().filter(|run| run.len() >= least).collect();
-    let is_few = (stuck.iter().map(Range::len).sum::<usize>() as f64) < MOST * known as f64;
-    if is_few { stuck } else { Vec::new() }
+    let rare = 4 + lengths.len() / 1000;
+    lengths.len().checked_sub(rare).and_then(|at| lengths.get(at)).copied().unwrap_or(usize::MAX / LONGER)
 }
 
 /// Rows that have the value of the one before them, run by run.
@@ -74,11 +126,55 @@ mod tests {
     #[test]
     fn coarse_steps_and_doubled_samples_are_not_stuck() {
         let noise = white_noise(2, 50_000);
-        let coarse: Vec<f64> = noise.iter().map(|value| (value / 3.0).round()).collect();
-        let doubled: Vec<f64> = (0..noise.len()).map(|row| noise[row - row % 2]).collect();
-        let held: Vec<f64> = (0..noise.len()).map(|row| noise[row - row % 20]).collect();
-        for values in [noise, coarse, doubled, held, vec![1.0; 5000]] {
-            assert!(found(&values).is_empty());
+        let coarse = |step: f64| noise.iter().map(|value| (value / step).round()).collect();
+        let held = |rows: usize, n: usize| (0..n).map(|row| noise[row - row % rows]).collect();
+        let logs: [Vec<f64>; 10] = [
+            noise.clone(),
+            coarse(2.0),
+            coarse(3.0),
+            coarse(4.0),
+            coarse(6.0),
+            held(2, 50_000),
+            held(20, 50_000),
+            held(20, 1000),
+            held(100, 5000),
+            vec![1.0; 5000],
+        ];
+        for (at, values) in logs.into_iter().enumerate() {
+            assert_eq!(found(&values), [], "log {at}");
         }
+    }
+
+    /// Rows of 20,000 that are found stuck, of a value held for `share` of them by a sensor of steps of `step` standard
+    /// deviations.
+    fn share_found(rule: impl Fn(&[f64]) -> usize, share: f64, step: f64) -> f64 {
+        let mut values: Vec<f64> = white_noise(7, 20_000).iter().map(|v| (v / step).round() * step).collect();
+        let rows = (share * 20_000.0) as usize;
+        let held = values[5000];
+        values[5000..=5000 + rows].fill(held);
+        rule(&values) as f64 / rows as f64
+    }
+
+    /// Shares of a log from a thousandth to a half, at steps of 0.01 to 3 standard deviations.
+    fn misses(rule: impl Fn(&[f64]) -> usize) -> Vec<(f64, f64)> {
+        let shares = [0.001, 0.005, 0.015, 0.025, 0.05, 0.09, 0.11, 0.2, 0.35, 0.5];
+        let steps = [0.01, 0.3, 1.0, 2.0];
+        let cases = shares.iter().flat_map(|share| steps.map(|step| (*share, step)));
+        // 20 rows are too few to be told from the repeats of coarse steps
+        let cases = cases.filter(|(share, step)| *share > 0.001 || *step < 0.5);
+        cases.filter(|(share, step)| !(0.99..1.1).contains(&share_found(&rule, *share, *step))).collect()
+    }
+
+    #[test]
+    fn finds_a_held_value_at_any_share_of_the_log() {
+        let rows = |values: &[f64]| found(values).iter().map(Range::len).sum();
+        assert_eq!(misses(rows), []);
+        // negative control: a rule that gives up where more than a fiftieth is stuck
+        let gives_up = |values: &[f64]| match rows(values) {
+            rows if rows * 50 > values.len() => 0,
+            rows => rows,
+        };
+        let missed = misses(gives_up);
+        assert!(missed.len() > 20, "{missed:?}");
     }
 }

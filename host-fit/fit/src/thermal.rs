@@ -136,8 +136,10 @@ impl ThermalTable {
         let (cleaned, _) = recording.only_measurements(column, 0..recording.n_rows(), known);
         let series = cleaned.error_series(column)?;
         let known = known.iter().zip(series.values.iter()).map(|(known, value)| *known && value.is_finite());
-        let blocks = Blocks::new(recording, length_s, known.collect());
-        if blocks.len() < FEWEST_BLOCKS {
+        let is_unknown = pose::has_unknown_level(column, &series.reference);
+        let turns = if is_unknown { &stillness.turns[..] } else { &[] };
+        let blocks = Blocks::with_levels(recording, length_s, known.collect(), turns);
+        if blocks.beyond_levels() < FEWEST_BLOCKS {
             return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.len() });
         }
         let y = blocks.means(&series.values);
@@ -149,22 +151,14 @@ impl ThermalTable {
                 temperature.iter().map(|t| ((t - self.reference_c()) / half).powi(k)).collect();
             blocks.means(&powers)
         };
-        let is_unknown = pose::has_unknown_level(column, &series.reference);
-        let turns = if is_unknown { &stillness.turns[..] } else { &[] };
-        let mut columns = blocks.levels(turns);
-        let levels = columns.len();
+        let mut columns = vec![vec![1.0; blocks.len()]];
         columns.extend((1..=3).map(power));
         let regressors: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let prior = LevelPrior::of_log(&blocks, &y);
         let regression = Regression { blocks: &blocks, y: &y, regressors: &regressors, prior: &prior };
         let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean)).gls.coefficients();
         let constant = if is_unknown { 0.0 } else { mean + fitted[0] };
-        Ok([
-            constant,
-            fitted[levels] / half,
-            fitted[levels + 1] / (half * half),
-            fitted[levels + 2] / half.powi(3),
-        ])
+        Ok([constant, fitted[1] / half, fitted[2] / (half * half), fitted[3] / half.powi(3)])
     }
 
     /// The middle of its range, °C.

@@ -171,15 +171,14 @@ pub fn estimate(
     let reduced = ErrorInBlocks::of(&log, column)?;
     let blocks = &reduced.blocks;
     let seconds = blocks.samples() as f64 * blocks.period_s;
-    if blocks.len() < FEWEST_BLOCKS {
+    if blocks.beyond_levels() < FEWEST_BLOCKS {
         let (column, block_s) = (column.to_owned(), blocks.length_s);
-        let (seconds, needed) = (blocks.len() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
+        let (seconds, needed) = (blocks.beyond_levels() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
         return Err(EstimateError::TooShort { column, seconds, block_s, needed });
     }
     let has_bias = !pose::has_unknown_level(column, &log.error_series(column)?.reference);
-    let levels = blocks.levels(if has_bias { &[] } else { &log.turns });
     let inputs = Inputs::new(&log);
-    let mut columns = levels.clone();
+    let mut columns = vec![vec![1.0; blocks.len()]];
     for text in regressors {
         let unknown = |reason| EstimateError::Regressor { regressor: text.clone(), reason };
         let regressor = Regressor::parse(text).map_err(unknown)?;
@@ -197,7 +196,7 @@ pub fn estimate(
     let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean));
 
     let (all, covariance) = (fitted.gls.coefficients(), fitted.gls.covariance());
-    let named = |index: usize| match index.checked_sub(levels.len()) {
+    let named = |index: usize| match index.checked_sub(1) {
         Some(of_regressor) => Some((regressors[of_regressor].clone(), all[index])),
         None => has_bias.then(|| (BIAS.to_owned(), all[index] + mean)),
     };

@@ -169,7 +169,15 @@ fn print_noise(axes: &[AxisNoise]) {
             duration(needed)
         );
     }
-    for axis in axes.iter().filter(|axis| axis.levels.flicker.value.is_none()) {
+    for (axis, step) in axes.iter().filter_map(|axis| Some((axis, axis.step?))) {
+        print_line!(
+            "  {}: the sensor's step, {}, hides the noise; N is at most {} (95 %). Choose a finer range of the sensor",
+            axis.column,
+            number(step),
+            number(axis.levels.white.high)
+        );
+    }
+    for axis in axes.iter().filter(|axis| axis.levels.flicker.value.is_none() && axis.step.is_none()) {
         print_line!(
             "  {}: no flicker noise shows between N and K; B is at most {} (95 %)",
             axis.column,

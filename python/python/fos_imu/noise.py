@@ -73,6 +73,7 @@ class AxisNoise:
         walk: K, rate random walk: the bias moves by K·√t in t seconds.
         walk_needs_s: How long a log would have to be to tell more of a walk that was not seen, s.
         allan: Allan deviation; none of its differences reaches over a gap or a motion.
+        step: Step of the converter where it hides the noise: N, B and K are then limits.
     """
 
     column: str
@@ -85,6 +86,7 @@ class AxisNoise:
     walk: Level
     walk_needs_s: float | None
     allan: tuple[AllanPoint, ...]
+    step: float | None = None
 
     def to_pandas(self) -> pandas.DataFrame:
         """The Allan deviation, one row an averaging time."""

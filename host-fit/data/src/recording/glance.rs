@@ -8,9 +8,10 @@ use std::ops::Range;
 
 use super::{FailedReads, Recording};
 use crate::interrupt::in_parallel;
+use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
-use crate::stuck::stuck;
+use crate::stuck::{FEWEST_CHANGES, REFUSED_SHARE, coarse_step, stuck};
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
 const GRAVITY: f64 = 9.806_65;
@@ -18,9 +19,6 @@ const GRAVITY_WITHIN: f64 = 0.15;
 
 /// A rate at rest that no bias reaches, rad/s: 57 °/s.
 const RATE_AT_REST: f64 = 1.0;
-
-/// A value that stays for more than this share of the log is stuck.
-const STUCK_SHARE: f64 = 0.1;
 
 /// Logs of which the noise differs by more than this factor are not of one unit in one place.
 const NOISE_RATIO: f64 = 3.0;
@@ -31,7 +29,7 @@ const RATE_DIFFERS: f64 = 2e-3;
 /// Something about a log that cannot be right.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Oddity {
-    /// All values of an axis are the same, or so for a tenth of the log and more.
+    /// An axis holds one value throughout, or is stuck for half of the log and more.
     Stuck {
         /// As in the log format, as `gx_rads`.
         column: String,
@@ -49,15 +47,26 @@ pub enum Oddity {
         /// The worst: its time as stamped, s, its value, and by how many standard deviations it is off.
         worst: [f64; 3],
     },
-    /// An axis held its value for a while, now and then.
+    /// An axis held its value for a while, now and then; those rows are excluded.
     Held {
         /// As in the log format, as `gx_rads`.
         column: String,
-        /// How often, and for how long all together, s.
+        /// How often.
         times: usize,
-        /// All together, s.
+        /// Total duration, s.
         seconds: f64,
+        /// Start and duration of the longest, s.
+        longest: [f64; 2],
     },
+    /// An axis whose steps are coarser than its noise.
+    CoarseAxis {
+        /// As in the log format, as `gx_rads`.
+        column: String,
+        /// The step, in the column's unit.
+        step: f64,
+    },
+    /// The accelerometers show another level after a pause.
+    LevelAfterPause(LevelsAfterPauses),
     /// Readings of a thermometer that failed.
     FailedReads(FailedReads),
     /// A thermometer of coarse steps.
@@ -102,16 +111,27 @@ impl fmt::Display for Oddity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stuck { column, value, seconds: [stuck, all] } => {
-                write!(f, "{column} is {value} for {stuck:.1} s of {all:.1} s: stuck, or not connected")
+                write!(
+                    f,
+                    "{column} repeats one value, {value}, for {stuck:.1} s of {all:.1} s: stuck, or not connected"
+                )
             }
             Self::Spikes { column, count, worst: [time_s, value, times] } => write!(
                 f,
                 "{column}: {count} samples are no measurements, as {value:e} at {time_s:.3} s, {times:.0} standard deviations off; fits and diagnoses leave them out"
             ),
-            Self::Held { column, times, seconds } => write!(
+            Self::Held { column, times, seconds, longest: [from_s, longest_s] } => {
+                write!(f, "{column} repeats one value for {longest_s:.1} s from {from_s:.1} s: excluded")?;
+                match times - 1 {
+                    0 => Ok(()),
+                    others => write!(f, ", with {others} shorter repeats; {seconds:.1} s in all"),
+                }
+            }
+            Self::CoarseAxis { column, step } => write!(
                 f,
-                "{column}: stuck {times} times, for {seconds:.1} s together; fits and diagnoses leave that out"
+                "{column} moves in steps of {step:.3e}, coarser than its noise: changes smaller than a step are hidden; choose a finer range of the sensor"
             ),
+            Self::LevelAfterPause(levels) => levels.fmt(f),
             Self::FailedReads(FailedReads { column, rows, share, said }) => {
                 let said: Vec<String> = said.iter().map(f64::to_string).collect();
                 write!(
@@ -163,6 +183,9 @@ impl Recording {
             Some(Oddity::CoarseSteps { column: channel.name.clone(), step })
         }));
         found.extend(self.not_gravity(still));
+        if wanted.iter().any(|axis| has_unknown_level(self, axis)) {
+            found.extend(pose::after_pauses(self, still).map(Oddity::LevelAfterPause));
+        }
         found.extend(self.rates_differ(&self.power_ons()));
         found
     }
@@ -184,17 +207,12 @@ impl Recording {
         if !wanted.contains(&axis) {
             return found;
         }
-        found.extend(self.stuck(axis));
         if let Some(Spikes { rows, worst: (row, value, times) }) = self.spikes(axis, 0..self.n_rows(), still)
         {
             let (column, worst) = (axis.to_owned(), [self.time_s[row], value, times]);
             found.push(Oddity::Spikes { column, count: rows.len(), worst });
         }
-        let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
-        if !stuck.is_empty() {
-            let seconds = stuck.iter().map(Range::len).sum::<usize>() as f64 * self.rate.period_s;
-            found.push(Oddity::Held { column: axis.to_owned(), times: stuck.len(), seconds });
-        }
+        found.extend(self.repeats(axis, still));
         let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
         let rates = (0..self.n_rows()).filter(at_rest).map(|row| values[row]);
         let no_reference = self.channel(&Column::named(axis).reference()).is_err();
@@ -253,18 +271,55 @@ impl Recording {
         self.channel(column).map_or(&[], |channel| &channel.values)
     }
 
-    fn stuck(&self, axis: &str) -> Option<Oddity> {
-        let (mut known, mut run, mut longest) = (0_usize, (f64::NAN, 0_usize), (f64::NAN, 0_usize));
-        for value in self.values(axis).iter().copied().filter(|value| !value.is_nan()) {
-            known += 1;
-            run = if value == run.0 { (value, run.1 + 1) } else { (value, 1) };
-            // the last of runs as long as each other
-            longest = if run.1 >= longest.1 { run } else { longest };
+    /// The value that an axis is stuck at, and for how long of the time at rest, s: it has one value throughout, or
+    /// repeats one improbably for so long that the log is refused. Steps coarser than the noise are no such axis.
+    pub fn stuck_axis(&self, axis: &str, still: &[bool]) -> Option<(f64, [f64; 2])> {
+        let values = self.values(axis);
+        let first = values.iter().copied().find(|value| !value.is_nan())?;
+        let at_rest = |row: &usize| still[*row] && !values[*row].is_nan();
+        let known = (0..values.len()).filter(at_rest).count();
+        let seconds = |rows: usize| rows as f64 * self.rate.period_s;
+        if values.iter().all(|value| value.is_nan() || *value == first) {
+            let is_stuck = self.hidden_step(axis, still).is_none();
+            return is_stuck.then(|| (first, [seconds(known), seconds(known)]));
         }
-        let (value, length) = longest;
-        let seconds = [length as f64 * self.rate.period_s, known as f64 * self.rate.period_s];
-        let is_stuck = length as f64 > STUCK_SHARE * known as f64 && length > 10;
-        is_stuck.then(|| Oddity::Stuck { column: axis.to_owned(), value, seconds })
+        let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
+        let rows: usize = stuck.iter().map(Range::len).sum();
+        let longest = stuck.iter().max_by_key(|rows| rows.len())?;
+        let is_refused = rows as f64 >= REFUSED_SHARE * known as f64;
+        is_refused.then(|| (values[longest.start], [seconds(rows), seconds(known)]))
+    }
+
+    /// The step of an axis, in its unit, where it is so coarse that it hides the noise: its own; of one with a single
+    /// value that of another axis of its triad, whose steps are as coarse.
+    pub fn hidden_step(&self, axis: &str, still: &[bool]) -> Option<f64> {
+        let stretches = self.stretches_where(|row| still[row]);
+        let own = |axis: &str| coarse_step(self.values(axis), &stretches);
+        let values = self.values(axis);
+        let changes = values.windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count();
+        if changes >= FEWEST_CHANGES {
+            return own(axis);
+        }
+        let (triad, _) = Column::named(axis).place()?;
+        let others = AXES.into_iter().filter(|other| *other != axis);
+        let of_triad = others.filter(|other| Column::named(other).place().is_some_and(|(of, _)| of == triad));
+        of_triad.filter_map(own).reduce(f64::max)
+    }
+
+    fn repeats(&self, axis: &str, still: &[bool]) -> Option<Oddity> {
+        let column = axis.to_owned();
+        if let Some((value, seconds)) = self.stuck_axis(axis, still) {
+            return Some(Oddity::Stuck { column, value, seconds });
+        }
+        if let Some(step) = self.hidden_step(axis, still) {
+            return Some(Oddity::CoarseAxis { column, step });
+        }
+        let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
+        let seconds = |rows: usize| rows as f64 * self.rate.period_s;
+        let longest = stuck.iter().max_by_key(|rows| rows.len())?;
+        let longest = [self.time_s[longest.start], seconds(longest.len())];
+        let all = stuck.iter().map(Range::len).sum();
+        Some(Oddity::Held { column, times: stuck.len(), seconds: seconds(all), longest })
     }
 
     fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
@@ -296,6 +351,11 @@ impl Recording {
         let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
         differs.then_some(Oddity::RatesDiffer { rates_hz: [*first, *other] })
     }
+}
+
+/// Whether an axis is an accelerometer of the log without a reference.
+fn has_unknown_level(recording: &Recording, axis: &str) -> bool {
+    recording.error_series(axis).is_ok_and(|series| pose::has_unknown_level(axis, &series.reference))
 }
 
 /// The median of `values` if it is unusual. Where fewer than half of them are it cannot be, and nothing is sorted.

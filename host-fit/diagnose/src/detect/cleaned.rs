@@ -4,7 +4,9 @@ use fos_data::column::Column;
 use fos_data::disturbance::{self, Disturbance};
 use std::borrow::Cow;
 
+use super::prepared::STAIRS;
 use super::question::{DiagnoseError, Question};
+use fos_data::case::DataSheet;
 use fos_data::recording::{Oddity, Recording};
 
 /// The logs of a question, cleaned.
@@ -30,11 +32,12 @@ impl<'a> Cleaned<'a> {
     ///
     /// # Errors
     ///
-    /// The column to explain is missing, or its value is always the same.
+    /// The column to explain is missing or stuck.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
         let column = question.field.axis(question.target)?.name.clone();
-        let field = Log::of(question.field, &column)?;
-        let quiet = question.quiet.map(|quiet| Log::of(quiet, &column)).transpose()?;
+        let is_coarse = has_coarse_steps(question);
+        let field = Log::of(question.field, &column, is_coarse)?;
+        let quiet = question.quiet.map(|quiet| Log::of(quiet, &column, false)).transpose()?;
         let judged = question.judged.map(|judged| disturbance::marked(judged).0);
         Ok(Self { column, field, quiet, judged })
     }
@@ -60,15 +63,15 @@ impl<'a> Cleaned<'a> {
 }
 
 impl<'a> Log<'a> {
-    fn of(whole: &'a Recording, column: &str) -> Result<Self, DiagnoseError> {
-        let values = &whole.channel(column)?.values;
-        let mut known = values.iter().filter(|value| !value.is_nan());
-        if let Some(value) = known.next().filter(|first| known.all(|value| value == *first)) {
-            return Err(DiagnoseError::Stuck { column: column.to_owned(), value: *value });
-        }
+    fn of(whole: &'a Recording, column: &str, is_coarse: bool) -> Result<Self, DiagnoseError> {
         let (at_rest, disturbances) = disturbance::marked(whole);
         // a wild sample is no motion, whatever a detector of motion makes of it
         let still = at_rest.still.clone().unwrap_or_else(|| vec![true; whole.n_rows()]);
+        if let Some((value, [seconds, all_s])) = whole.stuck_axis(column, &still)
+            && !(is_coarse && seconds == all_s)
+        {
+            return Err(DiagnoseError::Stuck { column: column.to_owned(), value, seconds, all_s });
+        }
         let without = match at_rest {
             Cow::Borrowed(whole) => whole.only_measurements(column, 0..whole.n_rows(), &still).0,
             Cow::Owned(marked) => {
@@ -80,10 +83,19 @@ impl<'a> Log<'a> {
 
     fn cautions(&self, column: &str) -> Vec<String> {
         let bears = |oddity: &Oddity| match oddity {
-            Oddity::NotGravity { .. } => Column::named(column).is_specific_force(),
+            Oddity::NotGravity { .. } | Oddity::LevelAfterPause(_) => {
+                Column::named(column).is_specific_force()
+            }
             _ => true,
         };
         let odd = self.whole.oddities_about(&[column], &self.still);
         odd.iter().filter(|oddity| bears(oddity)).map(ToString::to_string).collect()
     }
+}
+
+/// Whether a step of the axis that is known hides the noise that the data sheet gives: it may show one value at rest.
+fn has_coarse_steps(question: &Question<'_>) -> bool {
+    // a density is one-sided
+    let noise = |sheet: DataSheet| sheet.noise_density / (2.0 * question.field.rate.period_s).sqrt();
+    question.lsb.zip(question.sheet).is_some_and(|(lsb, sheet)| lsb > STAIRS * noise(sheet))
 }

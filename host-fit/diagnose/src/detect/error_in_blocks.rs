@@ -4,12 +4,11 @@ use std::ops::Range;
 
 use super::faults::Fault;
 use super::question::is_bias_known;
-use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError, Reference};
 use fos_data::statistics::median;
 use fos_fit::evaluate::SLOW_BLOCK_S;
-use fos_fit::noise::{Blocks, length_for};
-use fos_fit::signal::{self, centred};
+use fos_fit::noise::{Blocks, length_for, length_with_levels_for};
+use fos_fit::signal;
 
 /// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
 /// another mean.
@@ -27,8 +26,6 @@ pub struct ErrorInBlocks {
     pub blocks: Blocks,
     /// Block means of the error.
     pub means: Vec<f64>,
-    /// Blocks from which on the level may be another: where gravity turned under an accelerometer without a reference.
-    level_starts: Vec<usize>,
     /// Most samples lie near a stop: what is left away from it says nothing of the bias.
     pub clipped_through: bool,
 }
@@ -45,7 +42,7 @@ impl ErrorInBlocks {
 
     /// The same without the rows that `faults` spoil.
     pub(crate) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
-        Self::in_blocks_of(recording, column, faults, length_for(recording))
+        Self::in_blocks_of(recording, column, faults, length_s(recording, column))
     }
 
     /// The same over those rows only that `inputs_known` marks too.
@@ -55,7 +52,7 @@ impl ErrorInBlocks {
         faults: &[Fault],
         inputs_known: &[bool],
     ) -> Result<Self, RecordingError> {
-        Self::over(recording, column, faults, length_for(recording), |row| inputs_known[row])
+        Self::over(recording, column, faults, length_s(recording, column), |row| inputs_known[row])
     }
 
     /// The same in the blocks of the slow error.
@@ -110,20 +107,10 @@ impl ErrorInBlocks {
         let unclipped = known.iter().filter(|known| **known).count();
         let all: Vec<bool> = (0..recording.n_rows()).map(|row| is_candidate(row, vouched)).collect();
         let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
-        let mut counts = if clipped_through { all } else { known };
-        let turns = if is_bias_known(recording, column) { &[][..] } else { &recording.turns };
-        let mut blocks = Blocks::new(recording, length_s, counts.clone());
-        if !turns.is_empty() {
-            // a block is of one level: of that after the turn
-            for block in &blocks.blocks {
-                let inside = turns.iter().filter(|turn| block.rows.contains(turn));
-                inside.for_each(|turn| counts[block.rows.start..*turn].fill(false));
-            }
-            blocks = Blocks::new(recording, length_s, counts);
-        }
+        let counts = if clipped_through { all } else { known };
+        let blocks = Blocks::with_levels(recording, length_s, counts, turns(recording, column));
         let means = blocks.means(&series.values);
-        let level_starts = level_starts(&blocks, turns);
-        Ok(Self { error: series.values.into_owned(), blocks, means, level_starts, clipped_through })
+        Ok(Self { error: series.values.into_owned(), blocks, means, clipped_through })
     }
 
     /// The same with the noise of each block that of the shaking in it.
@@ -140,21 +127,9 @@ impl ErrorInBlocks {
         (sum / f64::from(count.max(1)) / 2.0).sqrt()
     }
 
-    /// Columns over the blocks that are 1 from a turn on: with a constant, a level for each rest.
-    pub(super) fn level_columns(&self) -> Vec<Vec<f64>> {
-        let from =
-            |start: usize| (0..self.blocks.len()).map(move |block| f64::from(u8::from(block >= start)));
-        self.level_starts.iter().map(|start| from(*start).collect()).collect()
-    }
-
     /// Variance of values, one per block, each about the mean of its level; of those in `blocks`.
     pub(super) fn variance_in(&self, values: &[f64], blocks: Range<usize>) -> f64 {
-        let levels = pose::levels_between(&self.level_starts, blocks);
-        if let [all] = &levels[..] {
-            return signal::variance(&[&values[all.clone()]]);
-        }
-        let about_own_mean = |level: Range<usize>| centred(values[level].to_vec());
-        signal::variance(&[&levels.into_iter().flat_map(about_own_mean).collect::<Vec<f64>>()])
+        signal::variance(&[&self.blocks.about_levels(values, blocks)])
     }
 
     /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`; about a mean for
@@ -179,13 +154,17 @@ impl ErrorInBlocks {
     }
 }
 
-/// The first block of each new level, with blocks on either side.
-fn level_starts(blocks: &Blocks, turns: &[usize]) -> Vec<usize> {
-    let first_after = |turn: &usize| blocks.blocks.partition_point(|block| block.rows.end <= *turn);
-    let mut starts: Vec<usize> = turns.iter().map(first_after).collect();
-    starts.retain(|start| (1..blocks.len()).contains(start));
-    starts.dedup();
-    starts
+/// Rows from which on the level of an axis may be another: none of a gyro, whose bias goes on.
+fn turns<'r>(recording: &'r Recording, column: &str) -> &'r [usize] {
+    if is_bias_known(recording, column) { &[] } else { &recording.turns }
+}
+
+/// Length of the blocks that suit a column of a recording, s.
+fn length_s(recording: &Recording, column: &str) -> f64 {
+    match turns(recording, column) {
+        [] => length_for(recording),
+        _ => length_with_levels_for(recording),
+    }
 }
 
 /// Median of the differences of neighbours as a standard deviation: steps and clipped stretches do not move it.

@@ -66,7 +66,8 @@ pub(super) fn find(
     let own = values(field);
     let mut faults = Vec::new();
     let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
-    let own_step = step(&own);
+    // one value shows no step: that of the axes beside it
+    let own_step = step(&own).or_else(|| hidden_step(field, target));
     faults.extend(clipped(&own, converter, own_step));
     let missing = |recording: &Recording| {
         let missing = recording.samples_missing();
@@ -83,6 +84,21 @@ pub(super) fn find(
         faults.push(Fault::Coarse { multiple: (step / known).round(), step });
     }
     faults
+}
+
+/// The value of a column that never changes.
+pub(super) fn only_value(field: &Recording, target: &str) -> Option<f64> {
+    let mut values = field.channel(target).ok()?.values.iter().copied().filter(|value| value.is_finite());
+    let first = values.next()?;
+    values.all(|value| value == first).then_some(first)
+}
+
+/// The step of a column where it hides the noise.
+pub(super) fn hidden_step(field: &Recording, target: &str) -> Option<f64> {
+    match &field.still {
+        Some(still) => field.hidden_step(target, still),
+        None => field.hidden_step(target, &vec![true; field.n_rows()]),
+    }
 }
 
 /// Whether steps are so coarse that a sample hardly ever lies more than one from its neighbour.

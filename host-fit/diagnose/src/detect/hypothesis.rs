@@ -68,7 +68,8 @@ impl<'a> Hypotheses<'a> {
             // a step after the first and before the last ten blocks: outside, nothing tells it from the constant
             (_, Detector::Step) => {
                 let last = self.blocks.len().saturating_sub(STEP_MARGIN);
-                (STEP_MARGIN..last).map(|block| Some(self.step_time(block))).collect()
+                let blocks = (STEP_MARGIN..last).step_by(self.blocks_a_place());
+                blocks.map(|block| Some(self.step_time(block))).collect()
             }
             (Some(parameter), Detector::Terms) => {
                 let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
@@ -84,6 +85,11 @@ impl<'a> Hypotheses<'a> {
             }
             _ => vec![None],
         }
+    }
+
+    /// Blocks from one place at which a step is looked for to the next.
+    pub(super) fn blocks_a_place(&self) -> usize {
+        self.blocks.len().div_ceil(MAX_PLACES).max(1)
     }
 
     /// Time of a step just before `block`, s after the first sample.
@@ -141,6 +147,10 @@ impl<'a> Hypotheses<'a> {
 
 /// Shortest time constant that is looked for, in blocks.
 const SHORTEST_BLOCKS: f64 = 0.5;
+
+/// Most places of a step, and most oscillations, that are looked at: a log has about half as many blocks, and one of
+/// many bursts, whose blocks may be many more, is to take time in proportion to them.
+pub(super) const MAX_PLACES: usize = 1200;
 
 /// A step is looked for so many blocks away from both ends.
 const STEP_MARGIN: usize = 10;

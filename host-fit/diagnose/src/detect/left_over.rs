@@ -85,13 +85,16 @@ pub(super) fn left_over(
     LeftOver { leads, misshapes, instead: false }
 }
 
-/// The whitened residual but for the tenth of the blocks in which the effects that were found change most: there they
+/// The whitened residual but for the blocks that only determine a level, and the tenth of the blocks in which the effects that were found change most: there they
 /// leave what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no
 /// jump.
 fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
     let residual = &slow.fitted.gls.residual;
+    let restarts = reduced.blocks.restarts();
+    let mut blocks: Vec<usize> =
+        (0..residual.len()).filter(|block| restarts.binary_search(block).is_err()).collect();
     if slow.found.is_empty() {
-        return residual.clone();
+        return blocks.into_iter().map(|block| residual[block]).collect();
     }
     let coefficients = slow.fitted.gls.coefficients();
     let mut effect = vec![0.0; residual.len()];
@@ -101,8 +104,7 @@ fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
         }
     }
     let whitened = slow.fitted.levels.whiten(&reduced.blocks, &[&effect]);
-    let mut blocks: Vec<usize> = (0..residual.len()).collect();
     blocks.sort_by(|a, b| whitened.columns[0][*a].abs().total_cmp(&whitened.columns[0][*b].abs()));
-    blocks.truncate(residual.len() * 9 / 10);
+    blocks.truncate(blocks.len() * 9 / 10);
     blocks.into_iter().map(|block| residual[block]).collect()
 }

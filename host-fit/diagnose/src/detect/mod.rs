@@ -33,6 +33,8 @@ mod faults_tests;
 #[cfg(test)]
 mod nothing_tested_tests;
 #[cfg(test)]
+mod rests_tests;
+#[cfg(test)]
 mod thermometer_tests;
 
 pub use answer::{

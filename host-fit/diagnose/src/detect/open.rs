@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::hypothesis::MAX_PLACES;
 use crate::effects::Band;
 
 use fos_data::recording::Recording;
@@ -159,12 +160,13 @@ impl Left<'_> {
     fn share(&self, gls: &Gls, regressors: &[&[f64]]) -> f64 {
         let left = |gls: &Gls, regressors: &[&[f64]]| -> Vec<f64> {
             let coefficients = gls.coefficients();
-            (0..self.y.len())
+            let left: Vec<f64> = (0..self.y.len())
                 .map(|i| {
                     self.y[i]
                         - coefficients.iter().zip(regressors).map(|(c, column)| c * column[i]).sum::<f64>()
                 })
-                .collect()
+                .collect();
+            self.blocks.about_levels(&left, 0..left.len())
         };
         let before = fos_fit::signal::variance(&[&left(&self.fitted.gls, self.regressors)]);
         let after = fos_fit::signal::variance(&[&left(gls, regressors)]);
@@ -216,7 +218,7 @@ impl Left<'_> {
         }
         let span = self.blocks.blocks.last().map_or(0, |last| last.index + 1) as f64;
         // twice as fine as the resolution, so that none falls between two
-        for step in 6..self.blocks.len() {
+        for step in 6..self.blocks.len().min(MAX_PLACES) {
             let per_block = step as f64 / (2.0 * span);
             if per_block > 0.33 {
                 break;

@@ -15,7 +15,7 @@ use super::testable::Testable;
 use crate::effects::{Effect, Inputs};
 
 /// Coarse steps above this many standard deviations of the noise hide every slow effect in the stairs they make.
-const STAIRS: f64 = 2.5;
+pub(super) const STAIRS: f64 = 2.5;
 
 /// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
 const SHAKEN: f64 = 1.5;
@@ -55,10 +55,17 @@ impl Prepared {
         let column = field.axis(target)?.name.clone();
         let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
         let faults = faults::find(field, question.quiet, &column, &converter);
+        let is_known = question.quiet.is_some() || question.sheet.is_some();
+        if let Some(value) = faults::only_value(field, &column)
+            && !(is_known && faults.iter().any(|fault| matches!(fault, Fault::Coarse { .. })))
+        {
+            let step = faults::hidden_step(field, &column).or(question.lsb).unwrap_or(f64::NAN);
+            return Err(DiagnoseError::CoarseSteps { column, value, step });
+        }
         let inputs = Inputs::new(field);
         let testable = Testable::of(question, &inputs, &column)?;
         let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
-        if reduced.blocks.len() < FEWEST_BLOCKS {
+        if reduced.blocks.beyond_levels() < FEWEST_BLOCKS {
             return Err(too_short(&column, &reduced));
         }
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
@@ -76,8 +83,6 @@ impl Prepared {
             let effect = Arc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
-        // where gravity may have turned, each rest has a level of its own; what a gyro shows goes on
-        given.extend(reduced.level_columns());
         let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
         let free_walk_prior = prior.with_free_walk(FREE_WALK)?;
         let axes = field.axes()?.len();
@@ -114,7 +119,7 @@ impl Prepared {
 
     /// Whether there are too few blocks for slow effects.
     pub(super) fn is_short(&self) -> bool {
-        self.reduced.blocks.len() < MIN_BLOCKS
+        self.reduced.blocks.beyond_levels() < MIN_BLOCKS
     }
 
     /// What a log that is too short for slow effects needs: time at rest, or the columns that are unknown for most of it.
@@ -152,7 +157,7 @@ impl Prepared {
 }
 
 fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
-    let (blocks, length_s) = (reduced.blocks.len(), reduced.blocks.length_s);
+    let (blocks, length_s) = (reduced.blocks.beyond_levels(), reduced.blocks.length_s);
     DiagnoseError::TooShort { column: column.to_owned(), blocks, length_s }
 }
 
@@ -162,17 +167,14 @@ fn prior(
     field: &ErrorInBlocks,
     quiet: Option<&ErrorInBlocks>,
 ) -> Result<LevelPrior, UnknownLevels> {
-    let quiet = quiet.filter(|quiet| quiet.blocks.len() >= MIN_BLOCKS);
+    let quiet = quiet.filter(|quiet| quiet.blocks.beyond_levels() >= MIN_BLOCKS);
     let start = match (&question.sheet, quiet) {
         (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
         (None, Some(quiet)) => LevelPrior::of_log(&quiet.blocks, &quiet.means),
         (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
     };
     match quiet {
-        Some(quiet) => {
-            let levels = quiet.level_columns().into_iter().chain([vec![1.0; quiet.blocks.len()]]);
-            Ok(start.learnt(&quiet.blocks, &quiet.means, &levels.collect::<Vec<_>>())?)
-        }
+        Some(quiet) => Ok(start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]])?),
         None => Ok(start),
     }
 }

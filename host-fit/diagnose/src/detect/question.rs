@@ -71,13 +71,29 @@ pub enum DiagnoseError {
     },
     /// An axis that does not measure.
     #[error(
-        "{column}: every value at rest is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+        "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with --axis"
     )]
     Stuck {
         /// The column.
         column: String,
         /// The value.
         value: f64,
+        /// How long it is stuck, s.
+        seconds: f64,
+        /// Time at rest, s.
+        all_s: f64,
+    },
+    /// Steps that hide all noise.
+    #[error(
+        "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with --axis"
+    )]
+    CoarseSteps {
+        /// The column.
+        column: String,
+        /// The value.
+        value: f64,
+        /// The step of the other axes of its triad, in its unit.
+        step: f64,
     },
     /// Too little to say anything.
     #[error(

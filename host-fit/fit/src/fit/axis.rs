@@ -88,6 +88,11 @@ pub fn fit_axis(
     let column = recording.axis(axis)?.name.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
     let training = training_rows(recording, options.train);
+    let fitted: Vec<bool> =
+        stillness.still.iter().enumerate().map(|(row, still)| *still && training.contains(&row)).collect();
+    if let Some((value, _)) = recording.stuck_axis(&column, &fitted) {
+        return Err(AxisError::Constant { column, value });
+    }
     let (cleaned, spikes) = recording.only_measurements(&column, training.clone(), &stillness.still);
     let reference = cleaned.error_series(&column)?.reference;
     let poses = Poses::of(&cleaned, stillness, (&column, &reference), &training)?;

@@ -58,9 +58,9 @@ pub enum AxisError {
         /// Whole seconds at rest to the end of the first.
         train_s: u64,
     },
-    /// All values are the same.
+    /// All values are the same, or half of them and more repeat one that is stuck.
     #[error(
-        "{column}: every value in the training part is {value:?}: a stuck or unconnected axis\nhelp: leave the axis out"
+        "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with --axis, or fit on rows in which it measures (--train)"
     )]
     Constant {
         /// The column.

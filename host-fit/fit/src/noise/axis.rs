@@ -9,7 +9,10 @@ use serde::Serialize;
 
 use super::blocks::{Blocks, length_for};
 use super::estimate::{FEWEST_BLOCKS, NoiseEstimate, estimate};
+use super::levels::UnknownLevels;
+use super::step::Rounded;
 use crate::signal::allan::{AllanPoint, TAUS_PER_DECADE, allan_deviation, averaging_times};
+use crate::signal::quantisation::{Quantisation, quantisation};
 
 /// Blocks are so many times shorter than those that slow effects are looked for in: white noise shows in the short ones.
 const FINER: f64 = 10.0;
@@ -33,6 +36,8 @@ pub struct AxisNoise {
     /// N, B, K.
     #[serde(flatten)]
     pub levels: NoiseEstimate,
+    /// Step of the converter, unit of the column, where it hides the noise: N, B and K are then limits.
+    pub step: Option<f64>,
     /// How long a log would have to be to tell more of a random walk that was not seen, s.
     pub walk_needs_s: Option<f64>,
     /// Overlapping Allan deviation; none of its differences reaches over a gap or a motion.
@@ -59,9 +64,9 @@ pub enum AxisNoiseError {
         /// Time needed, s.
         needed: f64,
     },
-    /// It does not change.
+    /// It does not change, or is stuck for half of the time and more.
     #[error(
-        "{column}: it has one value, {value}, throughout: no noise can be told from it\nhelp: a finer range, or a column that is measured"
+        "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with --axis"
     )]
     Constant {
         /// The column.
@@ -69,20 +74,6 @@ pub enum AxisNoiseError {
         /// The value.
         value: f64,
     },
-}
-
-/// Most poses that a constant is estimated for, the longest: the time that the estimate takes grows with their square, and
-/// a calibration in more orientations is rare.
-const MOST_POSES: usize = 32;
-
-/// Counts no rows but those of the longest poses.
-fn keep_longest_poses(known: &mut [bool], turns: &[usize]) {
-    let mut poses = pose::levels_between(turns, 0..known.len());
-    let rows = |pose: &Range<usize>| known[pose.clone()].iter().filter(|known| **known).count();
-    poses.sort_by_cached_key(|pose| std::cmp::Reverse(rows(pose)));
-    for pose in poses.split_off(MOST_POSES.min(poses.len())) {
-        known[pose].fill(false);
-    }
 }
 
 /// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.
@@ -100,47 +91,64 @@ pub fn axis_noise(
 ) -> Result<AxisNoise, AxisNoiseError> {
     let column = recording.axis(axis)?.name.clone();
     let rows = 0..recording.n_rows();
+    if let Some((value, _)) = recording.stuck_axis(&column, &stillness.still) {
+        return Err(AxisNoiseError::Constant { column, value });
+    }
     let (cleaned, left_out) = recording.only_measurements(&column, rows.clone(), &stillness.still);
     let series = cleaned.error_series(&column)?;
-    let mut known: Vec<bool> =
+    let known: Vec<bool> =
         rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
     let in_poses = pose::has_unknown_level(&column, &series.reference);
     let turns = if in_poses { &stillness.turns[..] } else { &[] };
-    keep_longest_poses(&mut known, turns);
 
     let length_s = (length_for(recording) / FINER).max(SHORTEST_S);
-    let blocks = Blocks::new(recording, length_s, known);
+    let blocks = Blocks::with_levels(recording, length_s, known, turns);
     let period_s = recording.rate.period_s;
     let seconds = blocks.known().iter().filter(|known| **known).count() as f64 * period_s;
-    if blocks.len() < FEWEST_BLOCKS {
+    if blocks.beyond_levels() < FEWEST_BLOCKS {
         let block_s = blocks.length_s;
-        let (seconds, needed) = (blocks.len() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
+        let (seconds, needed) = (blocks.beyond_levels() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
         return Err(AxisNoiseError::TooShort { column, seconds, block_s, needed });
     }
     let y = blocks.means(&series.values);
-    let constants = blocks.levels(turns);
-    let has_blocks = |constant: &&Vec<f64>| constant.iter().any(|value| *value != 0.0);
-    let constants: Vec<&[f64]> = constants.iter().filter(has_blocks).map(Vec::as_slice).collect();
+    let constant = vec![1.0; blocks.len()];
     // what is far from zero would leave fewer digits to the noise
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let centred: Vec<f64> = y.iter().map(|value| value - mean).collect();
-    let levels_found = estimate(&blocks, &centred, &constants)
-        .map_err(|_| AxisNoiseError::Constant { column: column.clone(), value: mean })?;
+    let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0) + blocks.length_s;
     let stretches = recording.stretches_where(|row| blocks.known()[row]);
     let stretches: Vec<&[f64]> = stretches
         .iter()
         .flat_map(|stretch| pose::levels_between(turns, stretch.clone()))
         .map(|stretch| &series.values[stretch])
         .collect();
+    let (levels, step) = match estimate(&blocks, &centred, &[&constant]) {
+        Ok(found) => match quantisation(&stretches) {
+            Some(Quantisation { step, .. }) => {
+                let rounded = Rounded::of(&stretches, step, period_s, span_s);
+                let (levels, is_hidden) = rounded.before_rounding(found);
+                (levels, is_hidden.then_some(step))
+            }
+            None => (found, None),
+        },
+        Err(UnknownLevels) => match recording.hidden_step(&column, &stillness.still) {
+            Some(step) => {
+                let samples = stretches.iter().map(|stretch| stretch.len()).sum();
+                (Rounded::of_constant(step, samples, period_s, span_s), Some(step))
+            }
+            None => return Err(AxisNoiseError::Constant { column, value: mean }),
+        },
+    };
     let taus = averaging_times(&stretches, period_s, TAUS_PER_DECADE);
-    let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0) + blocks.length_s;
     Ok(AxisNoise {
         unit: series.unit.label().to_owned(),
         seconds,
         span_s,
         left_out,
-        levels: levels_found,
-        walk_needs_s: levels_found.seconds_for_walk(span_s),
+        levels,
+        // a longer log does not show what a step hides
+        walk_needs_s: if step.is_some() { None } else { levels.seconds_for_walk(span_s) },
+        step,
         allan: allan_deviation(&stretches, period_s, &taus),
         column,
     })

@@ -5,6 +5,8 @@ use std::ops::Range;
 use fos_data::pose;
 use fos_data::recording::Recording;
 
+use crate::signal::centred;
+
 /// Blocks that a recording is cut into, about.
 const WANTED: f64 = 600.0;
 
@@ -19,6 +21,9 @@ const RECORDED_SHARE: f64 = 0.5;
 
 /// Most blocks of a log of bursts that are one a burst, for those wanted.
 const MOST: f64 = 2.0;
+
+/// Fewest blocks of a rest with a level of its own: one alone determines its level and nothing else.
+const LEAST_A_REST: f64 = 2.0;
 
 /// Least noise of a block over the mean of all.
 const LEAST_NOISE: f64 = 1e-3;
@@ -37,6 +42,9 @@ pub struct Blocks {
     pub flicker_from_s: f64,
     /// The blocks, in order of time.
     pub blocks: Vec<Block>,
+    /// Blocks, from the second on, from which on the level is another and unknown: where gravity may have turned under an
+    /// accelerometer. Whitening eliminates these levels.
+    restarts: Vec<usize>,
     /// Whether a row counts; one flag per row of the recording.
     known: Vec<bool>,
 }
@@ -97,6 +105,15 @@ pub fn length_for(recording: &Recording) -> f64 {
     match length_s < MOST * burst_s {
         true => burst_s / (burst_s / length_s).round().max(1.0),
         false => (ticks as f64 * period_s / WANTED).max(SHORTEST_S),
+    }
+}
+
+/// The same where each burst may have a level of its own.
+pub fn length_with_levels_for(recording: &Recording) -> f64 {
+    let length_s = length_for(recording);
+    match burst_rows(recording) {
+        Some(rows) => length_s.min(rows as f64 * recording.rate.period_s / LEAST_A_REST),
+        None => length_s,
     }
 }
 
@@ -166,7 +183,51 @@ impl Blocks {
         }
         blocks.retain(|block| block.count as f64 >= KNOWN_SHARE * full);
         let length_s = ticks as f64 * period_s;
-        Self { length_s, period_s, flicker_from_s: flicker_from_s(length_s), blocks, known }
+        Self {
+            length_s,
+            period_s,
+            flicker_from_s: flicker_from_s(length_s),
+            blocks,
+            restarts: Vec::new(),
+            known,
+        }
+    }
+
+    /// The same where the level is another, and unknown, from each of the rows `turns` on. A block is of one level: of
+    /// that after the turn.
+    pub fn with_levels(recording: &Recording, length_s: f64, mut known: Vec<bool>, turns: &[usize]) -> Self {
+        let blocks = Self::new(recording, length_s, known.clone());
+        let mut later = turns;
+        for block in &blocks.blocks {
+            later = &later[later.partition_point(|turn| *turn < block.rows.start)..];
+            let inside = later.partition_point(|turn| *turn < block.rows.end);
+            if let Some(turn) = later[..inside].last() {
+                known[block.rows.start..*turn].fill(false);
+            }
+        }
+        let mut blocks = if turns.is_empty() { blocks } else { Self::new(recording, length_s, known) };
+        let first_after = |turn: &usize| blocks.blocks.partition_point(|block| block.rows.end <= *turn);
+        let mut restarts: Vec<usize> = turns.iter().map(first_after).collect();
+        restarts.retain(|start| (1..blocks.len()).contains(start));
+        restarts.dedup();
+        blocks.restarts = restarts;
+        blocks
+    }
+
+    /// Blocks, from the second on, from which on the level is another and unknown.
+    pub fn restarts(&self) -> &[usize] {
+        &self.restarts
+    }
+
+    /// Blocks beyond those that only determine a level.
+    pub fn beyond_levels(&self) -> usize {
+        self.len() - self.restarts.len()
+    }
+
+    /// `values`, one per block, of the blocks in `within`, each about the mean of its level.
+    pub fn about_levels(&self, values: &[f64], within: Range<usize>) -> Vec<f64> {
+        let levels = pose::levels_between(&self.restarts, within);
+        levels.into_iter().flat_map(|level| centred(values[level].to_vec())).collect()
     }
 
     /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes
@@ -223,15 +284,6 @@ impl Blocks {
     /// The same of values that come one by one, of each row of the recording.
     pub fn averaging(&self) -> Averaging<'_> {
         Averaging { blocks: self, row: 0, sum: 0.0, means: Vec::with_capacity(self.blocks.len()) }
-    }
-
-    /// A column for each level that `turns`, rows of the recording, part it into: 1 for the blocks that begin in it, 0 for
-    /// the others.
-    pub fn levels(&self, turns: &[usize]) -> Vec<Vec<f64>> {
-        let column = |rows: Range<usize>| -> Vec<f64> {
-            self.blocks.iter().map(|block| f64::from(u8::from(rows.contains(&block.rows.start)))).collect()
-        };
-        pose::levels_between(turns, 0..self.known.len()).into_iter().map(column).collect()
     }
 
     /// Middle of a block, s after the first sample.

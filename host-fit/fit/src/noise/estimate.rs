@@ -70,7 +70,10 @@ pub struct NoiseEstimate {
 ///
 /// There are fewer than 40, or the means do not change.
 pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<NoiseEstimate, UnknownLevels> {
-    if blocks.len() < FEWEST_BLOCKS || super::gls::dot(y, y).is_nan() || is_constant(y) {
+    if blocks.beyond_levels() < FEWEST_BLOCKS
+        || super::gls::dot(y, y).is_nan()
+        || is_constant(&blocks.about_levels(y, 0..y.len()))
+    {
         return Err(UnknownLevels);
     }
     let start = LevelPrior::of_log(blocks, y).mean;

@@ -11,7 +11,8 @@ use super::model::{NoiseLevels, Whitening};
 /// combination of them.
 const COLLINEAR: f64 = 1e-7;
 
-/// Whitened regressors made orthonormal (modified Gram-Schmidt, twice), and a whitened output beside them.
+/// Whitened regressors made orthonormal (modified Gram-Schmidt, twice), and a whitened output beside them. The unknown
+/// levels of [`Blocks::restarts`] are eliminated while whitening: each costs nothing here.
 #[derive(Debug, Clone)]
 pub struct Gls {
     /// Orthonormal columns.
@@ -37,6 +38,7 @@ impl Gls {
         let whitening = levels.whitening(blocks);
         let mut whitened = whitening.whiten(&columns);
         let residual = whitened.columns.remove(0);
+        whitened.taken.remove(0);
         let mut gls = Self {
             basis: Vec::new(),
             triangle: Vec::new(),
@@ -47,7 +49,7 @@ impl Gls {
             log_determinant: whitened.log_determinant,
             whitening: Arc::new(whitening),
         };
-        for (index, column) in whitened.columns.into_iter().enumerate() {
+        for (index, column) in whitened.columns.into_iter().zip(whitened.taken).enumerate() {
             if let Some((direction, coordinates)) = gls.orthonormal(column) {
                 gls.kept.push(index);
                 gls.triangle.push(coordinates);
@@ -62,9 +64,10 @@ impl Gls {
         gls
     }
 
-    /// A whitened column made orthonormal to the basis, with its coordinates; `None` if nothing of it is left.
-    fn orthonormal(&self, mut column: Vec<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
-        let before = dot(&column, &column);
+    /// A whitened column made orthonormal to the basis, with its coordinates; `None` if nothing of it is left beside the
+    /// basis and the levels, which have `taken` some of its squares.
+    fn orthonormal(&self, (mut column, taken): (Vec<f64>, f64)) -> Option<(Vec<f64>, Vec<f64>)> {
+        let before = dot(&column, &column) + taken;
         let mut coordinates = vec![0.0; self.basis.len()];
         for _ in 0..2 {
             for (coordinate, direction) in coordinates.iter_mut().zip(&self.basis) {
@@ -83,7 +86,8 @@ impl Gls {
         Some((column, coordinates))
     }
 
-    /// −2 ln L up to a constant: ln det C + χ².
+    /// −2 ln L up to a constant: ln det C + χ²; restricted to what unknown levels leave, since with one for every rest
+    /// the greatest likelihood would take the noise for too small (Neyman and Scott 1948).
     pub fn deviance(&self) -> f64 {
         self.log_determinant + dot(&self.residual, &self.residual)
     }
@@ -100,7 +104,7 @@ impl Gls {
         let mut wider = Self { residual: self.residual.clone(), ..self.without_output() };
         let before = dot(&self.residual, &self.residual);
         let mut added = 0;
-        for column in whitened.columns {
+        for column in whitened.columns.into_iter().zip(whitened.taken) {
             if let Some((direction, coordinates)) = wider.orthonormal(column) {
                 let projection = dot(&direction, &wider.residual);
                 wider.residual.iter_mut().zip(&direction).for_each(|(left, part)| *left -= projection * part);

@@ -8,7 +8,7 @@ use super::blocks::Blocks;
 use super::gls::{Gls, dot};
 use super::model::{GaussMarkov, NoiseLevels};
 use super::noise_tests::{
-    LENGTH_S, UNIT_WHITE, awkward, blocks_of, cholesky, dense, log_determinant, white_columns,
+    LENGTH_S, UNIT_WHITE, awkward, blocks_of, cholesky, dense, in_levels, log_determinant, white_columns,
 };
 
 const SEEDS: u64 = 20;
@@ -119,4 +119,79 @@ fn the_gain_is_the_fall_of_chi_squared_when_refitted() {
         assert_eq!((added, wide.kept.len()), (2, narrow.kept.len() + 2), "seed {seed}");
         assert!(fall > 0.0);
     }
+}
+
+/// Columns that are 1 from a block on.
+fn level_columns(n: usize, starts: &[usize]) -> Vec<Vec<f64>> {
+    let column = |start: &usize| (0..n).map(|block| f64::from(u8::from(block >= *start))).collect();
+    starts.iter().map(column).collect()
+}
+
+#[test]
+fn eliminated_levels_give_the_answer_of_a_column_for_each() {
+    for seed in 0..SEEDS {
+        let mut counts = vec![8; 60];
+        counts[10..14].fill(0);
+        counts[33] = 3;
+        // two blocks in a row each with a level of its own, and one after a gap
+        let starts = [7, 14, 30, 31, 32, 50];
+        let blocks = in_levels(&counts, &starts);
+        let plain = blocks_of(&counts);
+        assert_eq!((blocks.len(), blocks.restarts().len()), (plain.len(), 6));
+        let (mut columns, y) = problem(&plain, seed);
+        // a combination of levels
+        columns
+            .push(level_columns(plain.len(), blocks.restarts())[2].iter().map(|v| 3.0 * v - 1.0).collect());
+        let eliminated = Gls::new(&blocks, &levels(), &y, &slices(&columns));
+        assert_eq!(eliminated.kept, [0, 1, 2, 3]);
+        columns.truncate(4);
+        columns.extend(level_columns(plain.len(), blocks.restarts()));
+        let dense = Gls::new(&plain, &levels(), &y, &slices(&columns));
+        assert_eq!(dense.kept.len(), 10);
+
+        let chi = (chi_squared(&eliminated) - chi_squared(&dense)).abs();
+        assert!(chi < 1e-8 * chi_squared(&dense), "seed {seed}: {chi:e}");
+        // the likelihood of what the levels leave
+        let restricted = |gls: &Gls| gls.deviance() + gls.log_determinant_of_information();
+        let off = restricted(&eliminated) - restricted(&dense);
+        assert!(off.abs() < 1e-7, "seed {seed}: {off:e}");
+        let (covariance, wanted) = (eliminated.covariance(), dense.covariance());
+        for i in 0..4 {
+            let error = wanted[(i, i)].sqrt();
+            let off = (eliminated.coefficients()[i] - dense.coefficients()[i]).abs();
+            assert!(off < 1e-6 * error, "seed {seed}, {i}: {off:e} of {error:e}");
+            for j in 0..4 {
+                let scale = error * wanted[(j, j)].sqrt();
+                assert!((covariance[(i, j)] - wanted[(i, j)]).abs() < 1e-6 * scale, "seed {seed}, {i} {j}");
+            }
+        }
+        let more = white_columns(&mut ChaCha8Rng::seed_from_u64(2000 + seed), 2, blocks.len());
+        let (gain, wanted) = (eliminated.gain(&slices(&more)).0, dense.gain(&slices(&more)).0);
+        assert!((gain - wanted).abs() < 1e-8 * chi_squared(&dense), "seed {seed}: {gain} for {wanted}");
+    }
+}
+
+/// Products that a regression sums: each column is projected twice on all before it, block by block.
+fn products(gls: &Gls) -> usize {
+    let k = gls.kept.len();
+    gls.residual.len() * (1 + k + 2 * k * k)
+}
+
+#[test]
+fn a_regression_takes_time_in_proportion_to_rests() {
+    // four blocks a rest
+    let rests = |count: usize| -> Vec<usize> { (1..count).map(|rest| 4 * rest).collect() };
+    let work = |count: usize, as_columns: bool| {
+        let counts = vec![8; 4 * count];
+        let (starts, plain) = (rests(count), blocks_of(&counts));
+        let (mut columns, y) = problem(&plain, 1);
+        if as_columns {
+            columns.extend(level_columns(plain.len(), &starts));
+            return products(&Gls::new(&plain, &levels(), &y, &slices(&columns)));
+        }
+        products(&Gls::new(&in_levels(&counts, &starts), &levels(), &y, &slices(&columns)))
+    };
+    assert_eq!(work(100, false), 2 * work(50, false));
+    // negative control: a column for each rest
+    assert!(work(100, true) > 6 * work(50, true));
 }

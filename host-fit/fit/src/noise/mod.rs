@@ -9,6 +9,7 @@
 //! | `levels` | the levels, estimated together with a regression |
 //! | `prior` | what is known of them before: data sheet, quiet log |
 //! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
+//! | `step` | the noise behind the steps of a coarse converter |
 //! | `axis` | the same of an axis of a log, with its Allan deviation |
 
 mod axis;
@@ -18,6 +19,7 @@ mod gls;
 mod levels;
 mod model;
 mod prior;
+mod step;
 
 #[cfg(test)]
 mod estimate_tests;
@@ -29,7 +31,7 @@ mod levels_tests;
 mod noise_tests;
 
 pub use axis::{AxisNoise, AxisNoiseError, axis_noise};
-pub use blocks::{Block, Blocks, length_for};
+pub use blocks::{Block, Blocks, length_for, length_with_levels_for};
 pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
 pub use gls::{Gls, dot};
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels};

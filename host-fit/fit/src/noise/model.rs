@@ -48,7 +48,11 @@ pub struct GaussMarkov {
 pub struct Whitened {
     /// As many columns as were given, one value per block.
     pub columns: Vec<Vec<f64>>,
-    /// ln det of the covariance.
+    /// Of each column, the squares that went into the levels of [`Blocks::restarts`], in units of what the noise alone
+    /// would leave there.
+    pub taken: Vec<f64>,
+    /// ln det of the covariance; where levels are unknown, that of what they leave: ln det C + ln det LᵀC⁻¹L, L their
+    /// columns (restricted likelihood; Patterson and Thompson 1971).
     pub log_determinant: f64,
 }
 
@@ -87,7 +91,7 @@ impl NoiseLevels {
 
     /// What whitens any column of these blocks.
     pub fn whitening(&self, blocks: &Blocks) -> Whitening {
-        Arch::new().dispatch(Filtering { levels: self, blocks })
+        Arch::new().dispatch(Filtering { levels: self, blocks, restarts: blocks.restarts() })
     }
 
     /// A realisation of the noise in block means.
@@ -99,7 +103,7 @@ impl NoiseLevels {
     /// The realisation that independent standard normal values, one for each block, come to.
     pub fn realisation(&self, blocks: &Blocks, units: &[f64]) -> Vec<f64> {
         // what a filter of these levels would whiten: innovations of its variances, run backwards through its gains
-        let filter = self.whitening(blocks);
+        let filter = Arch::new().dispatch(Filtering { levels: self, blocks, restarts: &[] });
         let mut states = [[0.0]; STATES];
         filter
             .steps
@@ -114,9 +118,11 @@ impl NoiseLevels {
             .collect()
     }
 
-    /// The gains of the filter, which depend on the levels and the blocks alone.
+    /// The gains of the filter, which depend on the levels and the blocks alone. At `restarts` the variance of the random
+    /// walk becomes infinite: in the limit the innovation there tells the level and nothing else, so that an unknown level
+    /// costs one block and no regressor (diffuse initialisation; de Jong 1991).
     #[inline(always)]
-    fn filter(&self, blocks: &Blocks) -> Whitening {
+    fn filter(&self, blocks: &Blocks, restarts: &[usize]) -> Whitening {
         let length_s = blocks.length_s;
         let ladder_deviation = self.flicker * (3.0_f64.ln() / std::f64::consts::PI).sqrt();
         let mut decay = [1.0; STATES];
@@ -144,6 +150,7 @@ impl NoiseLevels {
             covariance[state][state] = stationary[state];
         }
         let mut variances = Vec::with_capacity(blocks.len());
+        let mut restarts = restarts.iter().copied().peekable();
         let mut steps = Vec::with_capacity(blocks.len());
         for (at, block) in blocks.blocks.iter().enumerate() {
             let seconds = block.count as f64 * blocks.period_s;
@@ -163,16 +170,35 @@ impl NoiseLevels {
                 1 => decay,
                 many => decay.map(|decay| decay.powi(many.min(1 << 30) as i32)),
             };
+            let is_restart = restarts.next_if_eq(&at).is_some();
+            if is_restart {
+                // P + κ·e·eᵀ updated with gain (P·h + κ·e)/(variance + κ), κ → ∞; e is the walk, h sums all states
+                for i in 0..STATES {
+                    covariance[i][RUNGS] -= gain[i];
+                    covariance[RUNGS][i] -= gain[i];
+                }
+                covariance[RUNGS][RUNGS] += variance;
+                let mut level = [0.0; STATES];
+                level[RUNGS] = 1.0;
+                steps.push(Step { decay: over, gain: level, weight: 0.0, taken: inverse });
+            } else {
+                variances.push(variance);
+                steps.push(Step {
+                    decay: over,
+                    gain: gain.map(|gain| gain * inverse),
+                    weight: inverse.sqrt(),
+                    taken: 0.0,
+                });
+            }
+            let update = if is_restart { 0.0 } else { inverse };
             for i in 0..STATES {
                 for j in 0..STATES {
-                    let updated = covariance[i][j] - gain[i] * gain[j] * inverse;
+                    let updated = covariance[i][j] - gain[i] * gain[j] * update;
                     covariance[i][j] = over[i] * over[j] * updated;
                 }
                 covariance[i][i] += stationary[i] * (1.0 - over[i] * over[i]);
             }
             covariance[RUNGS][RUNGS] += walk_per_block * blocks_ahead as f64;
-            variances.push(variance);
-            steps.push(Step { decay: over, gain: gain.map(|gain| gain * inverse), weight: inverse.sqrt() });
         }
         let log_determinant = variances.iter().map(|s| s.ln()).sum();
         Whitening { steps, log_determinant }
@@ -183,6 +209,7 @@ impl NoiseLevels {
 struct Filtering<'a> {
     levels: &'a NoiseLevels,
     blocks: &'a Blocks,
+    restarts: &'a [usize],
 }
 
 impl WithSimd for Filtering<'_> {
@@ -190,7 +217,7 @@ impl WithSimd for Filtering<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Whitening {
-        self.levels.filter(self.blocks)
+        self.levels.filter(self.blocks, self.restarts)
     }
 }
 
@@ -208,25 +235,32 @@ impl Whitening {
     /// Whitens columns of block means.
     pub fn whiten(&self, columns: &[&[f64]]) -> Whitened {
         let mut whitened = Vec::with_capacity(columns.len());
+        let mut taken = Vec::with_capacity(columns.len());
         let mut left = columns;
         while !left.is_empty() {
             // no more lanes than there are columns
-            let taken = match left.len() {
-                LANES.. => self.side_by_side::<LANES>(left, &mut whitened),
-                4.. => self.side_by_side::<4>(left, &mut whitened),
-                2.. => self.side_by_side::<2>(left, &mut whitened),
-                _ => self.side_by_side::<1>(left, &mut whitened),
+            let lanes = match left.len() {
+                LANES.. => self.side_by_side::<LANES>(left, &mut whitened, &mut taken),
+                4.. => self.side_by_side::<4>(left, &mut whitened, &mut taken),
+                2.. => self.side_by_side::<2>(left, &mut whitened, &mut taken),
+                _ => self.side_by_side::<1>(left, &mut whitened, &mut taken),
             };
-            left = &left[taken..];
+            left = &left[lanes..];
         }
-        Whitened { columns: whitened, log_determinant: self.log_determinant }
+        Whitened { columns: whitened, taken, log_determinant: self.log_determinant }
     }
 
     /// Whitens the first `N` columns; how many that is.
-    fn side_by_side<const N: usize>(&self, columns: &[&[f64]], whitened: &mut Vec<Vec<f64>>) -> usize {
+    fn side_by_side<const N: usize>(
+        &self,
+        columns: &[&[f64]],
+        whitened: &mut Vec<Vec<f64>>,
+        taken: &mut Vec<f64>,
+    ) -> usize {
         let mut into = [const { Vec::new() }; N];
         into.iter_mut().for_each(|into| into.reserve_exact(self.steps.len()));
-        Arch::new().dispatch(SideBySide { steps: &self.steps, columns, into: &mut into });
+        let squares = Arch::new().dispatch(SideBySide { steps: &self.steps, columns, into: &mut into });
+        taken.extend(squares);
         whitened.extend(into);
         N
     }
@@ -240,11 +274,12 @@ struct SideBySide<'a, const N: usize> {
 }
 
 impl<const N: usize> WithSimd for SideBySide<'_, N> {
-    type Output = ();
+    type Output = [f64; N];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, _: S) -> [f64; N] {
         let Self { steps, columns, into } = self;
+        let mut taken = [0.0; N];
         let mut states = [[0.0; N]; STATES];
         let lengths = columns.iter().map(|column| column.len());
         let n = lengths.fold(steps.len(), usize::min);
@@ -253,9 +288,11 @@ impl<const N: usize> WithSimd for SideBySide<'_, N> {
             for lane in 0..N {
                 innovations[lane] = columns[lane][block] - innovations[lane];
                 into[lane].push(innovations[lane] * step.weight);
+                taken[lane] += step.taken * innovations[lane] * innovations[lane];
             }
             step.advance(&mut states, &innovations);
         }
+        taken
     }
 }
 
@@ -263,7 +300,10 @@ impl<const N: usize> WithSimd for SideBySide<'_, N> {
 struct Step {
     decay: [f64; STATES],
     gain: [f64; STATES],
+    /// 0 where the innovation tells a level.
     weight: f64,
+    /// Inverse variance of an innovation that tells a level; else 0.
+    taken: f64,
 }
 
 impl Step {

@@ -24,11 +24,24 @@ pub(super) const UNIT_WHITE: NoiseLevels =
 
 /// Blocks of `per_block` rows at 10 Hz of which so many count; a block of which none does is a gap.
 fn blocks_of_length(counts: &[usize], per_block: usize) -> Blocks {
+    let (recording, known) = recording_of(counts, per_block);
+    Blocks::new(&recording, per_block as f64 * 0.1, known)
+}
+
+/// Rows at 10 Hz, and which of them count: so many of each `per_block`.
+fn recording_of(counts: &[usize], per_block: usize) -> (Recording, Vec<bool>) {
     let columns = vec![("gx_rads".to_owned(), vec![0.0; counts.len() * per_block])];
     let options = LoadOptions { rate_hz: Some(10.0), ..LoadOptions::default() };
     let recording = Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording");
     let known = counts.iter().flat_map(|count| (0..per_block).map(move |row| row < *count)).collect();
-    Blocks::new(&recording, per_block as f64 * 0.1, known)
+    (recording, known)
+}
+
+/// Blocks of [`LENGTH_S`] of which so many rows count, from some of which on the level is another.
+pub(super) fn in_levels(counts: &[usize], starts: &[usize]) -> Blocks {
+    let (recording, known) = recording_of(counts, PER_BLOCK);
+    let turns: Vec<usize> = starts.iter().map(|block| block * PER_BLOCK).collect();
+    Blocks::with_levels(&recording, LENGTH_S, known, &turns)
 }
 
 /// Blocks of [`LENGTH_S`].

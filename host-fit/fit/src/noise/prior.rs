@@ -36,7 +36,13 @@ impl LevelPrior {
 
     /// From the scatter of neighbouring blocks of a log, wide.
     pub fn of_log(blocks: &Blocks, y: &[f64]) -> Self {
+        // of one level each
+        let is_one_level = |first: usize, last: usize| {
+            let after_first = blocks.restarts().partition_point(|start| *start <= first);
+            blocks.restarts().get(after_first).is_none_or(|start| *start > last)
+        };
         let pairs = blocks.blocks.windows(2).zip(y.windows(2));
+        let pairs = pairs.enumerate().filter(|(at, _)| is_one_level(*at, at + 1)).map(|(_, pair)| pair);
         let seconds = |block: &Block| block.count as f64 * blocks.period_s;
         let mut squares: Vec<f64> = pairs
             .filter(|(pair, _)| pair[1].index == pair[0].index + 1)
@@ -47,7 +53,8 @@ impl LevelPrior {
             .collect();
         if squares.is_empty() {
             // bursts far apart: off the line between the ones before and after, for what is slow changes in between
-            let threes = blocks.blocks.windows(3).zip(y.windows(3));
+            let threes = blocks.blocks.windows(3).zip(y.windows(3)).enumerate();
+            let threes = threes.filter(|(at, _)| is_one_level(*at, at + 2)).map(|(_, three)| three);
             squares.extend(threes.map(|(three, values)| {
                 let share =
                     (three[1].index - three[0].index) as f64 / (three[2].index - three[0].index) as f64;

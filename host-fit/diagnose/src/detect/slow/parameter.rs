@@ -76,9 +76,10 @@ impl SlowSearch<'_> {
         start: Hypothesis,
         time_s: f64,
     ) -> Result<Hypothesis, RecordingError> {
+        let width_s = self.blocks.length_s * self.hypotheses.blocks_a_place() as f64;
         let mut best = (f64::INFINITY, start);
         for part in -STEP_PARTS..=STEP_PARTS {
-            let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * self.blocks.length_s;
+            let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * width_s;
             let hypothesis = self.hypotheses.make(&best.1.effect, Some(at))?;
             let deviance = self.deviance_with(accepted, &hypothesis, noise, fitted.levels);
             if deviance < best.0 {

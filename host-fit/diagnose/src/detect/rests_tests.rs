@@ -1,0 +1,136 @@
+//! Accelerometers that were put down again between rests, and axes that were stuck for a while: nothing of that is an
+//! effect, and a level for each rest costs no more than the rows of it.
+
+use std::f64::consts::TAU;
+
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_testkit::noise::{Noise, white_noise};
+
+use super::prepared::Prepared;
+use super::{DiagnoseError, Diagnosis, Question, diagnose};
+use crate::effects::Library;
+
+const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// White noise on six axes at these times, gravity as `force` has it in each row.
+fn log(seed: u64, time_s: Vec<f64>, force: impl Fn(usize) -> [f64; 3]) -> Columns {
+    let n = time_s.len();
+    let temperature = time_s.iter().map(|t| 25.0 + 5.0 * (t / 2000.0).sin()).collect();
+    let axis = |(i, name): (usize, &str)| {
+        let noise = white_noise(10 * seed + i as u64, n);
+        let of_gravity = |row: usize| if i < 3 { force(row)[i] } else { 0.0 };
+        let deviation = if i < 3 { 0.012 } else { 0.0015 };
+        (name.to_owned(), (0..n).map(|row| of_gravity(row) + deviation * noise[row]).collect())
+    };
+    let axes = AXES.into_iter().enumerate().map(axis);
+    [("t_s".to_owned(), time_s), ("temp_c".to_owned(), temperature)].into_iter().chain(axes).collect()
+}
+
+fn recording(columns: Columns) -> Recording {
+    Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a recording")
+}
+
+/// Bursts of 2 s every 10 s at 25 Hz, each in another orientation.
+fn turned_bursts(seed: u64, bursts: usize) -> Recording {
+    let mut random = Noise::new(seed);
+    let forces: Vec<[f64; 3]> = (0..bursts)
+        .map(|_| {
+            let (z, angle) = (2.0 * random.uniform() - 1.0, TAU * random.uniform());
+            let level = (1.0 - z * z).sqrt();
+            [9.8 * level * angle.cos(), 9.8 * level * angle.sin(), 9.8 * z]
+        })
+        .collect();
+    let time_s = (0..50 * bursts).map(|row| (row / 50) as f64 * 10.0 + (row % 50) as f64 / 25.0).collect();
+    recording(log(seed, time_s, |row| forces[row / 50]))
+}
+
+fn ask<T>(field: &Recording, target: &str, answer: impl FnOnce(&Question<'_>) -> T) -> T {
+    let library = Library::built_in();
+    let question = Question {
+        field,
+        quiet: None,
+        judged: None,
+        target,
+        sheet: None,
+        full_scale: None,
+        lsb: None,
+        library: &library,
+        given: &[],
+    };
+    answer(&question)
+}
+
+fn effects(diagnosis: &Diagnosis) -> Vec<&str> {
+    diagnosis.findings.iter().map(|finding| finding.effect.as_str()).collect()
+}
+
+#[test]
+fn each_rest_costs_its_blocks_and_no_regressor() {
+    for bursts in [50, 100, 800] {
+        let log = fos_data::disturbance::marked(&turned_bursts(1, bursts)).0.into_owned();
+        let (given, blocks, rests) = ask(&log, "az", |question| {
+            let prepared = Prepared::new(question).expect("long enough");
+            let blocks = &prepared.reduced.blocks;
+            (prepared.given.len(), blocks.len(), blocks.restarts().len() + 1)
+        });
+        assert_eq!((given, rests), (1, bursts));
+        assert!((2 * bursts..=4 * bursts).contains(&blocks), "{blocks} blocks of {bursts} bursts");
+    }
+}
+
+/// A bias step of up to 99 % was found in half of them.
+#[test]
+fn finds_nothing_in_bursts_that_were_turned_between() {
+    for (seed, bursts) in [(1, 30), (2, 60), (3, 100), (4, 100)] {
+        let field = turned_bursts(seed, bursts);
+        for axis in ["ax", "az"] {
+            let answer = ask(&field, axis, |question| diagnose(question)).expect("a diagnosis");
+            assert_eq!(effects(&answer), [""; 0], "{seed} {axis}: {}", answer.sentence);
+        }
+    }
+}
+
+/// Ten minutes at 20 Hz with a pause in the middle, tilted by so many degrees in it.
+fn tilted_in_pause(pause_s: f64, degrees: f64) -> Recording {
+    let time_s = (0..12_000).map(|row| row as f64 * 0.05 + if row < 6000 { 0.0 } else { pause_s }).collect();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let tilted = |row: usize| if row < 6000 { [0.0, 0.0, 9.8] } else { [9.8 * sin, 0.0, 9.8 * cos] };
+    recording(log(5, time_s, tilted))
+}
+
+#[test]
+fn a_tilt_in_a_pause_is_no_bias_step_and_is_said() {
+    for degrees in [0.5, 5.0] {
+        let field = tilted_in_pause(60.0, degrees);
+        let answer = ask(&field, "ax", |question| diagnose(question)).expect("a diagnosis");
+        assert_eq!(effects(&answer), [""; 0], "{degrees}°: {}", answer.sentence);
+        let is_said = |caution: &String| caution.contains("indistinguishable across a pause");
+        assert!(answer.cautions.iter().any(is_said), "{:?}", answer.cautions);
+    }
+    // negative control: the same change while it was recorded is a step
+    let answer = ask(&tilted_in_pause(0.0, 0.5), "ax", |question| diagnose(question)).expect("a diagnosis");
+    assert_eq!(effects(&answer), ["bias_step"]);
+}
+
+/// A gyro that repeats one value for a share of ten minutes at 20 Hz.
+fn stuck_for(share: f64) -> Result<Diagnosis, DiagnoseError> {
+    let time_s = (0..12_000).map(|row| row as f64 * 0.05).collect();
+    let mut columns = log(6, time_s, |_| [0.0, 0.0, 9.8]);
+    let values = &mut columns.last_mut().expect("columns").1;
+    let held = values[3000] + 0.003;
+    values[3000..=3000 + (share * 12_000.0) as usize].fill(held);
+    ask(&recording(columns), "gz", |question| diagnose(question))
+}
+
+#[test]
+fn a_stuck_stretch_is_excluded_and_said_or_the_axis_refused() {
+    for share in [0.015, 0.05, 0.11, 0.3] {
+        let answer = stuck_for(share).expect("a diagnosis");
+        assert_eq!(effects(&answer), [""; 0], "{share}: {}", answer.sentence);
+        let seconds = format!("repeats one value for {:.1} s from 150", 600.0 * share);
+        assert!(answer.cautions.iter().any(|caution| caution.contains(&seconds)), "{:?}", answer.cautions);
+    }
+    assert!(matches!(stuck_for(0.55), Err(DiagnoseError::Stuck { .. })));
+}

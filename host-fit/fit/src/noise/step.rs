@@ -1,0 +1,171 @@
+//! The noise behind the steps of a converter.
+//!
+//! Rounding to steps of size q adds q²/12 to the variance of noise that spans several steps. Of coarser steps the variance
+//! depends on where the mean lies: least on a code, where the noise hardly ever reaches the next, and at least q²/4
+//! between two, however small the noise. So a variance of the samples agrees with a range of noise, and from about
+//! 2.5 standard deviations a step on with none at all.
+
+use statrs::function::erf::erfc;
+
+use super::estimate::{Level, NoiseEstimate};
+
+/// Samples that vary by more than this, in steps², show their noise: the step adds less than 0.2 % to it.
+const FINE: f64 = 25.0;
+
+/// Samples of an axis that were rounded to steps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rounded {
+    /// The step, the axis' unit.
+    pub(super) step: f64,
+    /// Half the mean square of the changes from one sample to the next, steps².
+    pub(super) variance: f64,
+    /// Sample period, s.
+    pub(super) period_s: f64,
+    /// Time from the first sample to the last, s.
+    pub(super) span_s: f64,
+}
+
+impl Rounded {
+    /// From gap-free stretches of values of such a step.
+    pub(super) fn of(stretches: &[&[f64]], step: f64, period_s: f64, span_s: f64) -> Self {
+        let pairs = || stretches.iter().flat_map(|stretch| stretch.windows(2));
+        let squares: f64 = pairs().map(|pair| ((pair[1] - pair[0]) / step).powi(2)).sum();
+        Self { step, variance: squares / (2.0 * pairs().count().max(1) as f64), period_s, span_s }
+    }
+
+    /// `found` of the rounded samples as it is of the noise before rounding: intervals hold that too. The second value
+    /// says whether the step hides the white noise, so that all levels are limits.
+    pub(super) fn before_rounding(&self, found: NoiseEstimate) -> (NoiseEstimate, bool) {
+        let Some(value) = found.white.value.filter(|_| self.variance < FINE) else { return (found, false) };
+        let low = found.white.low.unwrap_or(0.0);
+        // white noise N makes samples of variance N²/period; of filtered samples it is more
+        let of_samples = |sigma: f64| sigma * self.step * self.period_s.sqrt();
+        let coloured = value / of_samples(self.variance.sqrt());
+        let least = least_noise(self.variance * (low / value).powi(2));
+        let most = most_noise(self.variance * (found.white.high / value).powi(2));
+        let high = found.white.high.max(coloured.max(1.0) * of_samples(most));
+        let added = of_samples(1.0).powi(2) * (self.variance - least * least);
+        let without = (low * low - added).max(0.0).sqrt().min(coloured * of_samples(least));
+        if without > 0.0 {
+            return (
+                NoiseEstimate { white: Level { low: Some(without), high, ..found.white }, ..found },
+                false,
+            );
+        }
+        (self.limits(high, found.flicker.high, found.walk.high), true)
+    }
+
+    /// Limits of an axis with one value in `samples` samples.
+    pub(super) fn of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
+        // three changes expected where none was seen: 95 %
+        let rounded = Self { step, variance: 1.5 / samples.max(1) as f64, period_s, span_s };
+        rounded.limits(most_noise(rounded.variance) * step * period_s.sqrt(), 0.0, 0.0)
+    }
+
+    /// A bias that moves by less than a step is not seen either.
+    fn limits(&self, white: f64, flicker: f64, walk: f64) -> NoiseEstimate {
+        let limit = |high: f64| Level { value: None, low: None, high };
+        NoiseEstimate {
+            white: limit(white),
+            flicker: limit(flicker + self.step),
+            walk: limit(walk + self.step / self.span_s.sqrt()),
+        }
+    }
+}
+
+/// Standard deviation, in steps, below which noise would leave less than `variance`, steps², wherever the mean lies.
+fn least_noise(variance: f64) -> f64 {
+    inverse(variance, 0.5)
+}
+
+/// Standard deviation, in steps, above which noise would leave more than `variance`, steps², wherever the mean lies.
+fn most_noise(variance: f64) -> f64 {
+    inverse(variance, 0.0)
+}
+
+/// The standard deviation at which rounding leaves `variance` with the mean so far off a code; 0 where it always leaves
+/// more.
+fn inverse(variance: f64, offset: f64) -> f64 {
+    let (mut below, mut above) = (0.0, variance.sqrt() + 1.0);
+    // ends: halved 50 times
+    for _ in 0..50 {
+        let middle = 0.5 * (below + above);
+        match rounded_variance(middle, offset) < variance {
+            true => below = middle,
+            false => above = middle,
+        }
+    }
+    if below < 1e-9 { 0.0 } else { above }
+}
+
+/// Variance of normal noise of `sigma` about `offset` once rounded to whole steps.
+fn rounded_variance(sigma: f64, offset: f64) -> f64 {
+    let furthest = (8.0 * sigma).ceil() as i32 + 1;
+    let above = |limit: f64| 0.5 * erfc((limit - offset) / (sigma * std::f64::consts::SQRT_2));
+    let (mut mean, mut square) = (0.0, 0.0);
+    for code in -furthest..=furthest {
+        let code = f64::from(code);
+        let chance = above(code - 0.5) - above(code + 0.5);
+        mean += chance * code;
+        square += chance * code * code;
+    }
+    square - mean * mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_testkit::noise::white_noise;
+
+    /// Steps of a tenth to eight standard deviations, the mean at seven places between two codes: those whose interval of
+    /// N does not hold the truth, and how many are limits.
+    fn misses(corrected: bool) -> (Vec<(f64, f64)>, usize) {
+        let noise = white_noise(11, 40_000);
+        let (mut missed, mut limits) = (Vec::new(), 0);
+        for step in [0.1, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0] {
+            for offset in [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5] {
+                let rounded: Vec<f64> = noise.iter().map(|v| (v / step + offset).round() * step).collect();
+                let (level, is_limit) = match Rounded::of(&[&rounded], step, 0.01, 400.0) {
+                    of if of.variance == 0.0 => (Rounded::of_constant(step, 40_000, 0.01, 400.0).white, true),
+                    of => {
+                        // as blocks of white samples show it, known to 2 %
+                        let n = of.variance.sqrt() * step * 0.1;
+                        let white = Level { value: Some(n), low: Some(0.98 * n), high: 1.02 * n };
+                        let none = Level { value: None, low: None, high: 0.0 };
+                        let found = NoiseEstimate { white, flicker: none, walk: none };
+                        let (corrected_to, is_limit) = of.before_rounding(found);
+                        if corrected { (corrected_to.white, is_limit) } else { (white, false) }
+                    }
+                };
+                limits += usize::from(is_limit);
+                if level.low.is_some_and(|low| low > 0.1) || level.high < 0.1 {
+                    missed.push((step, offset));
+                }
+                // a limit that says nothing would hold too
+                assert!(
+                    !corrected || level.high < 0.1 * (2.0_f64).max(0.6 * step),
+                    "{step} {offset} {level:?}"
+                );
+            }
+        }
+        (missed, limits)
+    }
+
+    #[test]
+    fn intervals_hold_the_noise_before_rounding_at_any_step_and_offset() {
+        let (missed, limits) = misses(true);
+        assert_eq!(missed, []);
+        assert!((30..=42).contains(&limits), "{limits}");
+        // negative control: the noise of the rounded samples
+        let (missed, _) = misses(false);
+        assert!(missed.len() > 35, "{missed:?}");
+    }
+
+    #[test]
+    fn fine_steps_leave_the_estimate_as_it_was() {
+        let level = Level { value: Some(1.0), low: Some(0.9), high: 1.1 };
+        let found = NoiseEstimate { white: level, flicker: level, walk: level };
+        let fine = Rounded { step: 0.1, variance: 100.0, period_s: 1.0, span_s: 1e4 };
+        assert_eq!(fine.before_rounding(found), (found, false));
+    }
+}
