@@ -26,9 +26,9 @@ pub(crate) const FEWEST_CHANGES: usize = 10;
 /// The rows, within `stretches` without gaps, that repeat a value for longer than the noise and the step of the axis let
 /// expect; the first of each run is a measurement and not among them.
 ///
-/// Steps of r standard deviations leave neighbours equal most often where the mean lies on a code: with probability
-/// (1 − 2Q)² + 2Q², Q the tail beyond half a step, and 2Q² of the changes are then of two steps. So the changes alone,
-/// which a stuck stretch has none of, bound how often chance repeats a value.
+/// Noise stays on a code most easily where the mean lies on it: with probability 1 − 2Q a row, Q the tail beyond half a
+/// step, and 2Q² of the changes are then of two steps. So the changes alone, which a stuck stretch has none of, bound how
+/// often chance repeats a value.
 pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
     let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let runs: Vec<Range<usize>> = stretches.iter().flat_map(|rows| repeats(values, rows.clone())).collect();
@@ -38,7 +38,7 @@ pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
     runs.into_iter().filter(|run| run.len() >= least).collect()
 }
 
-/// Largest probability that noise leaves a value as it is, by the changes of two steps and more; `None` where there are
+/// Largest probability that the next value is the same, by the changes of two steps and more; `None` where there are
 /// too few to say.
 fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     let (two_steps, pairs) = two_step_changes(values, stretches)?;
@@ -48,7 +48,7 @@ fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
         return None;
     }
     let tail = (share / 2.0).sqrt().min(1.0 / 3.0);
-    Some((1.0 - 2.0 * tail).powi(2) + 2.0 * tail * tail)
+    Some(1.0 - 2.0 * tail)
 }
 
 /// How many changes from one value to the next are of more than one step, and of how many neighbours.

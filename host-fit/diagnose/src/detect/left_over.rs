@@ -85,9 +85,9 @@ pub(super) fn left_over(
     LeftOver { leads, misshapes, instead: false }
 }
 
-/// The whitened residual but for the blocks that only determine a level, and the tenth of the blocks in which the effects that were found change most: there they
-/// leave what they do not reproduce to the last digit, a delay of a few samples or a thermometer's, and that is no
-/// jump.
+/// The whitened residual but for the blocks that only determine a level, where it is 0, and the tenth of the blocks in
+/// which the effects that were found change most: there they leave what they do not reproduce to the last digit, a delay
+/// of a few samples or a thermometer's, and that is no jump.
 fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
     let residual = &slow.fitted.gls.residual;
     let restarts = reduced.blocks.restarts();

@@ -19,6 +19,8 @@ pub(super) struct Rounded {
     pub(super) step: f64,
     /// Half the mean square of the changes from one sample to the next, steps².
     pub(super) variance: f64,
+    /// How many changes that is of.
+    pub(super) pairs: f64,
     /// Sample period, s.
     pub(super) period_s: f64,
     /// Time from the first sample to the last, s.
@@ -30,7 +32,8 @@ impl Rounded {
     pub(super) fn of(stretches: &[&[f64]], step: f64, period_s: f64, span_s: f64) -> Self {
         let pairs = || stretches.iter().flat_map(|stretch| stretch.windows(2));
         let squares: f64 = pairs().map(|pair| ((pair[1] - pair[0]) / step).powi(2)).sum();
-        Self { step, variance: squares / (2.0 * pairs().count().max(1) as f64), period_s, span_s }
+        let pairs = pairs().count().max(1) as f64;
+        Self { step, variance: squares / (2.0 * pairs), pairs, period_s, span_s }
     }
 
     /// `found` of the rounded samples as it is of the noise before rounding: intervals hold that too. The second value
@@ -42,7 +45,7 @@ impl Rounded {
         let of_samples = |sigma: f64| sigma * self.step * self.period_s.sqrt();
         let coloured = value / of_samples(self.variance.sqrt());
         let least = least_noise(self.variance * (low / value).powi(2));
-        let most = most_noise(self.variance * (found.white.high / value).powi(2));
+        let most = most_noise(self.most_variance().max(self.variance * (found.white.high / value).powi(2)));
         let high = found.white.high.max(coloured.max(1.0) * of_samples(most));
         let added = of_samples(1.0).powi(2) * (self.variance - least * least);
         let without = (low * low - added).max(0.0).sqrt().min(coloured * of_samples(least));
@@ -55,11 +58,17 @@ impl Rounded {
         (self.limits(high, found.flicker.high, found.walk.high), true)
     }
 
+    /// The variance that as few excursions to the next code as were seen allow, 95 %: two changes are one excursion, and
+    /// of a Poisson variable of which k were seen about k + 2·√k + 3 may be expected.
+    fn most_variance(&self) -> f64 {
+        let seen = self.variance * self.pairs;
+        (seen + 2.0 * seen.sqrt() + 3.0) / self.pairs
+    }
+
     /// Limits of an axis with one value in `samples` samples.
     pub(super) fn of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
-        // three changes expected where none was seen: 95 %
-        let rounded = Self { step, variance: 1.5 / samples.max(1) as f64, period_s, span_s };
-        rounded.limits(most_noise(rounded.variance) * step * period_s.sqrt(), 0.0, 0.0)
+        let rounded = Self { step, variance: 0.0, pairs: samples.max(1) as f64, period_s, span_s };
+        rounded.limits(most_noise(rounded.most_variance()) * step * period_s.sqrt(), 0.0, 0.0)
     }
 
     /// A bias that moves by less than a step is not seen either.
@@ -165,7 +174,7 @@ mod tests {
     fn fine_steps_leave_the_estimate_as_it_was() {
         let level = Level { value: Some(1.0), low: Some(0.9), high: 1.1 };
         let found = NoiseEstimate { white: level, flicker: level, walk: level };
-        let fine = Rounded { step: 0.1, variance: 100.0, period_s: 1.0, span_s: 1e4 };
+        let fine = Rounded { step: 0.1, variance: 100.0, pairs: 1e4, period_s: 1.0, span_s: 1e4 };
         assert_eq!(fine.before_rounding(found), (found, false));
     }
 }
