@@ -8,7 +8,7 @@ use fos_core::{StillnessDetector, StillnessLimits};
 
 use crate::disturbance::{self, Disturbance};
 use crate::pose;
-use crate::recording::Recording;
+use crate::recording::{Recording, RecordingError};
 use crate::statistics::{mean, median_of, variance};
 
 /// Length of a window, s.
@@ -31,6 +31,17 @@ pub struct Stillness {
     pub turns: Vec<usize>,
     /// Limits for the detector on the device, learnt from the quietest windows; `None` without all six axes.
     pub limits: Option<StillnessLimits<f64>>,
+}
+
+impl Stillness {
+    /// Refuses a log of which less than half a minute of `rows` is at rest because the device moves all along.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::Moves`].
+    pub fn check_rest(&self, recording: &Recording, rows: &Range<usize>) -> Result<(), RecordingError> {
+        disturbance::check_rest(recording, &self.disturbances, &self.still, rows)
+    }
 }
 
 /// How it is known where the unit is still.

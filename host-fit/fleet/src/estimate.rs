@@ -159,13 +159,14 @@ impl Estimate {
 ///
 /// # Errors
 ///
-/// A column is missing, a regressor cannot be read, or too little is at rest.
+/// A column is missing, a regressor cannot be read, too little is at rest, or the device moves all along.
 pub fn estimate(
     recording: &Recording,
     column: &str,
     regressors: &[String],
     noise: Option<&NoiseLevels>,
 ) -> Result<AxisEstimate, EstimateError> {
+    disturbance::check(recording)?;
     let at_rest = disturbance::marked(recording).0;
     let log = from_reference(&at_rest);
     let reduced = ErrorInBlocks::of(&log, column)?;

@@ -18,13 +18,20 @@ pub struct Disturbance {
     pub turned_rad: Option<f64>,
     /// Gravity may have another direction after it than before: each rest has a level of its own.
     pub is_tilted: bool,
+    /// The logged channel that explains it: [`Kind::Explained`] alone has one.
+    pub channel: Option<String>,
 }
 
 impl Disturbance {
-    /// Whether its rows are left out: all but lasting vibration, which is a state of the unit's surroundings and may be
-    /// what an effect follows.
+    /// Neither turned nor tilted.
+    pub(super) fn level(rows: Range<usize>, kind: Kind) -> Self {
+        Self { rows, kind, turned_rad: None, is_tilted: false, channel: None }
+    }
+
+    /// Whether its rows are excluded: not those of lasting vibration, which is a state of the device's surroundings and
+    /// may cause an effect, nor those that a logged channel explains.
     pub fn is_left_out(&self) -> bool {
-        self.kind != Kind::Vibration
+        !matches!(self.kind, Kind::Vibration | Kind::Explained)
     }
 }
 
@@ -42,6 +49,10 @@ pub enum Kind {
     Sway,
     /// Lasting vibration: a machine that runs.
     Vibration,
+    /// The device moves all along: a vehicle, a body.
+    Motion,
+    /// No motion: a shared step of the axes that a logged channel explains.
+    Explained,
 }
 
 impl Kind {
@@ -53,6 +64,8 @@ impl Kind {
             Self::Handling => "handling",
             Self::Sway => "sway",
             Self::Vibration => "vibration",
+            Self::Motion => "motion",
+            Self::Explained => "effect of a logged channel",
         }
     }
 }
@@ -89,7 +102,7 @@ pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]
     };
     let rows = if kind == Kind::Handling { with_margin(recording, rows) } else { rows };
     // who had it in the hand does not put it down exactly as it lay
-    Disturbance { rows, kind, turned_rad, is_tilted: is_tilted || kind == Kind::Handling }
+    Disturbance { rows, kind, turned_rad, is_tilted: is_tilted || kind == Kind::Handling, channel: None }
 }
 
 /// A hand comes and goes without a jerk: so much before and after, s.

@@ -9,30 +9,40 @@
 //! |---|---|
 //! | `scale` | energy of one axis on one time scale, and by how much it is more than usual |
 //! | `shared` | where several axes have too much at once |
+//! | `explained` | shared steps that a logged channel explains, which are no motion |
+//! | `absolute` | scatter that no sensor at rest has: a vehicle that drives all along |
 //! | `kind` | what it looks like |
 
+mod absolute;
+mod explained;
 mod kind;
 mod scale;
 mod shared;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod verdict_tests;
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::column::AXES;
 use crate::pose;
-use crate::recording::{Recording, Reference};
+use crate::recording::{Recording, RecordingError, Reference};
+use crate::unit::Unit;
 
 pub use kind::{Disturbance, Kind};
 
 /// Disturbances that are told one by one; of more, the longest.
 const MOST_TOLD: usize = 12;
 
-/// When the unit was moved, how long, what it looks like, a line each; the longest, in order, where there are many.
+/// Detected motion: when, how long, and what it looks like, one line each; of many the longest, in order. Then the number
+/// of stretches that a logged channel explains, one line for each channel.
 pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> {
     let seconds = |one: &Disturbance| one.rows.len() as f64 * recording.rate.period_s;
-    let mut longest: Vec<&Disturbance> = disturbances.iter().collect();
+    let (explained, moved): (Vec<&Disturbance>, Vec<&Disturbance>) =
+        disturbances.iter().partition(|one| one.channel.is_some());
+    let mut longest = moved.clone();
     longest.sort_by_key(|one| std::cmp::Reverse(one.rows.len()));
     longest.truncate(MOST_TOLD);
     longest.sort_by_key(|one| one.rows.start);
@@ -47,18 +57,80 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
                 one.kind.name(),
                 recording.time_s[one.rows.start],
                 seconds(one),
-                if one.is_tilted { ", perhaps in another pose afterwards" } else { "" },
-                if one.is_left_out() { "; left out" } else { "" },
+                if one.is_tilted { ", perhaps in another orientation afterwards" } else { "" },
+                if one.is_left_out() { "; excluded" } else { "" },
             )
         })
         .collect();
-    if disturbances.len() > MOST_TOLD {
-        let left_out = disturbances.iter().filter(|one| one.is_left_out());
-        let all: f64 = left_out.map(&seconds).sum();
-        lines
-            .push(format!("and {} shorter ones; {all:.1} s left out in all", disturbances.len() - MOST_TOLD));
+    if moved.len() > MOST_TOLD {
+        let excluded = moved.iter().filter(|one| one.is_left_out());
+        let all: f64 = excluded.map(|one| seconds(one)).sum();
+        lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MOST_TOLD));
+    }
+    let mut channels: Vec<&str> = explained.iter().filter_map(|one| one.channel.as_deref()).collect();
+    channels.sort_unstable();
+    for of_one in channels.chunk_by(|one, other| one == other) {
+        let [stretches, follow, were] = match of_one.len() {
+            1 => ["stretch", "follows", "was"],
+            _ => ["stretches", "follow", "were"],
+        };
+        lines.push(format!("{} {stretches} {follow} {} and {were} kept", of_one.len(), of_one[0]));
     }
     lines
+}
+
+/// Refuses a log that moves all along: less than half a minute of `rows` is left at rest (`rest`, without what was
+/// `found`).
+///
+/// # Errors
+///
+/// [`RecordingError::Moves`].
+pub fn check_rest(
+    recording: &Recording,
+    found: &[Disturbance],
+    rest: &[bool],
+    rows: &Range<usize>,
+) -> Result<(), RecordingError> {
+    let within = |one: &Disturbance| one.rows.start.max(rows.start)..one.rows.end.min(rows.end);
+    let motions = found.iter().filter(|one| one.kind == Kind::Motion).map(within);
+    let Some(longest) = motions.max_by_key(Range::len).filter(|motion| !motion.is_empty()) else {
+        return Ok(());
+    };
+    let rest_s = rest[rows.clone()].iter().filter(|rest| **rest).count() as f64 * recording.rate.period_s;
+    if rest_s >= absolute::SHORTEST_REST_S {
+        return Ok(());
+    }
+    let (column, scatter, limit) = AXES
+        .into_iter()
+        .filter_map(|name| {
+            let scatter = absolute::scatter(recording, &recording.channel(name).ok()?.values, &longest);
+            Some((name, scatter, absolute::limit(name)?))
+        })
+        .max_by(|one, other| (one.1 / one.2).total_cmp(&(other.1 / other.2)))
+        .unwrap_or_default();
+    let size = |value: f64| match recording.channel(column).map(|channel| channel.unit) {
+        Ok(Unit::RadianPerSecond) => format!("{:.2} °/s", value.to_degrees()),
+        _ => format!("{value:.2} m/s²"),
+    };
+    Err(RecordingError::Moves {
+        path: recording.paths(),
+        from_s: recording.time_s[longest.start],
+        to_s: recording.time_s[longest.end - 1],
+        column: column.to_owned(),
+        scatter: size(scatter),
+        limit: size(limit),
+        rest_s,
+    })
+}
+
+/// Refuses a log of which less than half a minute is at rest because the device moves; none where motion is kept.
+///
+/// # Errors
+///
+/// [`RecordingError::Moves`].
+pub fn check(recording: &Recording) -> Result<(), RecordingError> {
+    let marks = recording.once(Marks::of);
+    check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))
 }
 
 /// The same log with the rows in which the unit was moved marked as not at rest, and when it was: where there is no
@@ -124,7 +196,7 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         is_vouched |= matches!(series.reference, Reference::Channel(_));
         let mut values = series.values.into_owned();
         values.iter_mut().zip(rest).filter(|(_, rest)| !**rest).for_each(|(value, _)| *value = f64::NAN);
-        axes.push(values);
+        axes.push((name, values));
     }
     if axes.len() < 2 {
         return Vec::new();
@@ -132,11 +204,19 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     let rows_at_rest = rest.iter().filter(|rest| **rest).count() as f64;
     // at rest a reference is the pose, and what moves there it does not know
     let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);
-    let found = shared::find(recording, axes, is_vouched);
+    let lasting = if is_vouched { Vec::new() } else { absolute::find(recording, &axes) };
+    let found = shared::find(recording, axes.into_iter().map(|(_, values)| values).collect(), is_vouched);
     let share = |stretches: &[Range<usize>]| {
-        stretches.iter().map(|rows| rows.len()).sum::<usize>() as f64 / rows_at_rest.max(1.0)
+        let at_rest = |rows: &Range<usize>| rest[rows.clone()].iter().filter(|rest| **rest).count();
+        stretches.iter().map(at_rest).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
-    let left_out = if share(&found.moved) > MOST { &[][..] } else { &found.moved[..] };
+    let is_usual = share(&found.moved) > MOST;
+    // motion of most of a log is its usual state, unless no sensor at rest can show it
+    let lasting = if is_usual || share(&lasting) > MOST { lasting } else { Vec::new() };
+    let is_inside = |rows: &Range<usize>, all: &[Range<usize>]| {
+        all.iter().any(|outer| outer.start <= rows.start && rows.end <= outer.end)
+    };
+    let events = found.moved.iter().filter(|rows| !is_usual && !is_inside(rows, &lasting));
     // what was not looked at is not judged
     let first = rest.iter().position(|rest| *rest).unwrap_or(0);
     let end = rest.iter().rposition(|rest| *rest).map_or(0, |last| last + 1);
@@ -144,14 +224,21 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         rows: one.rows.start.clamp(first, end)..one.rows.end.clamp(first, end),
         ..one
     };
-    let moved = left_out.iter().map(|rows| within(kind::described(recording, rows.clone(), rest)));
-    let vibration = found.shaken.iter().map(|rows| Disturbance {
-        rows: rows.clone(),
-        kind: Kind::Vibration,
-        turned_rad: None,
-        is_tilted: false,
+    let moved = events.map(|rows| kind::described(recording, rows.clone(), rest));
+    let lasting = lasting
+        .iter()
+        .map(|rows| Disturbance { is_tilted: true, ..Disturbance::level(rows.clone(), Kind::Motion) });
+    let moved: Vec<Disturbance> = moved.chain(lasting).map(within).collect();
+    let vibration = found.shaken.iter().map(|rows| Disturbance::level(rows.clone(), Kind::Vibration));
+    // what is excluded for another reason is not kept
+    let is_kept =
+        |rows: &Range<usize>| !moved.iter().any(|one| is_inside(rows, std::slice::from_ref(&one.rows)));
+    let explained = found.explained.iter().filter(|one| is_kept(&one.rows)).map(|one| Disturbance {
+        channel: Some(one.channel.clone()),
+        ..Disturbance::level(one.rows.clone(), Kind::Explained)
     });
-    let mut all: Vec<Disturbance> = moved.chain(vibration).collect();
+    let explained: Vec<Disturbance> = explained.collect();
+    let mut all: Vec<Disturbance> = moved.into_iter().chain(vibration).chain(explained).collect();
     all.sort_by_key(|disturbance| disturbance.rows.start);
     all
 }

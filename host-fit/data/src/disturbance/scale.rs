@@ -1,6 +1,12 @@
 //! The energy of one axis on one time scale: second differences of block means, which no level and no steady drift
 //! moves.
+//!
+//! Blocks begin at every row and windows overlap by 15 sixteenths, so that a detection does not depend on the row that
+//! a log happens to begin with.
 
+use std::ops::Range;
+
+use crate::recording::Segment;
 use crate::statistics::{MAD_TO_SD, finite_median};
 
 /// Blocks of a window: enough for its energy to be known to a third.
@@ -9,6 +15,9 @@ const WINDOW_BLOCKS: usize = 8;
 /// And so long at least, s: a knock rings for about that.
 const SHORTEST_WINDOW_S: f64 = 0.25;
 
+/// Windows begin so many times in the length of one.
+const OVERLAP: usize = 16;
+
 /// The windows of one time scale.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
@@ -16,6 +25,8 @@ pub(super) struct Scale {
     pub(super) block: usize,
     /// Rows of a window.
     pub(super) window: usize,
+    /// Rows from the begin of a window to that of the next.
+    pub(super) stride: usize,
     /// Rows on either side of what only just stands out that belong to it.
     pub(super) margin: usize,
 }
@@ -26,34 +37,70 @@ impl Scale {
         let block = 1 << level;
         let rows = (SHORTEST_WINDOW_S / period_s).ceil() as usize;
         let window = block * WINDOW_BLOCKS.max(rows.div_ceil(block));
-        Self { block, window, margin: (2 * block).max(rows / 2) }
+        let stride = (window / OVERLAP).max(1);
+        Self { block, window: window / stride * stride, stride, margin: (2 * block).max(rows / 2) }
     }
 
-    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known. `joins`
-    /// says whether block k goes with the two before it.
-    pub(super) fn log_energy(&self, means: &[f64], joins: &[bool]) -> Vec<f64> {
-        let per_window = self.window / self.block;
-        let of = |window: usize| {
-            let (mut sum, mut count) = (0.0, 0_usize);
-            for k in (window * per_window).max(2)..((window + 1) * per_window).min(means.len()) {
-                let second = means[k] - 2.0 * means[k - 1] + means[k - 2];
-                if joins[k] && second.is_finite() {
-                    sum += second * second;
-                    count += 1;
+    /// Number of windows in `n` rows.
+    pub(super) fn windows(&self, n: usize) -> usize {
+        n.checked_sub(self.window).map_or(0, |room| room / self.stride + 1)
+    }
+
+    /// Rows of a window.
+    pub(super) fn rows(&self, window: usize) -> Range<usize> {
+        window * self.stride..window * self.stride + self.window
+    }
+
+    /// Second difference of block means about the block that begins at `row`; NaN where a value is missing.
+    /// `means[row]` is the mean of the block that begins there.
+    pub(super) fn second_difference(&self, means: &[f64], row: usize) -> f64 {
+        means[row - self.block] - 2.0 * means[row] + means[row + self.block]
+    }
+
+    /// Rows of a segment at which all three blocks of a second difference are within it.
+    pub(super) fn inner(&self, segment: &Segment) -> Range<usize> {
+        let first = segment.rows.start + self.block;
+        first..(segment.rows.end + 1).saturating_sub(2 * self.block).max(first)
+    }
+
+    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known.
+    pub(super) fn log_energy(&self, means: &[f64], segments: &[Segment]) -> Vec<f64> {
+        let mut pieces = vec![(0.0, 0_usize); means.len().div_ceil(self.stride)];
+        for segment in segments {
+            for row in self.inner(segment) {
+                let second = self.second_difference(means, row);
+                if second.is_finite() {
+                    let (sum, count) = &mut pieces[row / self.stride];
+                    *sum += second * second;
+                    *count += 1;
                 }
             }
-            match 2 * count >= per_window && sum > 0.0 {
-                true => (sum / count as f64).ln(),
-                false => f64::NAN,
-            }
+        }
+        let per_window = self.window / self.stride;
+        let of = |window: usize| {
+            let pieces = &pieces[window..window + per_window];
+            let (sum, count) =
+                pieces.iter().fold((0.0, 0), |(sum, count), piece| (sum + piece.0, count + piece.1));
+            log_mean(sum, count, self.window)
         };
-        (0..means.len().div_ceil(per_window)).map(of).collect()
+        (0..self.windows(means.len())).map(of).collect()
+    }
+
+    /// Means of blocks twice as long; NaN where a value is missing.
+    pub(super) fn doubled(&self, means: &[f64]) -> Vec<f64> {
+        let later = means.iter().skip(self.block).copied().chain(std::iter::repeat(f64::NAN));
+        means.iter().zip(later).map(|(one, later)| 0.5 * (one + later)).collect()
+    }
+
+    /// Makes every block unknown that holds one of these rows.
+    pub(super) fn forget(&self, means: &mut [f64], rows: &Range<usize>) {
+        means[(rows.start + 1).saturating_sub(self.block)..rows.end].fill(f64::NAN);
     }
 }
 
-/// Means of pairs; NaN where one is not known.
-pub(super) fn halved(means: &[f64]) -> Vec<f64> {
-    means.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
+/// ln of the mean of `count` squares; NaN if fewer than half of `of` are known.
+pub(super) fn log_mean(sum: f64, count: usize, of: usize) -> f64 {
+    if 2 * count >= of && sum > 0.0 { (sum / count as f64).ln() } else { f64::NAN }
 }
 
 /// The usual level around each window: medians of pieces of `piece` windows, and the median of five of them. What lasts
@@ -73,10 +120,30 @@ pub(super) fn median_of_known(values: &[f64]) -> f64 {
 /// Scatter below this is that of too few values.
 const LEAST_SCATTER: f64 = 0.1;
 
-/// By how many of its standard deviations the energy is above its level; what is not known is not.
-pub(super) fn excess(log_energy: &[f64], level: &[f64]) -> Vec<f64> {
-    let above: Vec<f64> = log_energy.iter().zip(level).map(|(energy, level)| energy - level).collect();
-    let off: Vec<f64> = above.iter().map(|above| above.abs()).collect();
-    let scatter = (MAD_TO_SD * median_of_known(&off)).max(LEAST_SCATTER);
-    above.into_iter().map(|above| if above.is_finite() { above / scatter } else { 0.0 }).collect()
+/// The usual energy of one axis on one time scale.
+#[derive(Debug)]
+pub(super) struct Usual {
+    level: Vec<f64>,
+    scatter: f64,
+}
+
+impl Usual {
+    /// About `level`, window by window.
+    pub(super) fn about(level: Vec<f64>, log_energy: &[f64]) -> Self {
+        let off: Vec<f64> =
+            log_energy.iter().zip(&level).map(|(energy, level)| (energy - level).abs()).collect();
+        let scatter = (MAD_TO_SD * median_of_known(&off)).max(LEAST_SCATTER);
+        Self { level, scatter }
+    }
+
+    /// By how many standard deviations the energy of a window is above its level; an unknown energy is not.
+    pub(super) fn excess(&self, window: usize, log_energy: f64) -> f64 {
+        let above = (log_energy - self.level[window]) / self.scatter;
+        if above.is_finite() { above.max(0.0) } else { 0.0 }
+    }
+
+    /// Its level, window by window.
+    pub(super) fn level(&self) -> &[f64] {
+        &self.level
+    }
 }

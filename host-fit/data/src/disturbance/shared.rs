@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::scale::{Scale, excess, halved, local_level, median_of_known};
+use super::explained::{self, Axes, Explained, possible_causes};
+use super::scale::{Scale, Usual, local_level, median_of_known};
 use crate::interrupt::in_parallel;
 use crate::recording::{Recording, runs};
 
@@ -24,10 +25,10 @@ const LASTING_S: f64 = 28.0;
 
 /// Sum of the squares of the excess of all axes but the one with most: chance reaches it less often than once in a
 /// million windows.
-const FAR: f64 = 30.0;
+pub(super) const FAR: f64 = 30.0;
 
 /// What follows or comes before it and is still so much belongs to it.
-const NEAR: f64 = 7.0;
+pub(super) const NEAR: f64 = 7.0;
 
 /// Motions closer than this are one, s.
 const ONE_S: f64 = 0.75;
@@ -46,6 +47,8 @@ pub(super) struct Shared {
     pub(super) moved: Vec<Range<usize>>,
     /// Lasting vibration.
     pub(super) shaken: Vec<Range<usize>>,
+    /// What a logged channel explains: no motion.
+    pub(super) explained: Vec<Explained>,
 }
 
 /// Looks on all time scales at all axes. Where a reference says how the unit moves, slow motion is not looked for: what
@@ -58,18 +61,20 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
     let mut violent = vec![false; n];
     // by how much the slowest vibration of each axis is above its least, window by window
     let mut leaking: Vec<(Scale, Vec<f64>)> = Vec::new();
+    let causes = possible_causes(recording);
+    let mut explained = Vec::new();
     for level in 0.. {
         let scale = Scale::new(level, period_s);
         let block_s = scale.block as f64 * period_s;
         if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || is_vouched && block_s > VIBRATION_BLOCK_S {
             break;
         }
-        let joins = joins(recording, scale.block, means[0].len());
-        let energies: Vec<Vec<f64>> = in_parallel(&means, |means| scale.log_energy(means, &joins));
+        let energies: Vec<Vec<f64>> =
+            in_parallel(&means, |means| scale.log_energy(means, &recording.segments));
         let is_vibration = level == 0 || block_s <= VIBRATION_BLOCK_S;
         let levels: Vec<Vec<f64>> = match is_vibration {
             true => {
-                let piece = (PIECE_S / (scale.window as f64 * period_s)).ceil() as usize;
+                let piece = (PIECE_S / (scale.stride as f64 * period_s)).ceil() as usize;
                 in_parallel(&energies, |energy| local_level(energy, piece))
             }
             false => energies
@@ -77,7 +82,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
                 .zip(&leaking)
                 .map(|(energy, (of, leak))| {
                     let leak_at =
-                        |window: usize| leak[(window * scale.window / of.window).min(leak.len() - 1)];
+                        |window: usize| leak[(window * scale.stride / of.stride).min(leak.len() - 1)];
                     let usual: Vec<f64> =
                         energy.iter().enumerate().map(|(window, energy)| energy - leak_at(window)).collect();
                     let middle = median_of_known(&usual);
@@ -85,24 +90,28 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
                 })
                 .collect(),
         };
-        let all: Vec<Vec<f64>> =
-            energies.iter().zip(&levels).map(|(energy, level)| excess(energy, level)).collect();
-        let score: Vec<f64> = (0..all[0].len()).map(|window| shared_score(&all, window)).collect();
+        let usual: Vec<Usual> =
+            energies.iter().zip(levels).map(|(energy, level)| Usual::about(level, energy)).collect();
+        let excess = |window: usize| {
+            usual.iter().zip(&energies).map(move |(usual, energy)| usual.excess(window, energy[window]))
+        };
+        let mut score: Vec<f64> = (0..energies[0].len()).map(|window| sum_but_most(excess(window))).collect();
+        let axes = Axes { scale, means: &means, energies: &energies, usual: &usual };
+        explained.extend(explained::spare(recording, &axes, &causes, &mut score));
         mark(&mut moved, &scale, &score);
         if is_vibration {
-            leaking = levels.iter().map(|level| (scale, above_least(level))).collect();
+            leaking = usual.iter().map(|usual| (scale, above_least(usual.level()))).collect();
             mark_shaken(&mut shaken, &scale, &leaking, SHAKEN);
             mark_shaken(&mut violent, &scale, &leaking, VIOLENT);
         }
         // what was found is not found again: a knock that is left in the mean of a second would take the seconds around
         // it along
-        let is_moved = |block: usize| {
-            let rows = block * scale.block..((block + 1) * scale.block).min(n);
-            moved[rows].contains(&true)
-        };
-        let lost: Vec<usize> = (0..means[0].len()).filter(|block| is_moved(*block)).collect();
-        means.iter_mut().for_each(|means| lost.iter().for_each(|block| means[*block] = f64::NAN));
-        means = in_parallel(&means, |means| halved(means));
+        let found = runs(0..n, |row| moved[row]);
+        means = in_parallel(&means, |means| {
+            let mut means = means.clone();
+            found.iter().for_each(|rows| scale.forget(&mut means, rows));
+            scale.doubled(&means)
+        });
     }
     let joined = (ONE_S / period_s) as usize;
     let stretches = |flags: &[bool], within: usize| {
@@ -121,28 +130,22 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
     let events = stretches(&violent, joined);
     events.iter().filter(|rows| !lasts(rows)).for_each(|rows| moved[rows.clone()].fill(true));
     lasting.retain(lasts);
-    Shared { moved: stretches(&moved, joined), shaken: lasting }
-}
-
-/// Whether a block and the two before it are of one segment.
-fn joins(recording: &Recording, block: usize, n_blocks: usize) -> Vec<bool> {
-    let mut joins = vec![true; n_blocks];
-    for segment in recording.segments.iter().skip(1) {
-        // the block that holds rows of both sides, and those whose second difference reaches over the cut
-        joins.iter_mut().skip(segment.rows.start / block).take(3).for_each(|joins| *joins = false);
+    Shared {
+        moved: stretches(&moved, joined),
+        shaken: lasting,
+        explained: explained::joined(explained, joined),
     }
-    joins
 }
 
 /// Sum of the squares of the excess of all axes but the one that has most.
-fn shared_score(all: &[Vec<f64>], window: usize) -> f64 {
-    let squares = all.iter().map(|axis| axis[window].max(0.0).powi(2));
+pub(super) fn sum_but_most(excess: impl Iterator<Item = f64>) -> f64 {
+    let squares = excess.map(|excess| excess.powi(2));
     let (sum, most) = squares.fold((0.0, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
     sum - most
 }
 
-/// Marks the rows of windows that are far off, of their neighbours as long as they are off too, and one window on
-/// either side: a filter rings, and half a window may be enough to see it.
+/// Marks the middle half of windows that are far off, of their neighbours as long as they are off too, and a margin on
+/// either side: a filter rings. What stands out in the outer quarters of a window stands out more in the next one.
 fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
     let mut window = 0;
     while window < score.len() {
@@ -161,9 +164,12 @@ fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
         // what is large is felt for longer than it stands out
         let most = score[first..end].iter().copied().fold(FAR, f64::max);
         let margin = (scale.margin as f64 * (1.0 + (most / FAR).log10())) as usize;
-        let rows =
-            (first * scale.window).saturating_sub(margin)..(end * scale.window + margin).min(moved.len());
-        moved[rows].fill(true);
+        let (start, until) =
+            (scale.rows(first).start + scale.window / 4, scale.rows(end - 1).end - scale.window / 4);
+        // no window begins before the first or ends after the last
+        let start = if first == 0 { 0 } else { start.saturating_sub(margin) };
+        let until = if end == score.len() { moved.len() } else { (until + margin).min(moved.len()) };
+        moved[start..until].fill(true);
         window = end;
     }
 }
@@ -180,8 +186,11 @@ fn above_least(level: &[f64]) -> Vec<f64> {
 fn mark_shaken(shaken: &mut [bool], scale: &Scale, axes: &[(Scale, Vec<f64>)], least: f64) {
     for window in 0..axes[0].1.len() {
         if axes.iter().filter(|(_, above)| above[window] > least).count() >= 2 {
-            let rows = window * scale.window..((window + 1) * scale.window).min(shaken.len());
-            shaken[rows].fill(true);
+            let rows = scale.rows(window);
+            let middle = rows.start + (scale.window - scale.stride) / 2;
+            let start = if window == 0 { 0 } else { middle };
+            let end = if window + 1 == axes[0].1.len() { shaken.len() } else { middle + scale.stride };
+            shaken[start..end].fill(true);
         }
     }
 }

@@ -218,6 +218,26 @@ pub enum RecordingError {
         /// Rows of the log.
         rows: usize,
     },
+    /// The device moves all along, and no true motion is logged.
+    #[error(
+        "{path}: the device moves from {from_s:.1} s to {to_s:.1} s: the 1-s means of {column} scatter by {scatter}, those of a MEMS sensor at rest by less than {limit}; {rest_s:.0} s at rest remain\nhelp: record the device lying still; or log its true motion in reference columns, as ref_gx_rads; or read the log with `keep_moved` if the device did lie still"
+    )]
+    Moves {
+        /// As it was given.
+        path: String,
+        /// Begin of the longest motion, s as stamped.
+        from_s: f64,
+        /// Its end, s as stamped.
+        to_s: f64,
+        /// The axis that shows it most, as `gx_rads`.
+        column: String,
+        /// Scatter of its 1-s means, with its unit.
+        scatter: String,
+        /// What a sensor at rest stays below, with its unit.
+        limit: String,
+        /// Time at rest that remains, s.
+        rest_s: f64,
+    },
     /// A compressed log that does not unpack.
     #[error(
         "{}:{line}: it cannot be unpacked beyond this line: {source}\nhelp: if it was cut short while being written or copied, copy it again; `gzip -dc` unpacks what is there",

@@ -32,12 +32,16 @@ impl<'a> Cleaned<'a> {
     ///
     /// # Errors
     ///
-    /// The column to explain is missing or stuck.
+    /// The column to explain is missing or stuck; or a log moves all along.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
         let column = question.field.axis(question.target)?.name.clone();
         let is_coarse = has_coarse_steps(question);
         let field = Log::of(question.field, &column, is_coarse)?;
         let quiet = question.quiet.map(|quiet| Log::of(quiet, &column, false)).transpose()?;
+        [Some(question.field), question.quiet, question.judged]
+            .into_iter()
+            .flatten()
+            .try_for_each(disturbance::check)?;
         let judged = question.judged.map(|judged| disturbance::marked(judged).0);
         Ok(Self { column, field, quiet, judged })
     }

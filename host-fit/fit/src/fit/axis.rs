@@ -78,7 +78,8 @@ pub fn rest(recording: &Recording, train: Train) -> Stillness {
 ///
 /// # Errors
 ///
-/// A column is missing, the training part is too short or constant, or the candidates cannot be told apart.
+/// A column is missing, the training part is too short or constant, the device moves all along, or the candidates cannot
+/// be told apart.
 pub fn fit_axis(
     recording: &Recording,
     stillness: &Stillness,
@@ -88,6 +89,7 @@ pub fn fit_axis(
     let column = recording.axis(axis)?.name.clone();
     let model_error = |source| AxisError::Model { column: column.clone(), source };
     let training = training_rows(recording, options.train);
+    stillness.check_rest(recording, &training)?;
     let fitted: Vec<bool> =
         stillness.still.iter().enumerate().map(|(row, still)| *still && training.contains(&row)).collect();
     if let Some((value, _)) = recording.stuck_axis(&column, &fitted) {

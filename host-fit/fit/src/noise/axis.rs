@@ -83,7 +83,7 @@ pub enum AxisNoiseError {
 ///
 /// # Errors
 ///
-/// The column is missing, too short or constant.
+/// The column is missing, too short or constant; or the device moves all along.
 pub fn axis_noise(
     recording: &Recording,
     stillness: &Stillness,
@@ -91,6 +91,7 @@ pub fn axis_noise(
 ) -> Result<AxisNoise, AxisNoiseError> {
     let column = recording.axis(axis)?.name.clone();
     let rows = 0..recording.n_rows();
+    stillness.check_rest(recording, &rows)?;
     if let Some((value, _)) = recording.stuck_axis(&column, &stillness.still) {
         return Err(AxisNoiseError::Constant { column, value });
     }

@@ -1,0 +1,128 @@
+//! Motion by absolute size: what no MEMS sensor at rest shows, however usual it is in a log. A vehicle moves all along,
+//! and nothing in its log stands out from the rest of it.
+
+use std::ops::Range;
+
+use crate::column::Column;
+use crate::recording::{Recording, runs};
+use crate::statistics::{MAD_TO_SD, finite_median};
+use crate::unit::Unit;
+
+/// Means over so long are compared, s: vibration averages out, and a bias has hardly moved from one to the next.
+const BLOCK_S: f64 = 1.0;
+
+/// Blocks of a window. The median of its second differences does not follow one or two steps of a bias.
+const WINDOW_BLOCKS: usize = 10;
+
+/// Scatter of the means of 1 s, as the square root of a Hadamard variance, that no gyro at rest has, rad/s: 0.57 °/s.
+/// The bias instability of the worst consumer parts is some 0.05 °/s, their white noise over 1 s too, and the noisiest
+/// of the recorded logs at rest has 0.1 °/s (docs/decisions/motion.md); a car that drives has several °/s.
+const GYRO_RADS: f64 = 0.01;
+
+/// The same of accelerometers, m/s²: 10 mg. Data sheets have up to 0.3 mg/√Hz and instabilities below 1 mg; the
+/// noisiest log at rest has 3 mg, all of it white.
+const ACCELEROMETER_MPS2: f64 = 0.1;
+
+/// The variance of the means is so many times what the scatter from sample to sample would leave in them if it were
+/// white: a machine that shakes the device, or a wrong unit, makes both large.
+const SLOW_OVER_WHITE: f64 = 4.0;
+
+/// A pause between motions that is shorter is no rest, s.
+pub(super) const SHORTEST_REST_S: f64 = 30.0;
+
+/// Scatter above which an axis moves, its unit; `None` for another column.
+pub(super) fn limit(column: &str) -> Option<f64> {
+    match Column::named(column).unit() {
+        Unit::RadianPerSecond => Some(GYRO_RADS),
+        Unit::MetrePerSecondSquared => Some(ACCELEROMETER_MPS2),
+        _ => None,
+    }
+}
+
+/// Where at least two axes scatter as none at rest does, in order. `axes` are the columns and their values, NaN where
+/// nothing is to be looked at.
+pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Range<usize>> {
+    let Some(windows) = Windows::of(recording) else { return Vec::new() };
+    let limits: Vec<f64> = axes.iter().map(|(column, _)| limit(column).unwrap_or(f64::INFINITY)).collect();
+    let scatters: Vec<Vec<f64>> = axes.iter().map(|(_, values)| windows.scatters(values)).collect();
+    let mut moves = vec![false; recording.n_rows()];
+    for (window, rows) in windows.rows.iter().enumerate() {
+        let above = scatters.iter().zip(&limits).filter(|(scatter, limit)| scatter[window] > **limit);
+        if above.count() >= 2 {
+            moves[rows.clone()].fill(true);
+        }
+    }
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    let pause = (SHORTEST_REST_S / recording.rate.period_s) as usize;
+    for rows in runs(0..recording.n_rows(), |row| moves[row]) {
+        match stretches.last_mut() {
+            Some(last) if rows.start - last.end < pause => last.end = rows.end,
+            _ => stretches.push(rows),
+        }
+    }
+    stretches
+}
+
+/// Median scatter of the means of an axis within these rows, its unit; 0 if there is none beyond white noise.
+pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usize>) -> f64 {
+    let Some(windows) = Windows::of(recording) else { return 0.0 };
+    let scatters = windows.scatters(values);
+    let inside = windows
+        .rows
+        .iter()
+        .zip(&scatters)
+        .filter(|(rows, _)| rows.start < within.end && within.start < rows.end);
+    finite_median(&inside.map(|(_, scatter)| *scatter).collect::<Vec<f64>>()).unwrap_or(0.0)
+}
+
+/// Windows that overlap by half, none across two segments.
+struct Windows {
+    rows: Vec<Range<usize>>,
+    block: usize,
+}
+
+impl Windows {
+    /// `None` in a log that has fewer than three.
+    fn of(recording: &Recording) -> Option<Self> {
+        let block = (BLOCK_S / recording.rate.period_s).round() as usize;
+        let length = WINDOW_BLOCKS * block;
+        let mut rows = Vec::new();
+        for segment in &recording.segments {
+            let starts = segment.rows.clone().step_by((length / 2).max(1));
+            rows.extend(
+                starts.map(|start| start..start + length).filter(|rows| rows.end <= segment.rows.end),
+            );
+        }
+        (block > 1 && rows.len() >= 3).then_some(Self { rows, block })
+    }
+
+    /// Scatter of the means of an axis, window by window; 0 where it is that of white noise, or not known.
+    fn scatters(&self, values: &[f64]) -> Vec<f64> {
+        let of = |rows: &Range<usize>| {
+            let mean = |start: usize| {
+                let known = values[start..start + self.block].iter().filter(|value| value.is_finite());
+                let (sum, count) = known.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+                if 2 * count >= self.block { sum / count as f64 } else { f64::NAN }
+            };
+            let means: Vec<f64> = rows.clone().step_by(self.block).map(mean).collect();
+            let (Some(slow), Some(fast)) = (deviation(&means), deviation(&values[rows.clone()])) else {
+                return 0.0;
+            };
+            let white = fast.powi(2) / self.block as f64;
+            if slow.powi(2) > SLOW_OVER_WHITE * white { slow } else { 0.0 }
+        };
+        self.rows.iter().map(of).collect()
+    }
+}
+
+/// Standard deviation of noise by its second differences, which no level and no drift moves; `None` where fewer than
+/// half are known.
+fn deviation(values: &[f64]) -> Option<f64> {
+    let seconds = values.windows(3).map(|of| (of[2] - 2.0 * of[1] + of[0]).abs());
+    let known: Vec<f64> = seconds.filter(|second| second.is_finite()).collect();
+    if 2 * known.len() < values.len() {
+        return None;
+    }
+    // of white noise of variance 1 a second difference has variance 6
+    finite_median(&known).map(|median| MAD_TO_SD * median / 6.0_f64.sqrt())
+}

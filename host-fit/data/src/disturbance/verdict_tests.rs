@@ -1,0 +1,333 @@
+//! Classes of logs and what must hold for all of them: what a logged channel explains is no motion, leading rows do not
+//! matter, and a vehicle has no rest. Each check has a control in which the promise is broken on purpose.
+
+use super::*;
+use crate::recording::{LoadOptions, Source};
+use fos_testkit::noise::{random_walk, white_noise};
+
+const RATE_HZ: f64 = 50.0;
+
+/// White noise of an axis, and the share of a common step that it shows.
+const DEVIATION: [f64; 6] = [0.012, 0.012, 0.012, 0.0015, 0.0015, 0.0015];
+const SHARE: [f64; 6] = [8.0, -5.6, 4.0, 1.0, 0.8, -0.6];
+
+/// Seconds from one change of a channel to the next.
+const EVERY_S: f64 = 50.0;
+
+#[derive(Clone)]
+struct Log {
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Log {
+    /// White noise and a little random walk on all axes, gravity on z.
+    fn at_rest(seed: u64, seconds: f64) -> Self {
+        let n = (seconds * RATE_HZ) as usize;
+        let axis = |axis: usize| {
+            let (white, walk) =
+                (white_noise(seed * 10 + axis as u64, n), random_walk(seed * 10 + 1000 + axis as u64, n));
+            let level = if axis == 2 { 9.81 } else { 0.0 };
+            let values = white.iter().zip(&walk).map(|(w, r)| level + DEVIATION[axis] * (w + 0.003 * r));
+            (AXES[axis].to_owned(), values.collect())
+        };
+        Self { columns: (0..6).map(axis).collect() }
+    }
+
+    fn n(&self) -> usize {
+        self.columns[0].1.len()
+    }
+
+    /// Adds to each axis its share of what `of` says of each second.
+    fn add(mut self, of: impl Fn(usize, f64) -> f64) -> Self {
+        for (axis, (_, values)) in self.columns.iter_mut().take(6).enumerate() {
+            values.iter_mut().enumerate().for_each(|(row, value)| *value += of(axis, row as f64 / RATE_HZ));
+        }
+        self
+    }
+
+    fn with(mut self, name: &str, of: impl Fn(f64) -> f64) -> Self {
+        let noise = white_noise(name.len() as u64, self.n());
+        let values =
+            noise.iter().enumerate().map(|(row, noise)| of(row as f64 / RATE_HZ) * (1.0 + 3e-4 * noise));
+        self.columns.push((name.to_owned(), values.collect()));
+        self
+    }
+
+    fn without_leading(&self, rows: usize) -> Self {
+        let columns = self.columns.iter().map(|(name, values)| (name.clone(), values[rows..].to_vec()));
+        Self { columns: columns.collect() }
+    }
+
+    fn recording(&self) -> Recording {
+        self.read(false)
+    }
+
+    fn read(&self, keep_moved: bool) -> Recording {
+        let options = LoadOptions { rate_hz: Some(RATE_HZ), keep_moved, ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by("test"), self.columns.clone(), &options).unwrap()
+    }
+
+    fn found(&self) -> Vec<Disturbance> {
+        let recording = self.recording();
+        find(&recording, &vec![true; recording.n_rows()])
+    }
+
+    /// Stretches that are excluded, s.
+    fn excluded(&self) -> Vec<[f64; 2]> {
+        let excluded = self.found().into_iter().filter(Disturbance::is_left_out);
+        excluded.map(|one| [one.rows.start as f64 / RATE_HZ, one.rows.end as f64 / RATE_HZ]).collect()
+    }
+}
+
+/// 1 for `length_s` in every [`EVERY_S`], from half of that on.
+fn dip(length_s: f64) -> impl Fn(f64) -> f64 {
+    move |t| f64::from((t + 0.5 * EVERY_S) % EVERY_S < length_s)
+}
+
+const LENGTHS_S: [f64; 4] = [2.0, 5.0, 8.0, 15.0];
+const SIZES: [f64; 6] = [1e-3, 2e-3, 3e-3, 5e-3, 1e-2, 3e-2];
+
+/// Every kind of channel with its level and its change.
+const CHANNELS: [(&str, f64, f64); 5] = [
+    ("supply_v", 3.3, -0.3),
+    ("load_pct", 20.0, 60.0),
+    ("temp_c", 30.0, 5.0),
+    ("press_pa", 1e5, 3e3),
+    ("current", 0.2, 0.4),
+];
+
+/// Logs in which all axes follow a channel, of which `logged` makes what is logged; with those that are excluded.
+fn excluded_of(logged: impl Fn(Log, (&str, f64, f64), f64) -> Log) -> Vec<String> {
+    let mut excluded = Vec::new();
+    for channel in CHANNELS {
+        for length_s in LENGTHS_S {
+            for size in SIZES {
+                let log = Log::at_rest(3, 300.0).add(|axis, t| size * SHARE[axis] * dip(length_s)(t));
+                let found = logged(log, channel, length_s).excluded();
+                if !found.is_empty() {
+                    excluded.push(format!("{} {length_s} s, {size} rad/s: {found:?}", channel.0));
+                }
+            }
+        }
+    }
+    excluded
+}
+
+#[test]
+fn keeps_steps_that_follow_a_logged_channel() {
+    let excluded = excluded_of(|log, (name, level, change), length_s| {
+        log.with(name, |t| level + change * dip(length_s)(t))
+    });
+    assert_eq!(excluded, Vec::<String>::new());
+}
+
+/// The control of the check above: the channel withheld, and shifted against the axes.
+#[test]
+fn excludes_the_same_steps_without_the_channel() {
+    let withheld = excluded_of(|log, _, _| log);
+    let shifted = excluded_of(|log, (name, level, change), length_s| {
+        log.with(name, |t| level + change * dip(length_s)(t + 17.0))
+    });
+    for excluded in [withheld, shifted] {
+        assert!(excluded.len() > 40, "{}", excluded.len());
+    }
+}
+
+#[test]
+fn counts_the_stretches_that_follow_a_channel() {
+    let log = Log::at_rest(4, 300.0).add(|axis, t| 5e-3 * SHARE[axis] * dip(5.0)(t));
+    let log = log.with("supply_v", |t| 3.3 - 0.3 * dip(5.0)(t));
+    let lines = told(&log.recording(), &log.found());
+    assert!(lines.len() == 1 && lines[0].ends_with("stretches follow supply_v and were kept"), "{lines:?}");
+}
+
+/// A ringing blow at `at_s`.
+fn knock(size: f64, at_s: f64) -> impl Fn(usize, f64) -> f64 {
+    move |axis, t| match t - at_s {
+        since if (0.0..1.0).contains(&since) => {
+            size * SHARE[axis] * (-since / 0.1).exp() * (std::f64::consts::TAU * 11.0 * since).cos()
+        }
+        _ => 0.0,
+    }
+}
+
+/// Taken into the hand at `at_s` for four seconds, and put down in another way.
+fn handling(at_s: f64) -> impl Fn(usize, f64) -> f64 {
+    move |axis, t| {
+        let x = ((t - at_s) / 4.0).clamp(0.0, 1.0);
+        let angle = std::f64::consts::PI * x;
+        match axis {
+            0 => 0.6 * (0.5 - 0.5 * angle.cos()),
+            1 => -0.4 * (0.5 - 0.5 * angle.cos()) * (1.0 + 0.2 * (3.0 * angle).sin()),
+            4 => 0.3 * angle.sin(),
+            5 => -0.2 * (2.0 * angle).sin(),
+            _ => 0.0,
+        }
+    }
+}
+
+#[test]
+fn excludes_motion_that_coincides_with_a_change_of_a_channel() {
+    let at_s = 125.0;
+    let is_hit =
+        |log: &Log| log.excluded().iter().any(|[start, end]| *start <= at_s + 0.1 && at_s + 0.1 <= *end);
+    // the axes follow the channel, or do not: a motion at one of its changes is one
+    for size in [0.0, 3e-3, 1e-2] {
+        let log = Log::at_rest(5, 300.0).add(|axis, t| size * SHARE[axis] * dip(8.0)(t));
+        let log =
+            log.with("supply_v", |t| 3.3 - 0.3 * dip(8.0)(t)).with("load_pct", |t| 20.0 + 60.0 * dip(8.0)(t));
+        assert!(is_hit(&log.clone().add(knock(0.05, at_s))), "a knock, {size}");
+        assert!(is_hit(&log.clone().add(handling(at_s))), "handling, {size}");
+        // what follows the channel elsewhere is kept all the same
+        let others = log.add(handling(at_s)).excluded();
+        assert!(
+            others
+                .iter()
+                .all(|[start, end]| (at_s - 15.0..at_s + 25.0).contains(start) && *end < at_s + 30.0),
+            "{size}: {others:?}"
+        );
+    }
+    // one change alone explains nothing
+    let once = |t: f64| f64::from((120.0..400.0).contains(&t));
+    let log = Log::at_rest(6, 300.0)
+        .add(|axis, t| 0.02 * SHARE[axis] * once(t))
+        .with("load_pct", |t| 20.0 + 60.0 * once(t));
+    assert!(!log.excluded().is_empty());
+}
+
+/// Logs with and without disturbances, some of them hardly above what is found.
+fn borderline() -> Vec<(&'static str, Log)> {
+    let rest = |seed| Log::at_rest(seed, 200.0);
+    vec![
+        ("rest", rest(20)),
+        ("knock", rest(21).add(knock(0.01, 70.0))),
+        ("weak knock", rest(22).add(knock(0.0035, 70.0))),
+        ("handling", rest(23).add(handling(90.0))),
+        ("steps", rest(24).add(|axis, t| 3e-3 * SHARE[axis] * dip(5.0)(t))),
+        ("weak steps", rest(25).add(|axis, t| 2.2e-3 * SHARE[axis] * dip(5.0)(t))),
+        ("short steps", rest(26).add(|axis, t| 2.5e-3 * SHARE[axis] * dip(2.0)(t))),
+    ]
+}
+
+/// Logs of which `excluded` makes another number of stretches once up to 20 leading rows are dropped.
+fn depending_on_leading_rows(excluded: impl Fn(&Log) -> usize) -> Vec<String> {
+    let mut depending = Vec::new();
+    for (name, log) in borderline() {
+        let counts: Vec<usize> = (0..=20).map(|rows| excluded(&log.without_leading(rows))).collect();
+        if counts.iter().any(|count| *count != counts[0]) {
+            depending.push(format!("{name}: {counts:?}"));
+        }
+    }
+    depending
+}
+
+#[test]
+fn leading_rows_change_no_verdict() {
+    assert_eq!(depending_on_leading_rows(|log| log.excluded().len()), Vec::<String>::new());
+}
+
+/// The control of the check above: windows that begin at row 0 and do not overlap.
+#[test]
+fn windows_anchored_at_the_first_row_are_noticed() {
+    let anchored = |log: &Log| {
+        let scale = scale::Scale { stride: 80, block: 10, window: 80, margin: 0 };
+        let energies: Vec<Vec<f64>> = log
+            .columns
+            .iter()
+            .map(|(_, values)| {
+                let mut means = values.clone();
+                for row in 0..means.len() {
+                    let block = &values[row..(row + 10).min(values.len())];
+                    means[row] = block.iter().sum::<f64>() / block.len() as f64;
+                }
+                scale.log_energy(&means, &log.recording().segments)
+            })
+            .collect();
+        let level: Vec<f64> = energies.iter().map(|energy| scale::median_of_known(energy)).collect();
+        let score =
+            |window: usize| (0..6).map(|axis| (energies[axis][window] - level[axis]).max(0.0)).sum::<f64>();
+        (0..energies[0].len()).filter(|window| score(*window) > 6.0).count()
+    };
+    assert!(!depending_on_leading_rows(anchored).is_empty());
+}
+
+/// A vehicle: white noise through a low-pass of 0.5 Hz, by the second moment of each axis.
+fn vehicle(seed: u64, seconds: f64, size: f64) -> Log {
+    let mut log = Log::at_rest(seed, seconds);
+    let pole = (-std::f64::consts::TAU * 0.5 / RATE_HZ).exp();
+    for (axis, (_, values)) in log.columns.iter_mut().enumerate() {
+        let deviation = size * if axis < 3 { 1.0 } else { 0.1 };
+        let mut state = 0.0;
+        for (value, drive) in
+            values.iter_mut().zip(white_noise(seed * 100 + axis as u64, (seconds * RATE_HZ) as usize))
+        {
+            state = pole * state + (1.0 - pole * pole).sqrt() * drive;
+            *value += deviation * state;
+        }
+    }
+    log
+}
+
+#[test]
+fn a_log_that_moves_all_along_has_no_rest() {
+    for log in
+        [vehicle(30, 300.0, 1.0), vehicle(31, 120.0, 0.4), vehicle(32, 300.0, 1.0).with("still", |_| 1.0)]
+    {
+        let recording = log.recording();
+        let error = check(&recording).unwrap_err();
+        assert!(matches!(&error, RecordingError::Moves { rest_s, .. } if *rest_s < 10.0), "{error}");
+        let stillness = crate::stillness::find(&recording);
+        assert!(stillness.check_rest(&recording, &(0..recording.n_rows())).is_err());
+        check(&log.read(true)).unwrap();
+    }
+}
+
+#[test]
+fn a_rest_of_a_drive_is_used() {
+    let drive = vehicle(33, 300.0, 1.0);
+    let mut log = Log::at_rest(33, 300.0);
+    for ((_, values), (_, driven)) in log.columns.iter_mut().zip(&drive.columns) {
+        values[..10_000].copy_from_slice(&driven[..10_000]);
+    }
+    let recording = log.recording();
+    check(&recording).unwrap();
+    let rest = marked(&recording).0.still_rows();
+    let seconds = rest.iter().map(|rows| rows.len()).sum::<usize>() as f64 / RATE_HZ;
+    assert!((80.0..101.0).contains(&seconds), "{rest:?}");
+}
+
+#[test]
+fn a_sensor_at_rest_moves_for_no_effect() {
+    let rest = |seed| Log::at_rest(seed, 200.0);
+    let walk = random_walk(99, 10_000);
+    let logs = [
+        ("drift", rest(40).add(|axis, t| 0.3 * SHARE[axis] * (t / 60.0).sin())),
+        ("steps", rest(41).add(|axis, t| 0.03 * SHARE[axis] * f64::from((t / 13.0) as u32 % 2))),
+        ("line", rest(42).add(|axis, t| 2.0 * DEVIATION[axis] * (std::f64::consts::TAU * 0.4 * t).sin())),
+        ("loud line", rest(43).add(|axis, t| 0.1 * SHARE[axis] * (std::f64::consts::TAU * 17.0 * t).sin())),
+        ("random walk", rest(44).add(|axis, t| 0.05 * DEVIATION[axis] * walk[(t * RATE_HZ) as usize])),
+        // of rad/s that are dps
+        ("wrong unit", {
+            let mut log = rest(45);
+            log.columns.iter_mut().for_each(|(_, values)| values.iter_mut().for_each(|value| *value *= 57.3));
+            log
+        }),
+        ("one axis", {
+            let mut log = vehicle(46, 200.0, 1.0);
+            log.columns.truncate(1);
+            log.columns.extend(rest(46).columns.into_iter().skip(1));
+            log
+        }),
+    ];
+    for (name, log) in logs {
+        let found = log.found();
+        assert!(!found.iter().any(|one| one.kind == Kind::Motion), "{name}: {found:?}");
+        check(&log.recording()).unwrap();
+    }
+    // on a shaker or a table whose motion is logged nothing is absolute
+    let mut log = vehicle(47, 200.0, 1.0);
+    let references =
+        vehicle(47, 200.0, 1.0).columns.into_iter().map(|(name, values)| (format!("ref_{name}"), values));
+    log.columns.extend(references);
+    check(&log.recording()).unwrap();
+}
