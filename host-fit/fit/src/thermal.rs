@@ -90,12 +90,13 @@ impl ThermalTable {
     ///
     /// # Errors
     ///
-    /// There is no thermometer, or it did not move enough.
+    /// There is no thermometer, it did not move enough, or the device moves all along.
     pub fn fit(
         recording: &Recording,
         stillness: &Stillness,
         rows: Range<usize>,
     ) -> Result<Self, ThermalError> {
+        stillness.check_rest(recording, &rows)?;
         let log = recording.paths();
         let temperature = temperature_of(recording)?;
         let length_s = length_for(recording);
