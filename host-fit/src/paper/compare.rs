@@ -20,7 +20,9 @@ pub enum PaperError {
     #[error(transparent)]
     Split(#[from] SplitError),
     /// Nothing to predict.
-    #[error("{0}: every value in the training part is the same: a stuck or unconnected axis")]
+    #[error(
+        "{0}: every value in the training part is the same: a stuck or unconnected axis\nhelp: leave the axis out"
+    )]
     Constant(String),
 }
 

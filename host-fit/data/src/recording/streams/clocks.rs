@@ -138,7 +138,7 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     windows
         .iter_mut()
         .for_each(|window| window.from_middle_s = window.start_ns.saturating_sub(middle_ns) as f64 * 1e-9);
-    let Some(least) = Line::best(&windows, half_s) else { return Clocks::Unlike };
+    let Some(least) = Line::best(&windows, half_s, p_power) else { return Clocks::Unlike };
     let (found, repeats_s) = least.nearest_to_zero(&windows);
 
     let at = |sums: &[f64], window: &Window| found.in_steps(window).map_or(0.0, |lag| between(sums, lag));
@@ -272,24 +272,34 @@ struct Line {
 }
 
 impl Line {
-    /// The best of all on a grid.
-    fn best(windows: &[Window], half_s: f64) -> Option<Self> {
+    /// The best of all on a grid; of no drift unless one explains more. Steady swings at two times of a log are explained as
+    /// well by a drift of a period between them.
+    fn best(windows: &[Window], half_s: f64, p_power: f64) -> Option<Self> {
         let offsets = (MOST_OFFSET_S / STEP_S) as i32;
         // a step of the grid at the ends of the log
         let drift_step = (STEP_S / half_s.max(STEP_S)).max(MOST_DRIFT / 200.0);
         let drifts = (MOST_DRIFT / drift_step) as i32;
         let mut best: Option<(f64, Self)> = None;
+        let mut steady: Option<(f64, Self)> = None;
         for drift in (-drifts..=drifts).map(|n| f64::from(n) * drift_step) {
             for offset_s in (-offsets..=offsets).map(|n| f64::from(n) * STEP_S) {
                 let line = Self { offset_s, offset_error_s: 0.0, drift, drift_error: 0.0 };
                 let left = windows.iter().map(|window| Some(between(&window.left, line.in_steps(window)?)));
                 let Some(left) = left.sum::<Option<f64>>() else { continue };
-                if best.as_ref().is_none_or(|(least, _)| left < *least) {
+                if best.is_none_or(|(least, _)| left < least) {
                     best = Some((left, line));
+                }
+                if drift == 0.0 && steady.is_none_or(|(least, _)| left < least) {
+                    steady = Some((left, line));
                 }
             }
         }
-        best.map(|(_, line)| line)
+        let (least, line) = best?;
+        // a small drift is found from there by the parabolas of the windows
+        Some(match steady {
+            Some((left, steady)) if left - least <= EXACT_SHARE * p_power => steady,
+            _ => line,
+        })
     }
 
     /// Of the lines of the same drift that explain the motion as well, the one nearest to zero, and how far from it the

@@ -202,6 +202,23 @@ fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
     }
 }
 
+/// Swings of 2.5 Hz for a minute, 860 s apart: a drift of 0.4 s between them, 465 ppm, explains them as well.
+#[test]
+fn steady_swings_at_two_times_are_no_drift() {
+    for seed in 0..3 {
+        let mut streams = swung(seed, 2.5, 0.0);
+        let later = swung(seed + 10, 2.5, 0.0);
+        for (stream, later) in streams.iter_mut().zip(later) {
+            stream.stamps_ns.extend(later.stamps_ns.iter().map(|stamp| stamp + 860_000_000_000));
+            let columns = stream.columns.iter_mut().zip(later.columns);
+            columns.for_each(|((_, values), (_, later))| values.extend(later));
+        }
+        let Clocks::Apart(apart) = clocks(streams) else { panic!("{seed}") };
+        assert_eq!(apart.drift, 0.0, "{apart:?}");
+        assert!(is_right(&apart, 2.5, 0.0), "{apart:?}");
+    }
+}
+
 #[test]
 fn clocks_that_drift_apart_are_set_along_the_log() {
     for drift in [200e-6, -300e-6] {
