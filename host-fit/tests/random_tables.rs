@@ -262,6 +262,8 @@ fn run(folder: &Path, cpu_s: u32, program: &str, arguments: &[&str]) -> End {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     match output.status.code() {
         _ if text.contains("panicked") => End::Broken(text),
+        // what one command writes the next can read
+        _ if text.contains("not a study") => End::Broken(text),
         Some(0) => End::Done,
         Some(1 | 2) if text.contains("error: ") && text.contains("help: ") => End::Refused,
         // by a signal: SIGXCPU, and SIGKILL a second later
@@ -364,6 +366,7 @@ fn a_panic_a_loop_and_a_refusal_without_help_are_noticed() {
     let end = |script: &str| run(folder.path(), 1, "sh", &["-c", script]);
     assert!(matches!(end("echo 'thread main panicked at x.rs' >&2; exit 101"), End::Broken(_)));
     assert!(matches!(end("echo 'error: no' >&2; exit 1"), End::Broken(_)));
+    assert!(matches!(end("echo 'error: a.json: not a study\nhelp: none' >&2; exit 1"), End::Broken(_)));
     assert_eq!(end("while :; do :; done"), End::Endless);
     assert_eq!(end("echo 'error: no\nhelp: yes' >&2; exit 1"), End::Refused);
     assert_eq!(end("exit 0"), End::Done);

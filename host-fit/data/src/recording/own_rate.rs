@@ -68,7 +68,6 @@ fn is_regular(time_s: &[f64], values: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::recording::{HowJoined, LoadOptions, Recording, Source};
 
     const ROWS: usize = 400;

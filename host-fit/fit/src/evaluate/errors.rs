@@ -1,7 +1,7 @@
 //! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Which error").
 
 use fos_data::column::{Column, Triad};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::origins::HORIZONS_S;
 use super::trace::Trace;
@@ -28,18 +28,22 @@ pub struct ModelErrors {
     /// Its name, as in tables.
     pub model: String,
     /// Mean square of measured − predicted from measured history, on the raw samples.
+    #[serde(deserialize_with = "or_nan")]
     pub one_step_mse: f64,
     /// The same from own history after exactly 1 s, 10 s and 60 s.
     pub coast: Vec<CoastError>,
     /// The same from own history over all judged rows, never starting anew.
+    #[serde(deserialize_with = "or_nan")]
     pub coast_whole_mse: f64,
     /// Variance of 1-s block means of what is left, one-step, while still.
     pub slow_error_one_step: Option<f64>,
     /// Variance of 1-s block means of what is left, coasting for at most 60 s, while still.
     pub slow_error_coast: Option<f64>,
     /// Variance of the samples of what is left, one-step, while still.
+    #[serde(deserialize_with = "or_nan")]
     pub wide_error_one_step: f64,
     /// Variance of the samples of what is left, coasting for at most 60 s, while still.
+    #[serde(deserialize_with = "or_nan")]
     pub wide_error_coast: f64,
     /// The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro.
     pub position_error_m: Option<f64>,
@@ -49,6 +53,11 @@ pub struct ModelErrors {
     pub below_noise_floor: bool,
     /// Rows whose prediction came with a caution (out of range, stuck, saturated, not finite, …).
     pub cautions: usize,
+}
+
+/// JSON has no NaN: an error over no rows, as of a model whose history is longer than every rest, is `null` in a study.
+fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 /// Coast error at one horizon.
@@ -161,5 +170,27 @@ mod tests {
             let computed = position_error_m("gy_rads", mse * degree_per_hour.powi(2)).unwrap();
             assert!((computed / metres - 1.0).abs() < 0.06, "{mse}: {computed} for {metres}");
         }
+    }
+
+    /// A study was written that could not be read: its model was judged on no row.
+    #[test]
+    fn errors_over_no_rows_are_read_back() {
+        let errors = ModelErrors {
+            model: "model".to_owned(),
+            one_step_mse: f64::NAN,
+            coast: Vec::new(),
+            coast_whole_mse: f64::NAN,
+            slow_error_one_step: None,
+            slow_error_coast: None,
+            wide_error_one_step: f64::NAN,
+            wide_error_coast: 1.5,
+            position_error_m: Some(f64::NAN),
+            allan: Vec::new(),
+            below_noise_floor: false,
+            cautions: 0,
+        };
+        let read: ModelErrors = serde_json::from_str(&serde_json::to_string(&errors).unwrap()).unwrap();
+        assert!(read.one_step_mse.is_nan() && read.coast_whole_mse.is_nan() && read.wide_error_one_step.is_nan());
+        assert_eq!((read.wide_error_coast, read.position_error_m), (1.5, None));
     }
 }
