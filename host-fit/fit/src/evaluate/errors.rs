@@ -190,7 +190,9 @@ mod tests {
             cautions: 0,
         };
         let read: ModelErrors = serde_json::from_str(&serde_json::to_string(&errors).unwrap()).unwrap();
-        assert!(read.one_step_mse.is_nan() && read.coast_whole_mse.is_nan() && read.wide_error_one_step.is_nan());
+        assert!(
+            read.one_step_mse.is_nan() && read.coast_whole_mse.is_nan() && read.wide_error_one_step.is_nan()
+        );
         assert_eq!((read.wide_error_coast, read.position_error_m), (1.5, None));
     }
 }
