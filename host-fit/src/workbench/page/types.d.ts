@@ -497,6 +497,9 @@ diagnosed: boolean,
 /** Each part. */
 parts: Array<PartReport>, };
 
+/** Axes that values are given in. */
+export type Frame = "unstated" | "sensor" | "board" | "vehicle" | "phone";
+
 /** A first-order Gauss-Markov process. */
 export type GaussMarkov = {
 /** Standard deviation, the axis' unit. */
@@ -845,12 +848,21 @@ targets: Array<string>,
 /** Units that each of them may come in, the SI unit first. */
 units: { [key in string]: Array<string> }, };
 
+/** Provenance of the inertial values of a log. */
+export type Provenance = {
+/** That of the accelerometers. */
+accelerometers: SensorProvenance,
+/** That of the gyros. */
+gyros: SensorProvenance, };
+
 /** As what a log was read, and what was assumed in doing so. */
 export type ReadAs = {
 /** The format. */
 format: string,
 /** Columns, units, clock, frame, gravity, corrections already applied: in words. */
-assumed: string, };
+assumed: string,
+/** Sensor, corrections and frame of the inertial values; absent in studies of earlier versions. */
+provenance?: Provenance | null, };
 
 /** An axis of a study that effects were added to. */
 export type Refinement = {
@@ -894,6 +906,17 @@ bytes: number, };
 
 /** Spacing of the values along an axis. */
 export type Scale = "Linear" | "Log";
+
+/** Provenance of the three axes of a sensor. Fields that a log does not state are absent or `Unstated`. */
+export type SensorProvenance = {
+/** Number of the sensor as the autopilot counts it, from 0. */
+instance?: number | null,
+/** The autopilot's `device_id` of the sensor. */
+device_id?: number | null,
+/** Corrections that the values contain. */
+values: Values,
+/** Axes that the values are given in. */
+frame: Frame, };
 
 /** The experiment that tells a finding from a rival. */
 export type Separation = {
@@ -1109,6 +1132,9 @@ export type Untested = {
 effect: string,
 /** The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest. */
 needs: Array<string>, };
+
+/** Corrections that logged values contain. */
+export type Values = "unstated" | "raw" | { "corrected": string };
 
 /** The outcome in one word. */
 export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enough_data";
