@@ -199,7 +199,7 @@ fn columns_that_the_user_maps_have_no_provenance() {
 }
 
 #[test]
-fn batches_in_the_sensor_s_axes_come_out_in_the_board_s() {
+fn turns_batches_in_the_axes_of_the_sensor_to_those_of_the_board() {
     let flight = Flight::new(2000, 5000, 1);
     let folder = TempDir::new().unwrap();
     let read = |rate| {
@@ -218,7 +218,7 @@ fn batches_in_the_sensor_s_axes_come_out_in_the_board_s() {
 }
 
 #[test]
-fn the_unit_g_of_a_phone_tells_its_sign_with_and_without_metadata() {
+fn reads_the_sign_of_a_phone_alike_with_and_without_metadata() {
     let flight = Flight::new(400, 5000, 1);
     let folder = TempDir::new().unwrap();
     let member = |scale: f64| {

@@ -62,6 +62,7 @@ mod preview;
 mod provenance;
 mod quality;
 mod rate;
+mod sensor;
 mod source;
 mod stream;
 mod streams;

@@ -8,7 +8,6 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Recording, RecordingError, Source};
 use crate::column::Triad;
 
 /// Provenance of the inertial values of a log.
@@ -95,15 +94,6 @@ impl Provenance {
 }
 
 impl SensorProvenance {
-    /// That of a triad in these logs: what all of them have in common.
-    pub fn of_sources(sources: &[Source], triad: Triad) -> Self {
-        let of_source = |source: &Source| {
-            let stated = source.read_as.as_ref().and_then(|read_as| read_as.provenance.as_ref());
-            stated.map_or_else(Self::default, |stated| stated.of(triad).clone())
-        };
-        sources.iter().map(of_source).reduce(|one, other| one.common(&other)).unwrap_or_default()
-    }
-
     /// What the values were corrected by; none if they are raw or if the log does not say.
     pub fn corrected_by(&self) -> Option<&str> {
         match &self.values {
@@ -139,7 +129,7 @@ impl SensorProvenance {
     }
 
     /// What holds of both: a statement that only one makes is dropped, but a correction of one is one of both.
-    fn common(&self, other: &Self) -> Self {
+    pub(super) fn common(&self, other: &Self) -> Self {
         let values = match (&self.values, &other.values) {
             (corrected @ Values::Corrected(_), _) | (_, corrected @ Values::Corrected(_)) => {
                 corrected.clone()
@@ -153,28 +143,6 @@ impl SensorProvenance {
             values,
             frame: if self.frame == other.frame { self.frame } else { Frame::Unstated },
         }
-    }
-}
-
-impl Recording {
-    /// Provenance of a triad: that of the log it was read from, or what all logs it was joined of have in common.
-    pub fn provenance(&self, triad: Triad) -> SensorProvenance {
-        SensorProvenance::of_sources(&self.sources, triad)
-    }
-
-    /// Refuses to join logs of different sensors, or of differently corrected values.
-    pub(super) fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
-        for triad in [Triad::Accelerometers, Triad::Gyros] {
-            if let Some([here, there]) = self.provenance(triad).contradiction(&next.provenance(triad)) {
-                let sensor = match triad {
-                    Triad::Accelerometers => "accelerometers",
-                    Triad::Gyros => "gyros",
-                };
-                let (path, others) = (next.paths(), self.paths());
-                return Err(RecordingError::OtherSensor { path, others, sensor, here, there });
-            }
-        }
-        Ok(())
     }
 }
 
@@ -218,59 +186,5 @@ impl fmt::Display for Provenance {
             return write!(f, "accelerometers and gyros {}", self.gyros);
         }
         write!(f, "accelerometers {}; gyros {}", self.accelerometers, self.gyros)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::LoadOptions;
-    use super::super::format::{Format, ReadAs};
-    use super::*;
-
-    fn recording(gyros: SensorProvenance) -> Recording {
-        let provenance = Provenance { gyros, ..Provenance::default() };
-        let read_as = ReadAs { format: Format::Ulog, assumed: String::new(), provenance: Some(provenance) };
-        let source = Source { read_as: Some(read_as), ..Source::made_by("test") };
-        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
-        Recording::from_columns(source, vec![("gx_rads".to_owned(), vec![1.0; 30])], &options).unwrap()
-    }
-
-    fn raw(instance: u8, device_id: Option<u32>) -> SensorProvenance {
-        SensorProvenance { instance: Some(instance), device_id, values: Values::Raw, frame: Frame::Board }
-    }
-
-    #[test]
-    fn joins_logs_of_one_sensor_only() {
-        let join = |one, other| Recording::join(vec![recording(one), recording(other)]);
-        // an autopilot may count its sensors in another order after a restart
-        let joined = join(raw(0, Some(7)), raw(1, Some(7))).unwrap();
-        assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance { instance: None, ..raw(0, Some(7)) });
-        let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..raw(0, Some(7)) };
-        let vehicle = SensorProvenance { frame: Frame::Vehicle, ..raw(0, Some(7)) };
-        for (other, said) in [
-            (raw(0, Some(8)), "device_id 8"),
-            (corrected, "corrected by PX4"),
-            (vehicle, "axes of the vehicle"),
-        ] {
-            let error = join(raw(0, Some(7)), other).unwrap_err().to_string();
-            assert!(error.contains(said) && error.contains("\nhelp: "), "{error}");
-        }
-        assert!(join(raw(0, None), raw(1, None)).unwrap_err().to_string().contains("IMU 1"));
-        // the log format states nothing, so that nothing is known of both
-        let joined = join(raw(0, Some(7)), SensorProvenance::default()).unwrap();
-        assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance::default());
-    }
-
-    #[test]
-    fn survives_a_study_file() {
-        for sensor in [SensorProvenance::default(), raw(2, Some(2_818_058))] {
-            let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..sensor.clone() };
-            let written = Provenance { accelerometers: sensor, gyros: corrected };
-            let text = serde_json::to_string(&written).unwrap();
-            assert_eq!(serde_json::from_str::<Provenance>(&text).unwrap(), written, "{text}");
-        }
-        // of an earlier version
-        let read: ReadAs = serde_json::from_str(r#"{"format": "ulog", "assumed": "…"}"#).unwrap();
-        assert_eq!(read.provenance, None);
     }
 }

@@ -314,11 +314,9 @@ fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regresso
 
 /// Corrected values if the log says that its values are, or the user does; raw otherwise.
 fn fitted_on(recording: &Recording, column: &str, stated: FittedOn) -> FittedOn {
-    let triad = Column::named(column).place().map(|(triad, _)| triad);
-    match triad.and_then(|triad| recording.provenance(triad).corrected_by().map(drop)) {
-        Some(()) => FittedOn::FactoryCorrected,
-        None => stated,
-    }
+    let place = Column::named(column).place();
+    let is_corrected = place.is_some_and(|(triad, _)| recording.provenance(triad).corrected_by().is_some());
+    if is_corrected { FittedOn::FactoryCorrected } else { stated }
 }
 
 /// The longest run of one value in the fitted rows, times a margin.

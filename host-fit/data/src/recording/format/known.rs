@@ -168,7 +168,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "corrected by the phone; of uncalibrated sensors by its factory calibration alone",
         clock: "time, ns since 1970; one for each sensor",
         temperature: "none",
-        traps: "columns stand in the order z, y, x; Accelerometer.csv is without gravity; on iOS the sign of the accelerometer is turned unless it was standardised, which the unit g or Metadata.csv tells",
+        traps: "columns stand in the order z, y, x; Accelerometer.csv is without gravity; on iOS the sign of the accelerometer is turned unless it was standardised, which shows in the unit g or in Metadata.csv",
         refused: "Accelerometer.csv alone: record the total acceleration or the uncalibrated accelerometer",
     },
     FormatKnowledge {
