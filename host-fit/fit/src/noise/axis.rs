@@ -1,6 +1,5 @@
 //! The noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
 
-use std::ops::Range;
 
 use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError};
