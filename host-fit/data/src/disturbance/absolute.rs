@@ -75,7 +75,7 @@ pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usiz
     finite_median(&inside.map(|(_, scatter)| *scatter).collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
-/// Windows that overlap by half, none across two segments.
+/// Windows that overlap by half. Lost samples do not hide a motion: a step across a gap is one of a bias.
 struct Windows {
     rows: Vec<Range<usize>>,
     block: usize,
@@ -84,15 +84,12 @@ struct Windows {
 impl Windows {
     /// `None` in a log that has fewer than three.
     fn of(recording: &Recording) -> Option<Self> {
+        let n = recording.n_rows();
         let block = (BLOCK_S / recording.rate.period_s).round() as usize;
         let length = WINDOW_BLOCKS * block;
-        let mut rows = Vec::new();
-        for segment in &recording.segments {
-            let starts = segment.rows.clone().step_by((length / 2).max(1));
-            rows.extend(
-                starts.map(|start| start..start + length).filter(|rows| rows.end <= segment.rows.end),
-            );
-        }
+        let starts = (0..n).step_by((length / 2).max(1));
+        let rows: Vec<Range<usize>> =
+            starts.map(|start| start..start + length).filter(|rows| rows.end <= n).collect();
         (block > 1 && rows.len() >= 3).then_some(Self { rows, block })
     }
 

@@ -64,7 +64,7 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
         .collect();
     if moved.len() > MOST_TOLD {
         let excluded = moved.iter().filter(|one| one.is_left_out());
-        let all: f64 = excluded.map(|one| seconds(one)).sum();
+        let all = excluded.fold(0.0, |sum, one| sum + seconds(one));
         lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MOST_TOLD));
     }
     let mut channels: Vec<&str> = explained.iter().filter_map(|one| one.channel.as_deref()).collect();
@@ -179,7 +179,7 @@ pub fn leave_out(rest: &mut [bool], disturbances: &[Disturbance]) {
     left_out.for_each(|disturbance| rest[disturbance.rows.clone()].fill(false));
 }
 
-/// More than this share of a log is its usual state and no disturbance.
+/// More than this share of a log is its usual state and no disturbance, unless no sensor at rest can show it.
 const MOST: f64 = 0.5;
 
 /// Where the unit was moved, in order, among the rows that `rest` marks; none in a log with fewer than two inertial
@@ -211,8 +211,10 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         stretches.iter().map(at_rest).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
     let is_usual = share(&found.moved) > MOST;
-    // motion of most of a log is its usual state, unless no sensor at rest can show it
-    let lasting = if is_usual || share(&lasting) > MOST { lasting } else { Vec::new() };
+    // an event is detected by what is usual, and more precisely; what lasts as long as a rest has to is motion whatever is
+    let lasts =
+        |rows: &&Range<usize>| rows.len() as f64 * recording.rate.period_s >= absolute::SHORTEST_REST_S;
+    let lasting: Vec<Range<usize>> = lasting.iter().filter(|rows| is_usual || lasts(rows)).cloned().collect();
     let is_inside = |rows: &Range<usize>, all: &[Range<usize>]| {
         all.iter().any(|outer| outer.start <= rows.start && rows.end <= outer.end)
     };

@@ -133,7 +133,8 @@ fn excludes_the_same_steps_without_the_channel() {
         log.with(name, |t| level + change * dip(length_s)(t + 17.0))
     });
     for excluded in [withheld, shifted] {
-        assert!(excluded.len() > 12, "half of the logs and more: {excluded:?}");
+        // steps of 1 and 2 mrad/s, and those that cover half of a window, do not stand out
+        assert!(excluded.len() >= 8, "a third of the logs and more: {excluded:?}");
     }
 }
 
@@ -284,6 +285,15 @@ fn a_log_that_moves_all_along_has_no_rest() {
         assert!(stillness.check_rest(&recording, &(0..recording.n_rows())).is_err());
         check(&log.read(true)).unwrap();
     }
+}
+
+#[test]
+fn lost_samples_do_not_hide_a_drive() {
+    let mut log = vehicle(34, 120.0, 1.0);
+    let time_s = (0..log.n()).map(|row| (row + 2 * (row / 350)) as f64 / RATE_HZ).collect();
+    log.columns.insert(0, ("t_s".to_owned(), time_s));
+    assert!(log.recording().segments.len() > 10);
+    assert!(check(&log.recording()).is_err());
 }
 
 #[test]
