@@ -557,7 +557,11 @@ mod tests {
             let [fitted, _] = model.deviations_by_itself(&[], usize::MAX);
             let [taken_out, _] = model.deviations_by_itself(&[], 0);
             for (fitted, taken_out) in fitted.iter().flatten().zip(taken_out.iter().flatten()) {
-                assert!((fitted.by / taken_out.by - 1.0).abs() < 0.02, "{fitted:?} {taken_out:?}");
+                // the step is of first order: furthest off for the device that is far
+                assert!(
+                    (fitted.by - taken_out.by).abs() < 0.01 + 0.05 * fitted.by.abs(),
+                    "{fitted:?} {taken_out:?}"
+                );
                 assert!((fitted.freedom / taken_out.freedom - 1.0).abs() < 0.1, "{fitted:?} {taken_out:?}");
             }
         }

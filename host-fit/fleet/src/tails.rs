@@ -13,8 +13,12 @@ const DOUBLINGS: usize = 200;
 
 /// Probability that |t| is larger than `value`. Degrees of freedom may be any number; with none, 1.
 pub(crate) fn t_tail(freedom: f64, value: f64) -> f64 {
+    if value.is_nan() {
+        return 1.0;
+    }
     let distribution = StudentsT::new(0.0, 1.0, freedom).ok();
-    let tail = distribution.map_or(1.0, |distribution| 2.0 * distribution.sf(value.abs()));
+    let tail =
+        distribution.map_or(1.0, |distribution| 2.0 * distribution.sf(value.abs().min(f64::MAX.sqrt())));
     if tail.is_finite() { tail.clamp(0.0, 1.0) } else { 1.0 }
 }
 
@@ -40,6 +44,11 @@ pub(crate) fn f_quantile(freedoms: [f64; 2], outside: f64) -> f64 {
 
 /// Probability that F is larger than `value`.
 pub(crate) fn f_tail([above, below]: [f64; 2], value: f64) -> f64 {
+    if value.is_nan() {
+        return 1.0;
+    }
+    // as rare as any number, where devices of a lot are equal
+    let value = value.min(f64::MAX.sqrt());
     FisherSnedecor::new(above, below).map_or(1.0, |distribution| distribution.sf(value))
 }
 
