@@ -42,7 +42,7 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
         }
         ("compare", _) => "compare unit.json log.csv",
         ("diagnose", _) => "diagnose log.csv --axis gx",
-        ("add", _) => "add unit.json bias_ramp --from log.csv",
+        ("add", _) => "add unit.json temp_linear --from log.csv",
         ("replay", _) => "replay unit.fosm log.csv",
         ("report", _) => "report unit.json --from log.csv",
         ("record", _) => "record none.stream -o recorded.csv",

@@ -87,8 +87,8 @@ fn a_study_remembers_how_its_logs_are_read() {
     done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
     done(folder, &["undo", "unit.json"]);
     done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
-    let added = done(folder, &["add", "unit.json", "bias_ramp", "--from", "below/../log.csv"]);
-    assert!(added.contains("temp_linear") && added.contains("bias_ramp"), "{added}");
+    let added = done(folder, &["add", "unit.json", "temp_rate", "--from", "below/../log.csv"]);
+    assert!(added.contains("temp_linear") && added.contains("temp_rate"), "{added}");
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.data.read.columns.specs(), ["gx_rads=\"gyro:x\""]);
     assert_eq!(study.refinements[0].logs.read, study.data.read);
