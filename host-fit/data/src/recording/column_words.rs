@@ -510,7 +510,6 @@ fn joined(word: &str, lists: [&[&str]; 2]) -> Option<usize> {
 }
 
 /// None where the words speak of no axis of a sensor; none within where they speak of no measurement of it.
-#[expect(clippy::option_option, reason = "whether it is one of these, and if so which")]
 fn inertial(words: &[&str]) -> Option<Option<Named>> {
     type Kind = fn(usize) -> Quantity;
     const KINDS: [(Kind, [&[&str]; 2]); 3] = [

@@ -160,9 +160,9 @@ impl Guesses {
                 })
         };
         let rank = best[0].named.rank;
-        let rivals = others.iter().filter(|other| other[0].named.rank == rank && !same_as_best(other));
+        let has_rival = others.iter().any(|other| other[0].named.rank == rank && !same_as_best(other));
         let is_mixed = others.iter().flatten().any(|column| !has(best, column.target));
-        if rivals.count() > 0 || is_mixed || !is_one(best) {
+        if has_rival || is_mixed || !is_one(best) {
             let choices = sensors.iter().filter(|sensor| is_mixed || sensor[0].named.rank == rank);
             let mut targets: Vec<String> =
                 sensors.iter().flatten().map(|column| column.target.to_owned()).collect();

@@ -17,7 +17,7 @@
 //! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and said as an oddity |
 //! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
 //! | over 5 % of rows are like that, or one in strict mode | refused |
-//! | an axis has a value in every second to twentieth row, or rows hold the axes in turn | the streams that the table was merged from, resampled to the rows of the fastest |
+//! | an axis has a value in every second to twentieth row, or the rows of two sensors alternate | the streams that the table was merged from, resampled to the rows of the fastest |
 //! | stamps and values of every second row differ | refused: two devices in turn |
 //! | no cell of an axis is a number | the axis is left out, and said |
 //! | a column holds text | left out and listed (`segment`: its labels count) |

@@ -373,7 +373,7 @@ impl Gathered {
             let problem = format!("there is no device {unknown}; there are {}", known.join(", "));
             return Err(refused(problem, "name the device_id behind the instance, as in 0@2818058"));
         }
-        for at in 0..TOPICS.len() {
+        for (at, topic) in TOPICS.iter().enumerate() {
             let mut devices = std::mem::take(&mut self.devices[at]);
             // most messages first; the order in the file has no say
             devices.sort_by_key(|device| (std::cmp::Reverse(device.messages), device.name()));
@@ -383,13 +383,13 @@ impl Gathered {
                 devices.extract_if(.., |device| device.messages * choice::SELDOM < most).collect();
             // where two of the topic are named, the first is meant: the other is of another topic
             let is_of = |id: &&str| devices.iter().position(|device| device.name() == **id);
-            let place = asked.iter().find_map(|id| is_of(&id));
+            let place = asked.iter().find_map(is_of);
             if at <= GYRO_FIFO && devices.len() > 1 && place.is_none() {
                 let there: Vec<String> = devices
                     .iter()
                     .map(|device| format!("{}@{} ({} messages)", self.wanted, device.name(), device.messages))
                     .collect();
-                let topic = TOPICS[at].name;
+                let topic = topic.name;
                 let problem = format!(
                     "{topic} {} has samples of {} devices, by device_id: {}",
                     self.wanted,
