@@ -111,6 +111,10 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
     ] {
         assert_eq!(unknown_words(before, &options).len(), 1, "{before}");
     }
+    println!(
+        "attack: options in messages | every message of the libraries: an option in it is one of the program's {}, shown by its flag | negative control: 3 messages in words of a library are noticed",
+        options.len(),
+    );
 }
 
 #[test]

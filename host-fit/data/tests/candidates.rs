@@ -165,19 +165,28 @@ fn reads_no_mix_of_two_devices() {
     let found: Vec<String> =
         logs.iter().filter_map(|log| mixes(log, |options| read(log.name, &log.bytes, options))).collect();
     assert_eq!(found, [""; 0]);
+    println!(
+        "attack: mixing devices | {} logs with samples of two devices (topics, frames, instances, chips, folders, alternating rows): each refused with the choices, none interleaved | negative control: of a reader that interleaves them {} are noticed",
+        logs.len(),
+        logs.iter().filter(|log| mixes(log, |_| interleaved()).is_some()).count(),
+    );
 }
 
-#[test]
-fn the_check_for_mixes_notices_one() {
+/// Samples of two devices by turns as those of one, as they were read before.
+fn interleaved() -> Result<Recording, RecordingError> {
     let one = Flight::new(1000, 5000, 1);
     let both: Vec<f64> =
         one.rate.iter().flat_map(|rate| [f64::from(rate[0]), f64::from(rate[0] + BIAS)]).collect();
     let rows: String =
         both.iter().enumerate().map(|(n, rate)| format!("{},{rate}\n", n as f64 / 400.0)).collect();
     let table = format!("t_s,gx_rads\n{rows}");
-    let interleaved = |_: &LoadOptions| read("a.csv", table.as_bytes(), &LoadOptions::default());
-    assert_eq!(device_of(&interleaved(&LoadOptions::default()).unwrap()), None);
-    assert!(mixed().iter().all(|log| mixes(log, interleaved).is_some()));
+    read("a.csv", table.as_bytes(), &LoadOptions::default())
+}
+
+#[test]
+fn the_check_for_mixes_notices_one() {
+    assert_eq!(device_of(&interleaved().unwrap()), None);
+    assert!(mixed().iter().all(|log| mixes(log, |_| interleaved()).is_some()));
 }
 
 #[test]
@@ -315,7 +324,12 @@ fn refuses_options_that_have_no_effect() {
     // the check notices a reader that looks at no option
     let flight = Flight::new(500, 5000, 1);
     let deaf = |_: &LoadOptions| read("a.csv", flight.csv().as_bytes(), &LoadOptions::default());
-    assert!(passed_over(deaf).len() > 10);
+    let passed = passed_over(deaf).len();
+    assert!(passed > 10);
+    println!(
+        "attack: options without effect | {} files of every format: a topic, format, column map or strictness that would change nothing is refused | negative control: of a reader that looks at no option {passed} are noticed",
+        every_format().len(),
+    );
 }
 
 #[test]

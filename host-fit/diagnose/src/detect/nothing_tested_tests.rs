@@ -58,6 +58,11 @@ fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
         }
     }
     assert!(verdicts.contains(&Verdict::NotEnoughData) && verdicts.contains(&Verdict::NothingMissing));
+    let untested = verdicts.iter().filter(|verdict| **verdict == Verdict::NotEnoughData).count();
+    println!(
+        "attack: nothing tested | {} answers to logs of 1 to 90 s, at rest for 0 to all of them: nothing is missing only where a slow effect was tested | negative control: by the rule of before, {untested} all-clears of logs in which none was",
+        verdicts.len(),
+    );
 }
 
 /// They came before a drift with temperature, with a score of 10¹⁵⁴.
@@ -131,6 +136,10 @@ fn refusals_of_short_logs_ask_for_more_than_the_log_has() {
         }
     }
     assert!(refusals >= 4, "{refusals}");
-    // negative control
-    assert!(!asks_for_more("gx: 60.0 s at rest are too short to tell its noise; at least 20 s are needed"));
+    let before = "gx: 60.0 s at rest are too short to tell its noise; at least 20 s are needed";
+    println!(
+        "attack: numbers in messages | {refusals} refusals of logs that are too short: what is needed is more than there is | negative control: a message that contradicts itself {}",
+        if asks_for_more(before) { "passes" } else { "is noticed" },
+    );
+    assert!(!asks_for_more(before));
 }

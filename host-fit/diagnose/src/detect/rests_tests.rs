@@ -112,6 +112,10 @@ fn a_tilt_in_a_pause_is_no_bias_step_and_is_said() {
     // negative control: the same change while it was recorded is a step
     let answer = ask(&tilted_in_pause(0.0, 0.5), "ax", |question| diagnose(question)).expect("a diagnosis");
     assert_eq!(effects(&answer), ["bias_step"]);
+    println!(
+        "attack: orientation across pauses | tilts of 0.5 and 5 degrees within a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
+        effects(&answer).join(", "),
+    );
 }
 
 /// A gyro that repeats one value for a share of ten minutes at 20 Hz.

@@ -1,6 +1,5 @@
 //! The noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
 
-
 use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
@@ -96,8 +95,7 @@ pub fn axis_noise(
     }
     let (cleaned, left_out) = recording.only_measurements(&column, rows.clone(), &stillness.still);
     let series = cleaned.error_series(&column)?;
-    let known: Vec<bool> =
-        rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
+    let known: Vec<bool> = rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
     let in_poses = pose::has_unknown_level(&column, &series.reference);
     let turns = if in_poses { &stillness.turns[..] } else { &[] };
 

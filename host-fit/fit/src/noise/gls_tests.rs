@@ -191,7 +191,13 @@ fn a_regression_takes_time_in_proportion_to_rests() {
         }
         products(&Gls::new(&in_levels(&counts, &starts), &levels(), &y, &slices(&columns)))
     };
-    assert_eq!(work(100, false), 2 * work(50, false));
+    let ratio = |as_columns: bool| work(100, as_columns) as f64 / work(50, as_columns) as f64;
+    assert_eq!(ratio(false), 2.0);
     // negative control: a column for each rest
-    assert!(work(100, true) > 6 * work(50, true));
+    assert!(ratio(true) > 6.0);
+    println!(
+        "attack: rests | a regression over 100 rests, each with a level of its own, takes {:.1} times the products of one over 50, and comes to the same as with a column for each | negative control: with a column for each it takes {:.1} times",
+        ratio(false),
+        ratio(true),
+    );
 }

@@ -168,6 +168,10 @@ mod tests {
         // negative control: the noise of the rounded samples
         let (missed, _) = misses(false);
         assert!(missed.len() > 35, "{missed:?}");
+        println!(
+            "attack: coarse steps | steps of 0.1 to 8 standard deviations, the mean at 7 places between two codes: all 70 intervals of N hold, {limits} of them as limits | negative control: of those of the rounded samples {} do not",
+            missed.len(),
+        );
     }
 
     #[test]

@@ -185,6 +185,7 @@ fn is_right(apart: &Apart, swing_hz: f64, lacks_s: f64) -> bool {
 /// The least of equal minima was 400 ms off for a swing of 2.5 Hz and clocks that agreed.
 #[test]
 fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
+    let (mut swings, mut noticed) = (0, 0);
     for (seed, swing_hz) in [1.0, 2.0, 2.5, 3.0, 4.0].into_iter().enumerate() {
         for lacks_s in [0.0, 0.03, -0.06] {
             let Clocks::Apart(apart) = clocks(swung(seed as u64, swing_hz, lacks_s)) else {
@@ -197,9 +198,14 @@ fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
                 // negative control: a period off, which is as low a minimum
                 let off = Apart { offset_s: apart.offset_s + repeats_s, ..apart };
                 assert!(!is_right(&off, swing_hz, lacks_s), "{off:?}");
+                noticed += 1;
             }
+            swings += 1;
         }
     }
+    println!(
+        "attack: equal optima of clocks | {swings} steady swings of 1 to 4 Hz: of the offsets that explain them the nearest to zero is taken, and that the motion repeats is stated | negative control: {noticed} offsets a period off, which explain as much, are noticed"
+    );
 }
 
 /// Swings of 2.5 Hz for a minute, 860 s apart: a drift of 0.4 s between them, 465 ppm, explains them as well.

@@ -374,6 +374,12 @@ mod tests {
             assert_eq!(axes, logged(|vector| yaw_after_pitch(vector, 12.5, -90.5)));
             assert!(done.undone.is_empty() && done.in_vehicle && done.left.len() == 4, "{done:?}");
         }
+        let mut in_the_wrong_order = logged(|vector| vector);
+        in_the_wrong_order[0].iter_mut().for_each(|value| *value = (*value + 0.25) / 1.5);
+        println!(
+            "attack: corrections undone | offsets, scales, temperature tables and mountings of 5 instances, applied by formulas of the test: what the reader says it undid is undone to the last digits, and nothing else | negative control: scale and offset in the wrong order leave {:.2} m/s²",
+            furthest(&in_the_wrong_order),
+        );
     }
 
     #[test]
