@@ -73,7 +73,10 @@ fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
         return Vec::new();
     }
     let quoted = line.split('`').skip(1).step_by(2);
-    let unknown = |word: &&str| !options.iter().any(|option| option == word) && !IN_LOGS.contains(word);
+    let is_name = |word: &&str| word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    let unknown = |word: &&str| {
+        is_name(word) && !options.iter().any(|option| option == word) && !IN_LOGS.contains(word)
+    };
     let mut unknown: Vec<String> = quoted.filter(unknown).map(str::to_owned).collect();
     // fields of the libraries that are options, outside backticks
     let bare = options.iter().filter(|option| option.contains('_')).filter(|option| {
@@ -91,10 +94,12 @@ fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
 fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
     let all = host_fit::cli::subcommands();
     let arguments = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
-    let options: Vec<String> = arguments
+    let mut options: Vec<String> = arguments
         .filter(|option| option.get_long().is_some())
         .map(|option| option.get_id().to_string())
         .collect();
+    options.sort();
+    options.dedup();
     let mut found = Vec::new();
     for (path, text) in &sources(&["data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]) {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));

@@ -37,7 +37,7 @@ fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
         assert_eq!(but_paths(&again), but_paths(&compared), "from {from:?}");
     }
     // what it was refined on, too
-    let added = ["add", "studies/unit.json", "temp_linear", "--from", "logs/field.parquet"];
+    let added = ["add", "studies/unit.json", "temp_rate", "--from", "logs/field.parquet"];
     done(&work, &added);
     done(&work.join("studies"), &["diagnose", "unit.json"]);
 

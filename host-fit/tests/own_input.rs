@@ -73,7 +73,7 @@ const LINES: [Line; 29] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_linear --from {from} --quiet {quiet} --judge {judge} --effect {effect_files} --map-file {map_file} --figures figures",
+        words: "add {study} temp_rate --from {from} --quiet {quiet} --judge {judge} --effect {effect_files} --map-file {map_file} --figures figures",
         inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
     },
     Line {
@@ -281,7 +281,7 @@ fn prepare(folder: &Path) {
     let fit = ["fit", "log.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
     done(folder, &[&fit[..], &["-o", "unit.json"]].concat());
     fs::copy(folder.join("unit.json"), folder.join("refined.json")).expect("copied");
-    done(folder, &["add", "refined.json", "temp_linear", "--from", "field.parquet"]);
+    done(folder, &["add", "refined.json", "temp_rate", "--from", "field.parquet"]);
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     write("map.toml", b"[columns]\ngx_rads = \"gx_rads\"\n");
     write("effect.toml", done(folder, &["effects", "--example"]).as_bytes());

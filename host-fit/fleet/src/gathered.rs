@@ -50,7 +50,7 @@ pub enum GatheredError {
     },
     /// A row has not all numbers that it speaks of.
     #[error(
-        "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use rows as `unit_row` returns them"
+        "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
     NotWhole {
         /// Its unit.

@@ -103,7 +103,11 @@ impl Diagnose {
         }
         refused
             .extend(field.quality.empty_axes.iter().filter_map(|axis| Some(field.axis(axis).err()?.into())));
-        refused.iter().for_each(|error| print_warning(&format!("left out: {error}")));
+        for error in &refused {
+            // what to do is what was done
+            let said = error.to_string();
+            print_warning(&format!("left out: {}", said.split("\nhelp: ").next().unwrap_or_default()));
+        }
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
         let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
         let joined = field.alignment.as_ref().map_or_else(String::new, ToString::to_string);

@@ -102,7 +102,13 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
 /// An error as the user of the command line reads it: the column maps to choose from as arguments to paste.
 pub(super) fn in_words(failure: &Failure) -> String {
     let said = failure.to_string();
-    let Some(RecordingError::Undecided { maps, .. }) = failure.downcast_ref() else { return said };
+    let maps = match failure.downcast_ref() {
+        Some(RecordingError::Undecided { maps, .. }) => maps,
+        Some(RecordingError::GravityUnit { map, .. }) => {
+            return map.iter().fold(said, |said, entry| said.replace(entry, &format!("--map {entry}")));
+        }
+        _ => return said,
+    };
     let arguments = maps.iter().map(|map| map.iter().map(|entry| format!("--map {}", quoted(entry))));
     let arguments: Vec<String> = arguments.map(|map| map.collect::<Vec<_>>().join(" ")).collect();
     let problem = said.split("\nhelp: ").next().unwrap_or_default();

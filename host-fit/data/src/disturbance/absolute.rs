@@ -75,33 +75,49 @@ pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usiz
     finite_median(&inside.map(|(_, scatter)| *scatter).collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
-/// Windows that overlap by half. Lost samples do not hide a motion: a step across a gap is one of a bias.
-struct Windows {
+/// Windows that overlap by half. A few lost samples do not hide a motion; what changed over a longer gap was not
+/// recorded, and is none: a device that is put down in another way between two bursts.
+struct Windows<'a> {
+    time_s: &'a [f64],
     rows: Vec<Range<usize>>,
     block: usize,
 }
 
-impl Windows {
+impl<'a> Windows<'a> {
     /// `None` in a log that has fewer than three.
-    fn of(recording: &Recording) -> Option<Self> {
+    fn of(recording: &'a Recording) -> Option<Self> {
         let n = recording.n_rows();
         let block = (BLOCK_S / recording.rate.period_s).round() as usize;
         let length = WINDOW_BLOCKS * block;
         let starts = (0..n).step_by((length / 2).max(1));
         let rows: Vec<Range<usize>> =
             starts.map(|start| start..start + length).filter(|rows| rows.end <= n).collect();
-        (block > 1 && rows.len() >= 3).then_some(Self { rows, block })
+        (block > 1 && rows.len() >= 3).then_some(Self { time_s: &recording.time_s, rows, block })
     }
 
     /// Scatter of the means of an axis, window by window; 0 where it is that of white noise, or not known.
     fn scatters(&self, values: &[f64]) -> Vec<f64> {
         let of = |rows: &Range<usize>| {
             let mean = |start: usize| {
+                if self.time_s[start + self.block - 1] - self.time_s[start] > 1.5 * BLOCK_S {
+                    return f64::NAN;
+                }
                 let known = values[start..start + self.block].iter().filter(|value| value.is_finite());
                 let (sum, count) = known.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
                 if 2 * count >= self.block { sum / count as f64 } else { f64::NAN }
             };
-            let means: Vec<f64> = rows.clone().step_by(self.block).map(mean).collect();
+            let lasts = |start: usize, blocks: usize| {
+                self.time_s[start + blocks * self.block - 1] - self.time_s[start]
+            };
+            let is_gap = |start: usize| start > rows.start && lasts(start - self.block, 2) > 2.5 * BLOCK_S;
+            let mut means: Vec<f64> = Vec::with_capacity(WINDOW_BLOCKS);
+            for start in rows.clone().step_by(self.block) {
+                // second differences over a gap are not known
+                if is_gap(start) {
+                    means.push(f64::NAN);
+                }
+                means.push(mean(start));
+            }
             let (Some(slow), Some(fast)) = (deviation(&means), deviation(&values[rows.clone()])) else {
                 return 0.0;
             };

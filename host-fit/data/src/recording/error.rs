@@ -41,7 +41,7 @@ pub enum RecordingError {
     },
     /// Recordings of different sensors, or of differently corrected values.
     #[error(
-        "{path} and {others} do not go together: the {sensor} of {others} are {here}, those of {path} {there}\nhelp: fit logs of one sensor, recorded in one way; --topic chooses the sensor of a log"
+        "{path} and {others} do not go together: the {sensor} of {others} are {here}, those of {path} {there}\nhelp: fit logs of one sensor, recorded in one way; `topic` chooses the sensor of a log"
     )]
     OtherSensor {
         /// As it was given.
@@ -57,7 +57,7 @@ pub enum RecordingError {
     },
     /// A column whose header states a unit that cannot be read.
     #[error(
-        "{}: column {column:?}: its header states the unit {unit:?}, which is none of {target}\nhelp: state it in the column map, as in --map '{target}={}:{example}'",
+        "{}: column {column:?}: its header states the unit {unit:?}, which is none of {target}\nhelp: state it in the column map, as in '{target}={}:{example}'",
         path.display(), quoted(column)
     )]
     HeaderUnit {
@@ -74,8 +74,8 @@ pub enum RecordingError {
     },
     /// Accelerometers whose values contradict their unit.
     #[error(
-        "{}: the accelerometers are in {unit} by {stated}, and show {magnitude:.4} together (median), which is gravity in {fits}\nhelp: if they are in {fits}, state it in the column map: {map}; if gravity is missing in them, record the accelerometers with gravity",
-        path.display()
+        "{}: the accelerometers are in {unit} by {stated}, and show {magnitude:.4} together (median), which is gravity in {fits}\nhelp: if they are in {fits}, map them: {}; if gravity is missing in them, record the accelerometers with gravity",
+        path.display(), map.join(" ")
     )]
     GravityUnit {
         /// As it was given.
@@ -88,8 +88,8 @@ pub enum RecordingError {
         magnitude: f64,
         /// The unit in which it is gravity.
         fits: &'static str,
-        /// Entries of a column map with that unit.
-        map: String,
+        /// Entries of a column map with that unit, in quotes.
+        map: Vec<String>,
     },
     /// Recordings without a channel in common.
     #[error(

@@ -301,7 +301,7 @@ impl Recording {
             return own(axis);
         }
         let (triad, _) = Column::named(axis).place()?;
-        let others = AXES.into_iter().filter(|other| *other != axis);
+        let others = AXES.into_iter().filter(|other| *other != axis && self.channel(other).is_ok());
         let of_triad = others.filter(|other| Column::named(other).place().is_some_and(|(of, _)| of == triad));
         of_triad.filter_map(own).reduce(f64::max)
     }

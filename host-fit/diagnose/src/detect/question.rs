@@ -71,7 +71,7 @@ pub enum DiagnoseError {
     },
     /// An axis that does not measure.
     #[error(
-        "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with --axis"
+        "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
     Stuck {
         /// The column.
@@ -85,7 +85,7 @@ pub enum DiagnoseError {
     },
     /// Steps that hide all noise.
     #[error(
-        "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with --axis"
+        "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with `axis`"
     )]
     CoarseSteps {
         /// The column.

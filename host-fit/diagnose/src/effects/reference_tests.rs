@@ -29,7 +29,9 @@ fn recording(Reference { name, answers, channels }: &Reference) -> Recording {
         assert_eq!(answers["series"]["channels"][at], theirs);
         columns.push((ours.to_owned(), channel.clone()));
     }
-    Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).unwrap()
+    // in the unit of y no absolute size of motion means anything
+    let options = LoadOptions { keep_moved: true, ..LoadOptions::default() };
+    Recording::from_columns(Source::made_by(name), columns, &options).unwrap()
 }
 
 fn diagnosed(recording: &Recording, library: &Library) -> Diagnosis {

@@ -33,7 +33,7 @@ pub enum RefineError {
     Study(#[from] StudyAxisError),
     /// The log is of another sensor than the study, or was corrected otherwise.
     #[error(
-        "{log} does not go with the study: the study's {column} is {study}, that of the log {found}\nhelp: a log of the same sensor, recorded in the same way; --topic chooses the sensor of a log"
+        "{log} does not go with the study: the study's {column} is {study}, that of the log {found}\nhelp: a log of the same sensor, recorded in the same way; `topic` chooses the sensor of a log"
     )]
     OtherSensor {
         /// The log.

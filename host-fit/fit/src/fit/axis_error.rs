@@ -60,7 +60,7 @@ pub enum AxisError {
     },
     /// All values are the same, or half of them and more repeat one that is stuck.
     #[error(
-        "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with --axis, or fit on rows in which it measures (--train)"
+        "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"
     )]
     Constant {
         /// The column.

@@ -64,7 +64,7 @@ pub enum AxisNoiseError {
     },
     /// It does not change, or is stuck for half of the time and more.
     #[error(
-        "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with --axis"
+        "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
     Constant {
         /// The column.

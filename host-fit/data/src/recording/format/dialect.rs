@@ -444,7 +444,7 @@ mod tests {
                 // a unit that cannot be read is refused, not taken for another
                 let text = file(dialect, kind, "furlong", 1.0, ['[', ']']);
                 let error = read(folder.path(), &text).expect_err("a refusal");
-                assert!(error.contains("\"furlong\"") && error.contains("--map '"), "{error}");
+                assert!(error.contains("\"furlong\"") && error.contains("column map, as in '"), "{error}");
                 refused += 1;
             }
         }
@@ -469,7 +469,7 @@ mod tests {
         let error = error.expect_err("a contradiction");
         assert!(
             error.contains("in m/s2 by their headers")
-                && error.contains("--map 'ax_mps2=a_RS_S_x [m s^-2]:g'"),
+                && error.contains("map them: 'ax_mps2=a_RS_S_x [m s^-2]:g'"),
             "{error}"
         );
         // and the entry of the map that it names reads it

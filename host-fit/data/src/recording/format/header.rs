@@ -137,9 +137,9 @@ pub(super) fn refuse_other_gravity(
     let sign = if sign.is_empty() { String::new() } else { format!(":{sign}") };
     let entries = ACCELEROMETERS.iter().zip([x.0, y.0, z.0]);
     let map: Vec<String> =
-        entries.map(|(target, column)| format!("--map '{target}={}{sign}:{fits}'", quoted(column))).collect();
+        entries.map(|(target, column)| format!("'{target}={}{sign}:{fits}'", quoted(column))).collect();
     let (path, unit) = (path.to_owned(), unit.to_owned());
-    Err(RecordingError::GravityUnit { path, unit, stated, magnitude, fits, map: map.join(" ") })
+    Err(RecordingError::GravityUnit { path, unit, stated, magnitude, fits, map })
 }
 
 #[cfg(test)]
@@ -175,7 +175,7 @@ mod tests {
         }
         let refused = unit_of(Path::new("a.csv"), "A_X [furlong]", "ax_mps2", "g").unwrap_err().to_string();
         assert!(
-            refused.contains("\"furlong\"") && refused.contains("--map 'ax_mps2=A_X [furlong]:m/s2'"),
+            refused.contains("\"furlong\"") && refused.contains("as in 'ax_mps2=A_X [furlong]:m/s2'"),
             "{refused}"
         );
     }

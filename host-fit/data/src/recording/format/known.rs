@@ -61,7 +61,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         files: ".csv, .csv.gz, .parquet",
         read: "every column, by its name: t_s, ax_mps2 … gz_rads, temp_c, supply_v, still, segment",
         units: "SI",
-        values: "not stated: raw, unless the fit is told `--factory-corrected`",
+        values: "not stated: raw, unless the fit states otherwise",
         clock: "t_s, s; or a stated rate",
         temperature: "temp_c",
         traps: "none known",
