@@ -151,5 +151,5 @@ fn what_the_log_is_too_short_for_is_said_with_the_length_it_needs() {
     assert!(missing.contains("ax_mps2 is missing") && !folder.join("imu.yaml").exists(), "{missing}");
     done(folder, &["simulate", "short.csv", "--minutes", "0.2", "--at-rest"]);
     let short = fails(folder, 1, &["noise", "short.csv"]);
-    assert!(short.contains("are too short to tell its noise") && short.contains("help:"), "{short}");
+    assert!(short.contains("s at rest in stretches") && short.contains("help:"), "{short}");
 }

@@ -7,8 +7,7 @@
 
 use std::ops::Range;
 
-use super::scale::{Scale, Usual, log_mean, median_of_known};
-use super::shared::{FAR, NEAR, sum_but_most};
+use super::scale::{FAR, NEAR, Scale, Usual, log_mean, median_of_known, sum_but_most};
 use crate::column::{AXES, Column};
 use crate::recording::{Recording, back_filled};
 use crate::statistics::MAD_TO_SD;

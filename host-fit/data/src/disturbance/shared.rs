@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::explained::{self, Axes, Explained, possible_causes};
-use super::scale::{Scale, Usual, local_level, median_of_known};
+use super::scale::{FAR, NEAR, Scale, Usual, local_level, median_of_known, sum_but_most};
 use crate::interrupt::in_parallel;
 use crate::recording::{Recording, runs};
 
@@ -22,13 +22,6 @@ const PIECE_S: f64 = 5.0;
 
 /// Vibration that lasts for so long is a state, s.
 const LASTING_S: f64 = 28.0;
-
-/// Sum of the squares of the excess of all axes but the one with most: chance reaches 30 less often than once in a million
-/// windows. Of windows that overlap as much as these do, some four times as many are independent: 2 ln 4 more.
-pub(super) const FAR: f64 = 33.0;
-
-/// What follows or comes before it and is still so much belongs to it.
-pub(super) const NEAR: f64 = 7.0;
 
 /// Motions closer than this are one, s.
 const ONE_S: f64 = 0.75;
@@ -135,13 +128,6 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         shaken: lasting,
         explained: explained::joined(explained, joined),
     }
-}
-
-/// Sum of the squares of the excess of all axes but the one that has most.
-pub(super) fn sum_but_most(excess: impl Iterator<Item = f64>) -> f64 {
-    let squares = excess.map(|excess| excess.powi(2));
-    let (sum, most) = squares.fold((0.0, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
-    sum - most
 }
 
 /// Marks the middle half of windows that are far off, of their neighbours as long as they are off too, and a margin on

@@ -2,7 +2,7 @@
 //!
 //! Words are compared whole. A prefix deceives: `accuracy_x` begins as `acc_x` does, `template` as `temp` does.
 
-use super::guess::unit_in;
+use crate::unit::parse_unit;
 
 /// The quantity that a name speaks of; axes are 0, 1, 2 for x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -616,4 +616,43 @@ fn of(quantity: Quantity, rank: u8, sensor: &[&str], context: &[&str]) -> Option
     let numbers = context.iter().filter(|word| is_numbered(word));
     let numbers = numbers.filter_map(|word| word[bare(word).len()..].parse().ok()).collect();
     Some(Named { quantity, rank, sensor: sensor.join("_"), numbers })
+}
+
+/// A unit that stands in the name, in brackets or as its last words, if it is one of the target.
+pub(super) fn unit_in(name: &str, target: &str) -> Option<&'static str> {
+    let bracketed = name.split_once(['(', '[']).map(|(_, rest)| rest.trim_end_matches([')', ']']).trim());
+    let lower = name.to_lowercase();
+    let words = words(name);
+    let last = words.last().map(String::as_str);
+    let last_two = words.len().checked_sub(2).map(|from| words[from..].join("/"));
+    let found = [bracketed.map(str::to_owned), last_two, last.map(str::to_owned)];
+    found.into_iter().flatten().find_map(|text| {
+        let spelling = match text.to_lowercase().as_str() {
+            "sec" | "secs" | "seconds" | "s" => "s",
+            "msec" | "millis" | "ms" => "ms",
+            "usec" | "micros" | "us" | "µs" => "us",
+            "nsec" | "nanos" | "ns" => "ns",
+            "m/s2" | "m/s^2" | "m/s²" | "m/s/s" | "mps2" | "ms2" => "m/s2",
+            // an axis letter g is no unit: gyro names hold it
+            "g" if lower.contains("acc") => "g",
+            "mgauss" | "mg" if target.starts_with("mag") => "mgauss",
+            "mg" | "milli/g" => "mg",
+            "rad/s" | "rads" | "rps" | "radps" => "rad/s",
+            "deg/s" | "dps" | "°/s" | "degs" | "degps" => "dps",
+            "mdps" => "mdps",
+            "deg/h" | "dph" | "°/h" => "deg/h",
+            "degc" | "°c" | "c" | "celsius" => "degC",
+            "degf" | "°f" | "f" | "fahrenheit" => "degF",
+            "k" | "kelvin" => "K",
+            "mv" => "mV",
+            "v" | "volt" | "volts" => "V",
+            "ut" | "µt" => "uT",
+            "mt" => "mT",
+            "gauss" => "gauss",
+            "pct" | "%" | "percent" => "%",
+            _ => return None,
+        };
+        let (unit, _) = parse_unit(spelling)?;
+        (unit == crate::unit::Unit::of_column(target)).then_some(spelling)
+    })
 }

@@ -9,7 +9,7 @@ use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::format::{self, Extent, Meaning, Opened};
 use super::grid::{Boundary, Grid, Mark, Segment};
-use super::load_options::LoadOptions;
+use super::load_options::{LoadOptions, MayHaveRates};
 use super::quality::Quality;
 use super::rate::RATES_HZ;
 use super::rate::{self, Rate, Stamps};
@@ -130,13 +130,6 @@ impl Recording {
         }
         assemble(source, table, &Meaning::told(options), options, rates)
     }
-}
-
-/// Whether axes of a table may have rates of their own: once they are resampled they have not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MayHaveRates {
-    Yes,
-    No,
 }
 
 /// Gives the columns of a table their meaning.

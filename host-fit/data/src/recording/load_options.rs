@@ -38,3 +38,10 @@ pub struct LoadOptions {
 fn is_false(value: &bool) -> bool {
     !value
 }
+
+/// Whether axes of a table may have rates of their own: once they are resampled they have not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MayHaveRates {
+    Yes,
+    No,
+}

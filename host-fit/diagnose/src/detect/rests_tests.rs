@@ -86,7 +86,7 @@ fn finds_nothing_in_bursts_that_were_turned_between() {
     for (seed, bursts) in [(1, 30), (2, 60), (3, 100), (4, 100)] {
         let field = turned_bursts(seed, bursts);
         for axis in ["ax", "az"] {
-            let answer = ask(&field, axis, |question| diagnose(question)).expect("a diagnosis");
+            let answer = ask(&field, axis, diagnose).expect("a diagnosis");
             assert_eq!(effects(&answer), [""; 0], "{seed} {axis}: {}", answer.sentence);
         }
     }
@@ -104,13 +104,13 @@ fn tilted_in_pause(pause_s: f64, degrees: f64) -> Recording {
 fn a_tilt_in_a_pause_is_no_bias_step_and_is_said() {
     for degrees in [0.5, 5.0] {
         let field = tilted_in_pause(60.0, degrees);
-        let answer = ask(&field, "ax", |question| diagnose(question)).expect("a diagnosis");
+        let answer = ask(&field, "ax", diagnose).expect("a diagnosis");
         assert_eq!(effects(&answer), [""; 0], "{degrees}°: {}", answer.sentence);
         let is_said = |caution: &String| caution.contains("indistinguishable across a pause");
         assert!(answer.cautions.iter().any(is_said), "{:?}", answer.cautions);
     }
     // negative control: the same change while it was recorded is a step
-    let answer = ask(&tilted_in_pause(0.0, 0.5), "ax", |question| diagnose(question)).expect("a diagnosis");
+    let answer = ask(&tilted_in_pause(0.0, 0.5), "ax", diagnose).expect("a diagnosis");
     assert_eq!(effects(&answer), ["bias_step"]);
     println!(
         "attack: orientation across pauses | tilts of 0.5 and 5 degrees within a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
@@ -125,7 +125,7 @@ fn stuck_for(share: f64) -> Result<Diagnosis, DiagnoseError> {
     let values = &mut columns.last_mut().expect("columns").1;
     let held = values[3000] + 0.003;
     values[3000..=3000 + (share * 12_000.0) as usize].fill(held);
-    ask(&recording(columns), "gz", |question| diagnose(question))
+    ask(&recording(columns), "gz", diagnose)
 }
 
 #[test]

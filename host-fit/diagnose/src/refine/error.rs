@@ -64,21 +64,15 @@ pub enum RefineError {
     },
     /// With it the error of the evaluation log is larger than without.
     #[error(
-        "{effect} was not added: with it the {what} over the evaluation log grows from {before} to {after} {unit}, more than its uncertainty of {margin} {unit}\nhelp: record a log that shows the effect: {experiment}"
+        "{effect} was not added: with it the {what} over the evaluation log grows {growth}\nhelp: record a log that shows the effect: {experiment}"
     )]
     MakesWorse {
         /// The effect.
         effect: String,
         /// Which error: the mean or the RMS.
         what: &'static str,
-        /// Error before.
-        before: String,
-        /// Error with the effect.
-        after: String,
-        /// What may be chance.
-        margin: String,
-        /// Unit of the three.
-        unit: &'static str,
+        /// Error before and after, and what may be chance, with the unit.
+        growth: String,
         /// The experiment that would identify it.
         experiment: String,
     },

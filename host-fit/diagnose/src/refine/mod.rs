@@ -4,6 +4,7 @@
 mod check;
 mod error;
 mod evidence;
+mod identifiable;
 mod logs;
 mod refiner;
 mod terms;

@@ -16,8 +16,8 @@ use fos_fit::model::{FittedAxis, Plain, UnitModel};
 use fos_fit::playback::Playback;
 use fos_fit::signal;
 
-use super::check;
 use super::error::RefineError;
+use super::identifiable;
 use super::terms;
 use crate::detect::{
     Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction, diagnose,
@@ -152,7 +152,7 @@ impl<'a> Refiner<'a> {
         finding: &Finding,
     ) -> Result<(), RefineError> {
         self.can_add(column, effect)?;
-        check::identified(finding, effect, column)
+        identifiable::identified(finding, effect, column)
     }
 
     /// What is missing from the model as it is after `refinement`.
@@ -173,7 +173,7 @@ impl<'a> Refiner<'a> {
         let mut diagnosis = diagnose(&question)?;
         // the diagnosis fits what was added anew, and so cannot see that the model got worse by it
         if diagnosis.verdict == Verdict::NothingMissing
-            && let Some((verdict, sentence)) = check::all_clear_refuted(refinement)
+            && let Some((verdict, sentence)) = identifiable::all_clear_refuted(refinement)
         {
             (diagnosis.verdict, diagnosis.sentence) = (verdict, sentence);
         }
@@ -216,7 +216,7 @@ impl<'a> Refiner<'a> {
         let field = self.without_base(refinement, &[])?;
         let mut findings = estimate(&self.question(&field, &refinement.column, &library), &wanted)?;
         let in_question = in_model - 1;
-        check::identifiable(&findings[..in_model], &library, &refinement.column)?;
+        identifiable::identifiable(&findings[..in_model], &library, &refinement.column)?;
         let [first, ..] = &refinement.steps[..] else {
             return Err(StudyAxisError::NothingAdded(refinement.column.clone()).into());
         };

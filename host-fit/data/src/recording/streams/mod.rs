@@ -28,13 +28,12 @@ mod tests;
 use std::path::Path;
 
 use super::error::RecordingError;
+use super::load_options::MayHaveRates;
 use super::source::Source;
 use super::{LoadOptions, Recording, Stream};
 use crate::column::{ACCELEROMETERS, GYROS};
 use beside::Beside;
 use lead::Group;
-
-use super::load::MayHaveRates;
 
 pub use alignment::{Alignment, HowJoined, JoinedStream};
 pub use clocks::{Apart, Clocks};
