@@ -56,9 +56,12 @@ fn members(estimates: &[Estimate]) -> Vec<Member<'_>> {
     estimates.iter().map(|estimate| Member { lot: None, estimate }).collect()
 }
 
+/// The population of these estimates and the p-value of each.
+type Judge = fn(&[Estimate], &[String]) -> (Population, Vec<f64>);
+
 /// How a fleet is judged: its population, the p-values of its devices, the interval of a mean.
 struct Rule {
-    judge: fn(&[Estimate], &[String]) -> (Population, Vec<f64>),
+    judge: Judge,
     mean_interval: fn(&Population, usize) -> [f64; 2],
     units_interval: fn(&Population, usize) -> [f64; 2],
 }
