@@ -191,7 +191,8 @@ impl Predictor {
         let n_quantities = self.model.quantities.len();
         let quantities = rows(py, "quantities", &quantities, n_quantities)?;
         if steps > MOST_STEPS {
-            let text = format!("{steps} steps: a forecast has at most {MOST_STEPS}\nhelp: forecast in pieces");
+            let text =
+                format!("{steps} steps: a forecast has at most {MOST_STEPS}\nhelp: forecast in pieces");
             return Err(said(py, "PredictorError", &text));
         }
         if quantities.len() != steps * n_quantities {

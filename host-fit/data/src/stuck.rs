@@ -30,8 +30,11 @@ pub(crate) const FEWEST_CHANGES: usize = 10;
 /// step, and 2Q² of the changes are then of two steps. So the changes alone, which a stuck stretch has none of, bound how
 /// often chance repeats a value.
 pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
-    let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let runs: Vec<Range<usize>> = stretches.iter().flat_map(|rows| repeats(values, rows.clone())).collect();
+    if runs.iter().all(|run| run.len() < FEWEST) {
+        return Vec::new();
+    }
+    let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let known: usize = stretches.iter().map(Range::len).sum();
     let by_chance = ((ODDS / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
     let least = by_chance.max(FEWEST).max(LONGER * usual(&runs, known));

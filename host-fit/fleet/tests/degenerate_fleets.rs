@@ -151,7 +151,7 @@ fn what_is_written_of_a_degenerate_fleet_is_read_and_every_number_is_finite() {
         population.scatter[1].units = f64::NAN;
     }
     println!(
-        "attack: degenerate fleets | {} fleets of equal rows, copies, one temperature, one to three devices and random ones: every number that is written is finite, and what is written is read | negative control: a scatter that is not a number: {}",
+        "attack: degenerate fleets | {} fleets of equal rows, copies, one temperature, one to three devices and random ones: every number that is written is finite, and what is written is read | negative control: a scatter that is not a number is noticed {} times",
         cases.len(),
         failures("noticed", &fleet, &rows, str::to_owned).len(),
     );

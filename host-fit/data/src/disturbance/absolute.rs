@@ -44,7 +44,8 @@ pub(super) fn limit(column: &str) -> Option<f64> {
 pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Range<usize>> {
     let Some(windows) = Windows::of(recording) else { return Vec::new() };
     let limits: Vec<f64> = axes.iter().map(|(column, _)| limit(column).unwrap_or(f64::INFINITY)).collect();
-    let scatters: Vec<Vec<f64>> = axes.iter().map(|(_, values)| windows.scatters(values)).collect();
+    let scatters: Vec<Vec<f64>> =
+        axes.iter().zip(&limits).map(|((_, values), limit)| windows.scatters(values, *limit)).collect();
     let mut moves = vec![false; recording.n_rows()];
     for (window, rows) in windows.rows.iter().enumerate() {
         let above = scatters.iter().zip(&limits).filter(|(scatter, limit)| scatter[window] > **limit);
@@ -66,7 +67,7 @@ pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Rang
 /// Median scatter of the means of an axis within these rows, its unit; 0 if there is none beyond white noise.
 pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usize>) -> f64 {
     let Some(windows) = Windows::of(recording) else { return 0.0 };
-    let scatters = windows.scatters(values);
+    let scatters = windows.scatters(values, 0.0);
     let inside = windows
         .rows
         .iter()
@@ -95,8 +96,8 @@ impl<'a> Windows<'a> {
         (block > 1 && rows.len() >= 3).then_some(Self { time_s: &recording.time_s, rows, block })
     }
 
-    /// Scatter of the means of an axis, window by window; 0 where it is that of white noise, or not known.
-    fn scatters(&self, values: &[f64]) -> Vec<f64> {
+    /// Scatter of the means of an axis, window by window; 0 where it is at most `least`, that of white noise, or not known.
+    fn scatters(&self, values: &[f64], least: f64) -> Vec<f64> {
         let of = |rows: &Range<usize>| {
             let mean = |start: usize| {
                 if self.time_s[start + self.block - 1] - self.time_s[start] > 1.5 * BLOCK_S {
@@ -118,9 +119,8 @@ impl<'a> Windows<'a> {
                 }
                 means.push(mean(start));
             }
-            let (Some(slow), Some(fast)) = (deviation(&means), deviation(&values[rows.clone()])) else {
-                return 0.0;
-            };
+            let Some(slow) = deviation(&means).filter(|slow| *slow > least) else { return 0.0 };
+            let Some(fast) = deviation(&values[rows.clone()]) else { return 0.0 };
             let white = fast.powi(2) / self.block as f64;
             if slow.powi(2) > SLOW_OVER_WHITE * white { slow } else { 0.0 }
         };

@@ -70,11 +70,14 @@ impl Scale {
         first..(segment.rows.end + 1).saturating_sub(2 * self.block).max(first)
     }
 
-    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known.
+    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known. Of long blocks
+    /// those that begin an eighth of a block apart: the ones between say the same.
     pub(super) fn log_energy(&self, means: &[f64], segments: &[Segment]) -> Vec<f64> {
+        let step = (self.block / 8).max(1);
         let mut pieces = vec![(0.0, 0_usize); means.len().div_ceil(self.stride)];
         for segment in segments {
-            for row in self.inner(segment) {
+            let inner = self.inner(segment);
+            for row in (inner.start.next_multiple_of(step)..inner.end).step_by(step) {
                 let second = self.second_difference(means, row);
                 if second.is_finite() {
                     let (sum, count) = &mut pieces[row / self.stride];
@@ -88,15 +91,17 @@ impl Scale {
             let pieces = &pieces[window..window + per_window];
             let (sum, count) =
                 pieces.iter().fold((0.0, 0), |(sum, count), piece| (sum + piece.0, count + piece.1));
-            log_mean(sum, count, self.window)
+            log_mean(sum, count, self.window / step)
         };
         (0..self.windows(means.len())).map(of).collect()
     }
 
     /// Means of blocks twice as long; NaN where a value is missing.
-    pub(super) fn doubled(&self, means: &[f64]) -> Vec<f64> {
-        let later = means.iter().skip(self.block).copied().chain(std::iter::repeat(f64::NAN));
-        means.iter().zip(later).map(|(one, later)| 0.5 * (one + later)).collect()
+    pub(super) fn doubled(&self, mut means: Vec<f64>) -> Vec<f64> {
+        let known = means.len().saturating_sub(self.block);
+        (0..known).for_each(|row| means[row] = 0.5 * (means[row] + means[row + self.block]));
+        means[known..].fill(f64::NAN);
+        means
     }
 
     /// Makes every block unknown that holds one of these rows.

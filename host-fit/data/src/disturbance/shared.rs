@@ -103,7 +103,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         means = in_parallel(&means, |means| {
             let mut means = means.clone();
             found.iter().for_each(|rows| scale.forget(&mut means, rows));
-            scale.doubled(&means)
+            scale.doubled(means)
         });
     }
     let joined = (ONE_S / period_s) as usize;
@@ -163,8 +163,11 @@ fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
 /// A level above that of its quietest tenth.
 fn above_least(level: &[f64]) -> Vec<f64> {
     let mut known: Vec<f64> = level.iter().copied().filter(|level| level.is_finite()).collect();
-    known.sort_unstable_by(f64::total_cmp);
-    let least = known.get(known.len() / 10).copied().unwrap_or(0.0);
+    let tenth = known.len() / 10;
+    let least = match known.is_empty() {
+        true => 0.0,
+        false => *known.select_nth_unstable_by(tenth, f64::total_cmp).1,
+    };
     level.iter().map(|level| if level.is_finite() { (level - least).max(0.0) } else { 0.0 }).collect()
 }
 

@@ -1,0 +1,67 @@
+//! An effect is part of a model only if the log that it was found in determines it.
+
+use super::error::RefineError;
+use crate::detect::{Finding, Verdict, not_identifiable};
+use crate::effects::{Effect, Library};
+use crate::study::{Left, Refinement};
+use fos_data::column::Column;
+use fos_data::text::rounded;
+
+/// An RMS that grows by a smaller share has not grown: over the 400 s of an evaluation log the RMS of 1-s means is known to
+/// 7 % if they are independent, and they are not.
+pub(super) const SAME_RMS: f64 = 0.1;
+
+/// Refuses an effect that the log it was found in does not determine.
+pub(super) fn identified(finding: &Finding, effect: &Effect, column: &str) -> Result<(), RefineError> {
+    match not_identifiable(finding, effect, column) {
+        Some(reason) => {
+            let (effect, experiment) = (effect.id.clone(), effect.experiment.clone());
+            Err(RefineError::NotIdentifiable { effect, reason, experiment })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses the last of the effects that a model would have if the log does not determine it, or with it no longer
+/// another.
+pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str) -> Result<(), RefineError> {
+    let Some(added) = findings.last() else { return Ok(()) };
+    for finding in findings.iter().rev() {
+        let effect = library.get(&finding.effect)?;
+        let Some(reason) = not_identifiable(finding, effect, column) else { continue };
+        let reason = match finding.effect == added.effect {
+            true => reason,
+            false => format!("{} of the model cannot be told from it: {reason}", finding.name),
+        };
+        let experiment = library.get(&added.effect)?.experiment.clone();
+        return Err(RefineError::NotIdentifiable { effect: added.effect.clone(), reason, experiment });
+    }
+    Ok(())
+}
+
+/// What refutes that nothing is missing from a refined model: an effect that its log does not determine, or an error
+/// that is larger than before anything was added, the mean included.
+pub(super) fn all_clear_refuted(refinement: &Refinement) -> Option<(Verdict, String)> {
+    let undetermined = refinement.added().find_map(|added| {
+        let why = not_identifiable(&added.finding, &added.effect, &refinement.column)?;
+        Some(format!(
+            "Not enough data: {} in the model is not identifiable from the log it was added from: {why}. Take it back.",
+            added.finding.name
+        ))
+    });
+    if let Some(sentence) = undetermined {
+        return Some((Verdict::NotEnoughData, sentence));
+    }
+    let [first, .., last] = &refinement.steps[..] else { return None };
+    let rms = |left: &Left| (left.slow + left.bias.unwrap_or(0.0).powi(2)).sqrt();
+    let (before, after) = (rms(&first.left), rms(&last.left));
+    (after > (1.0 + SAME_RMS) * before).then(|| {
+        let unit = Column::named(&refinement.column).unit().label();
+        let sentence = format!(
+            "The effects that were added make the slow error larger, its mean included ({} to {} {unit} RMS). Take them back.",
+            rounded(before, 3),
+            rounded(after, 3)
+        );
+        (Verdict::Unexplained, sentence)
+    })
+}
