@@ -128,6 +128,7 @@ impl EngineError for RecordingError {
             | E::OtherRate { path, column, .. }
             | E::UnknownColumn { path, column, .. }
             | E::NoClock { path, column }
+            | E::HeaderUnit { path, column, .. }
             | E::NoSuchClock { path, column, .. } => Location::file(path).in_column(column),
             E::DuplicateColumn { path, name } => Location::file(path).in_column(name),
             E::Parquet { path, .. }
@@ -141,12 +142,15 @@ impl EngineError for RecordingError {
             | E::Undecided { path, .. }
             | E::NoEffect { path, .. }
             | E::TwoDevices { path }
+            | E::GravityUnit { path, .. }
             | E::NoTime { path, .. }
             | E::TooFewRows { path, .. }
             | E::UnknownFormat { path } => Location::file(path),
-            E::RatesDiffer { path, .. } | E::NothingInCommon { path, .. } | E::NoAxes { path, .. } => {
-                Location::file(Path::new(path))
-            }
+            E::RatesDiffer { path, .. }
+            | E::NothingInCommon { path, .. }
+            | E::OtherSensor { path, .. }
+            | E::Moves { path, .. }
+            | E::NoAxes { path, .. } => Location::file(Path::new(path)),
             E::NoValues { path, name, .. } => Location::file(Path::new(path)).in_column(name),
             E::NoChannel { name, .. } | E::Lengths { name, .. } => Location::column(name),
             E::NothingToJoin | E::BadRate { .. } | E::Map(_) => Location::default(),
@@ -169,6 +173,7 @@ impl EngineError for AxisError {
             | Self::TooMany { column, .. }
             | Self::TwoPoses { column, .. }
             | Self::Constant { column, .. }
+            | Self::Diverges { column, .. }
             | Self::Steady { column, .. }
             | Self::NotKnown { column }
             | Self::Candidates { column, .. }

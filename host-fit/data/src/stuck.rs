@@ -72,12 +72,18 @@ fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, 
 pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     /// Of the neighbours, with steps of 2.5 standard deviations and the mean on a code.
     const SHARE: f64 = 0.022;
+    /// With such steps half of the neighbours and more are equal, wherever the mean lies between two codes.
+    const EQUAL: f64 = 0.4;
+    let neighbours = || stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
+    let equal = neighbours().filter(|pair| pair[0] == pair[1]).count() as f64;
+    if equal < EQUAL * neighbours().count() as f64 {
+        return None;
+    }
     let (two_steps, pairs) = two_step_changes(values, stretches)?;
     if two_steps > SHARE * pairs {
         return None;
     }
-    let changes = stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
-    let changes = changes.map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    let changes = neighbours().map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
     crate::statistics::median_of(changes)
 }
 
