@@ -108,17 +108,18 @@ pub fn check_rest(
         })
         .max_by(|one, other| (one.1 / one.2).total_cmp(&(other.1 / other.2)))
         .unwrap_or_default();
-    let size = |value: f64| match recording.channel(column).map(|channel| channel.unit) {
-        Ok(Unit::RadianPerSecond) => format!("{:.2} °/s", value.to_degrees()),
-        _ => format!("{value:.2} m/s²"),
+    let (per_si, unit) = match recording.channel(column).map(|channel| channel.unit) {
+        Ok(Unit::RadianPerSecond) => (1_f64.to_degrees(), "°/s"),
+        _ => (1.0, "m/s²"),
     };
     Err(RecordingError::Moves {
         path: recording.paths(),
         from_s: recording.time_s[longest.start],
         to_s: recording.time_s[longest.end - 1],
-        column: column.to_owned(),
-        scatter: size(scatter),
-        limit: size(limit),
+        column: column.into(),
+        scatter: per_si * scatter,
+        limit: per_si * limit,
+        unit,
         rest_s,
     })
 }

@@ -51,9 +51,9 @@ pub enum RecordingError {
         /// Accelerometers or gyros.
         sensor: &'static str,
         /// Provenance of the logs before it, in words.
-        here: String,
+        here: Box<str>,
         /// Its provenance, in words.
-        there: String,
+        there: Box<str>,
     },
     /// A column whose header states a unit that cannot be read.
     #[error(
@@ -66,7 +66,7 @@ pub enum RecordingError {
         /// The column.
         column: String,
         /// The unit as the header states it.
-        unit: String,
+        unit: Box<str>,
         /// The channel that the column stands for, as `gx_rads`.
         target: &'static str,
         /// A unit of the channel.
@@ -81,7 +81,7 @@ pub enum RecordingError {
         /// As it was given.
         path: PathBuf,
         /// The unit that they are said to be in.
-        unit: String,
+        unit: Box<str>,
         /// Where that is said.
         stated: &'static str,
         /// Median of the magnitude, in the unit of the file.
@@ -89,7 +89,7 @@ pub enum RecordingError {
         /// The unit in which it is gravity.
         fits: &'static str,
         /// Entries of a column map with that unit, in quotes.
-        map: Vec<String>,
+        map: Box<[String]>,
     },
     /// Recordings without a channel in common.
     #[error(
@@ -220,7 +220,7 @@ pub enum RecordingError {
     },
     /// The device moves all along, and no true motion is logged.
     #[error(
-        "{path}: the device moves from {from_s:.1} s to {to_s:.1} s: the 1-s means of {column} scatter by {scatter}, those of a MEMS sensor at rest by less than {limit}; {rest_s:.0} s at rest remain\nhelp: record the device lying still; or log its true motion in reference columns, as ref_gx_rads; or read the log with `keep_moved` if the device did lie still"
+        "{path}: the device moves from {from_s:.1} s to {to_s:.1} s: the 1-s means of {column} scatter by {scatter:.2} {unit}, those of a MEMS sensor at rest by less than {limit:.2} {unit}; {rest_s:.0} s at rest remain\nhelp: record the device lying still; or log its true motion in reference columns, as ref_gx_rads; or read the log with `keep_moved` if the device did lie still"
     )]
     Moves {
         /// As it was given.
@@ -230,11 +230,13 @@ pub enum RecordingError {
         /// Its end, s as stamped.
         to_s: f64,
         /// The axis that shows it most, as `gx_rads`.
-        column: String,
-        /// Scatter of its 1-s means, with its unit.
-        scatter: String,
-        /// What a sensor at rest stays below, with its unit.
-        limit: String,
+        column: Box<str>,
+        /// Scatter of its 1-s means, in `unit`.
+        scatter: f64,
+        /// What a sensor at rest stays below, in `unit`.
+        limit: f64,
+        /// °/s or m/s².
+        unit: &'static str,
         /// Time at rest that remains, s.
         rest_s: f64,
     },

@@ -31,6 +31,7 @@ impl Recording {
                     Triad::Gyros => "gyros",
                 };
                 let (path, others) = (next.paths(), self.paths());
+                let [here, there] = [here, there].map(String::into);
                 return Err(RecordingError::OtherSensor { path, others, sensor, here, there });
             }
         }

@@ -86,7 +86,7 @@ pub(super) fn unit_of(
     spelling(stated, target).ok_or_else(|| RecordingError::HeaderUnit {
         path: path.to_owned(),
         column: column.to_owned(),
-        unit: stated.to_owned(),
+        unit: stated.into(),
         target,
         example: spellings_of(Unit::of_column(target)).first().copied().unwrap_or_default(),
     })
@@ -138,8 +138,8 @@ pub(super) fn refuse_other_gravity(
     let entries = ACCELEROMETERS.iter().zip([x.0, y.0, z.0]);
     let map: Vec<String> =
         entries.map(|(target, column)| format!("'{target}={}{sign}:{fits}'", quoted(column))).collect();
-    let (path, unit) = (path.to_owned(), unit.to_owned());
-    Err(RecordingError::GravityUnit { path, unit, stated, magnitude, fits, map })
+    let (path, unit) = (path.to_owned(), unit.into());
+    Err(RecordingError::GravityUnit { path, unit, stated, magnitude, fits, map: map.into() })
 }
 
 #[cfg(test)]
