@@ -82,7 +82,7 @@ def values_of(name: str, column: object) -> Array:
         ) from None
 
 
-def unmasked(values: object) -> Any:
+def unmasked(values: object) -> Any:  # noqa: ANN401
     """A masked array of NumPy as a plain one, NaN (or no time) where a cell is masked; everything else as it is."""
     if not isinstance(values, np.ma.MaskedArray):
         return values

@@ -325,8 +325,8 @@ class PartSummary:
         part: Its name.
         axes: Its axes.
         odd: Its units that do not belong, the furthest first.
-        units_needed: So many units are needed to find an odd one, and there are fewer: that none is odd is not conclusive. None: there
-            are enough.
+        units_needed: Units needed to find an odd one, where there are fewer: that none is odd is then not conclusive.
+            None if there are enough.
     """
 
     part: str
