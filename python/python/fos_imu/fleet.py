@@ -393,7 +393,11 @@ class Fleet:
         if some:
             return "units that do not belong"
         needed = max((part.units_needed or 0 for part in self.parts), default=0)
-        return f"odd units: not conclusive; at least {needed} units are needed" if needed else "no unit is unlike the others"
+        return (
+            f"odd units: not conclusive; at least {needed} units are needed"
+            if needed
+            else "no unit is unlike the others"
+        )
 
     def _table(self) -> list[tuple[Any, ...]]:
         return [
@@ -431,7 +435,10 @@ class Fleet:
         return _html.card(
             f"{self.units} units, {len(self.failed)} of them with something that could not be told",
             _html.table(_COLUMNS, rows),
-            *(_html.paragraph(f"{one.same_as} and {one.unit} are the same log: counted once") for one in self.duplicates),
+            *(
+                _html.paragraph(f"{one.same_as} and {one.unit} are the same log: counted once")
+                for one in self.duplicates
+            ),
             _html.paragraph(self._about_odd(bool(odd))),
             _html.table(("unit", "lot", "axis", "by", "standard deviations", "p"), odd) if odd else "",
             *(_html.paragraph(reason, _html.BAD) for reason in reasons),
