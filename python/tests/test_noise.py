@@ -40,7 +40,7 @@ def test_levels_are_a_table_of_pandas(short):
 
 def test_what_tells_no_noise_is_refused():
     few = {"t_s": np.arange(400) / 200, "gx_rads": np.random.default_rng(1).normal(size=400)}
-    with pytest.raises(NoiseError, match="too short") as short:
+    with pytest.raises(NoiseError, match=r"2\.0 s at rest in stretches .* at least 20 s") as short:
         fos.noise(fos.Recording.from_arrays(few))
     assert short.value.column == "gx_rads"
     few = {"t_s": np.arange(40_000) / 200, "gx_rads": np.random.default_rng(1).normal(size=40_000)}
