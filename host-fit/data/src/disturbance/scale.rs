@@ -70,14 +70,11 @@ impl Scale {
         first..(segment.rows.end + 1).saturating_sub(2 * self.block).max(first)
     }
 
-    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known. Of long blocks
-    /// those that begin an eighth of a block apart: the ones between say the same.
+    /// ln of the mean square of the second differences in each window; NaN where fewer than half are known.
     pub(super) fn log_energy(&self, means: &[f64], segments: &[Segment]) -> Vec<f64> {
-        let step = (self.block / 8).max(1);
         let mut pieces = vec![(0.0, 0_usize); means.len().div_ceil(self.stride)];
         for segment in segments {
-            let inner = self.inner(segment);
-            for row in (inner.start.next_multiple_of(step)..inner.end).step_by(step) {
+            for row in self.inner(segment) {
                 let second = self.second_difference(means, row);
                 if second.is_finite() {
                     let (sum, count) = &mut pieces[row / self.stride];
@@ -91,7 +88,7 @@ impl Scale {
             let pieces = &pieces[window..window + per_window];
             let (sum, count) =
                 pieces.iter().fold((0.0, 0), |(sum, count), piece| (sum + piece.0, count + piece.1));
-            log_mean(sum, count, self.window / step)
+            log_mean(sum, count, self.window)
         };
         (0..self.windows(means.len())).map(of).collect()
     }
