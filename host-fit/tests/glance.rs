@@ -50,17 +50,7 @@ fn a_stuck_axis_is_refused_by_name() {
     columns[3].1.fill(0.5);
     let field = recording(100.0, columns);
     let library = Library::built_in();
-    let question = Question {
-        field: &field,
-        quiet: None,
-        judged: None,
-        target: "gx",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    };
+    let question = Question::new(&field, "gx", &library);
     let error = diagnose(&question).expect_err("refused").to_string();
     assert!(error.contains("gx_rads") && error.contains("0.5") && error.contains("stuck"), "{error}");
     assert!(oddities(&field).iter().any(|oddity| matches!(oddity, Oddity::Stuck { .. })));

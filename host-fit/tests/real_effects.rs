@@ -95,17 +95,7 @@ fn orientations() -> Option<[Recording; 2]> {
 
 fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
     let library = Library::built_in();
-    let question = Question {
-        field,
-        quiet: None,
-        judged: Some(judged),
-        target,
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    };
+    let question = Question { judged: Some(judged), ..Question::new(field, target, &library) };
     with_measured_reduction(diagnose(&question).unwrap(), field, judged).unwrap()
 }
 

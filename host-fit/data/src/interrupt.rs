@@ -70,7 +70,7 @@ pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<
     })
 }
 
-/// What a caught panic said. A computation that is to stop goes on unwinding.
+/// Payload of a caught panic. A computation that is to stop goes on unwinding.
 pub(crate) fn not_a_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
     if cause.is::<Unwound>() { panic::resume_unwind(cause) } else { cause }
 }

@@ -135,7 +135,7 @@ fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize
 /// Levels of the accelerometers that are others after a pause, by less than makes another pose for certain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelsAfterPauses {
-    /// How many pauses.
+    /// Number of pauses.
     pub count: usize,
     /// End of the pause with the largest change, s as stamped.
     pub time_s: f64,

@@ -15,15 +15,12 @@ pub fn question_of_logs<'a>(
     library: &'a Library,
 ) -> Question<'a> {
     Question {
-        field,
         quiet,
         judged,
-        target: &meta.target,
         sheet: meta.data_sheet(),
         full_scale: meta.full_scale(),
         lsb: meta.lsb(),
-        library,
-        given: &[],
+        ..Question::new(field, &meta.target, library)
     }
 }
 

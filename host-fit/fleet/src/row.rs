@@ -284,17 +284,7 @@ fn ranges(recording: &Recording, regressors: &[String]) -> BTreeMap<String, [f64
 }
 
 fn diagnosed(recording: &Recording, column: &str, library: &Library) -> Result<AxisDiagnosis, String> {
-    let question = Question {
-        field: recording,
-        quiet: None,
-        judged: None,
-        target: column,
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library,
-        given: &[],
-    };
+    let question = Question::new(recording, column, library);
     let answer = diagnose(&question).map_err(|error| error.to_string())?;
     let believed = answer.findings.iter().filter(|finding| finding.doubt.is_none());
     let effects = believed.map(|finding| FoundEffect {

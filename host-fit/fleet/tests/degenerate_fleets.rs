@@ -138,7 +138,7 @@ fn failures(name: &str, fleet: &Fleet, rows: &[UnitRow], doctor: impl Fn(&str) -
 }
 
 #[test]
-fn what_is_written_of_a_degenerate_fleet_is_read_and_every_number_is_finite() {
+fn degenerate_fleets_are_read_back_with_finite_numbers() {
     let mut found = Vec::new();
     let cases = cases();
     for (name, rows) in &cases {

@@ -73,15 +73,10 @@ impl Diagnose {
         let axes = super::arguments::axes(&field, self.axis.as_deref().unwrap_or("all"))?;
         let of_axis = |axis: &String| -> Result<Diagnosis, Failure> {
             let diagnosis = diagnose(&Question {
-                field: &field,
                 quiet: quiet.as_ref(),
                 judged: judged.as_ref(),
-                target: axis,
-                sheet: None,
                 full_scale: self.full_scale,
-                lsb: None,
-                library,
-                given: &[],
+                ..Question::new(&field, axis, library)
             })?;
             Ok(match &judged {
                 Some(judged) => with_measured_reduction(diagnosis, &field, judged)?,

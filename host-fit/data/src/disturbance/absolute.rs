@@ -3,8 +3,9 @@
 
 use std::ops::Range;
 
+use super::scale::stretches;
 use crate::column::Column;
-use crate::recording::{Recording, runs};
+use crate::recording::Recording;
 use crate::statistics::{MAD_TO_SD, finite_median};
 use crate::unit::Unit;
 
@@ -39,7 +40,7 @@ pub(super) fn limit(column: &str) -> Option<f64> {
     }
 }
 
-/// Where at least two axes scatter as none at rest does, in order. `axes` are the columns and their values, NaN where
+/// Stretches in which at least two axes scatter as none at rest does, in order. `axes` are the columns and their values, NaN where
 /// nothing is to be looked at.
 pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Range<usize>> {
     let Some(windows) = Windows::of(recording) else { return Vec::new() };
@@ -53,15 +54,7 @@ pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Rang
             moves[rows.clone()].fill(true);
         }
     }
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    let pause = (SHORTEST_REST_S / recording.rate.period_s) as usize;
-    for rows in runs(0..recording.n_rows(), |row| moves[row]) {
-        match stretches.last_mut() {
-            Some(last) if rows.start - last.end < pause => last.end = rows.end,
-            _ => stretches.push(rows),
-        }
-    }
-    stretches
+    stretches(&moves, (SHORTEST_REST_S / recording.rate.period_s) as usize)
 }
 
 /// Median scatter of the means of an axis within these rows, its unit; 0 if there is none beyond white noise.

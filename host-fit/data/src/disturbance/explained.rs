@@ -114,7 +114,7 @@ pub(super) fn spare(
     explained
 }
 
-/// Where a channel changes on one time scale.
+/// Changes of a channel on one time scale.
 struct Changes<'a> {
     recording: &'a Recording,
     scale: Scale,

@@ -28,7 +28,7 @@ impl Disturbance {
         Self { rows, kind, turned_rad: None, is_tilted: false, channel: None }
     }
 
-    /// Whether its rows are excluded: not those of lasting vibration, which is a state of the device's surroundings and
+    /// Returns true if its rows are excluded: not those of lasting vibration, which is a state of the device's surroundings and
     /// may cause an effect, nor those that a logged channel explains.
     pub fn is_left_out(&self) -> bool {
         !matches!(self.kind, Kind::Vibration | Kind::Explained)

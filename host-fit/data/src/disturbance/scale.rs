@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::recording::Segment;
+use crate::recording::{Segment, runs};
 use crate::statistics::{MAD_TO_SD, finite_median};
 
 /// Blocks of a window: enough for its energy to be known to a third.
@@ -19,7 +19,7 @@ const SHORTEST_WINDOW_S: f64 = 0.25;
 /// windows. Of windows that overlap as much as these do, some four times as many are independent: 2 ln 4 more.
 pub(super) const FAR: f64 = 33.0;
 
-/// What follows or comes before it and is still so much belongs to it.
+/// Score from which on the windows before and after one above [`FAR`] belong to it.
 pub(super) const NEAR: f64 = 7.0;
 
 /// Windows begin so many times in the length of one.
@@ -162,4 +162,16 @@ pub(super) fn sum_but_most(excess: impl Iterator<Item = f64>) -> f64 {
     let squares = excess.map(|excess| excess.powi(2));
     let (sum, most) = squares.fold((0.0, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
     sum - most
+}
+
+/// Stretches of flagged rows; those less than `within` rows apart are one.
+pub(super) fn stretches(flags: &[bool], within: usize) -> Vec<Range<usize>> {
+    let mut all: Vec<Range<usize>> = Vec::new();
+    for rows in runs(0..flags.len(), |row| flags[row]) {
+        match all.last_mut() {
+            Some(last) if rows.start - last.end < within => last.end = rows.end,
+            _ => all.push(rows),
+        }
+    }
+    all
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::explained::{self, Axes, Explained, possible_causes};
-use super::scale::{FAR, NEAR, Scale, Usual, local_level, median_of_known, sum_but_most};
+use super::scale::{FAR, NEAR, Scale, Usual, local_level, median_of_known, stretches, sum_but_most};
 use crate::interrupt::in_parallel;
 use crate::recording::{Recording, runs};
 
@@ -40,7 +40,7 @@ pub(super) struct Shared {
     pub(super) moved: Vec<Range<usize>>,
     /// Lasting vibration.
     pub(super) shaken: Vec<Range<usize>>,
-    /// What a logged channel explains: no motion.
+    /// Stretches that a logged channel explains: no motion.
     pub(super) explained: Vec<Explained>,
 }
 
@@ -107,16 +107,6 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         });
     }
     let joined = (ONE_S / period_s) as usize;
-    let stretches = |flags: &[bool], within: usize| {
-        let mut all: Vec<Range<usize>> = Vec::new();
-        for rows in runs(0..n, |row| flags[row]) {
-            match all.last_mut() {
-                Some(last) if rows.start - last.end < within => last.end = rows.end,
-                _ => all.push(rows),
-            }
-        }
-        all
-    };
     let mut lasting = stretches(&shaken, (PIECE_S / period_s) as usize);
     let lasts = |rows: &Range<usize>| rows.len() as f64 * period_s >= LASTING_S;
     // what is large and ends sooner is an event, whose middle the local level took for usual

@@ -1,4 +1,4 @@
-//! What the words of a column's name say: its quantity, its axis, the sensor, and how close it is to the bare measurement.
+//! Words of a column's name: its quantity, its axis, the sensor, and how close it is to the bare measurement.
 //!
 //! Words are compared whole. A prefix deceives: `accuracy_x` begins as `acc_x` does, `template` as `temp` does.
 
@@ -416,7 +416,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Whether a name has a word of what is no measurement, as `bias` or `accuracy`.
+/// Returns true if a name has a word of something that is no measurement, as `bias` or `accuracy`.
 pub(super) fn is_decoy(name: &str) -> bool {
     words(name).iter().any(|word| DECOYS.contains(&word.as_str()))
 }

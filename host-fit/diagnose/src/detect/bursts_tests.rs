@@ -22,17 +22,7 @@ fn duty_cycled(seed: u64, temperature: f64) -> Recording {
 
 fn answer(field: &Recording) -> Diagnosis {
     let library = Library::built_in();
-    let question = Question {
-        field,
-        quiet: None,
-        judged: None,
-        target: "gx",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    };
+    let question = Question::new(field, "gx", &library);
     diagnose(&question).expect("a diagnosis")
 }
 

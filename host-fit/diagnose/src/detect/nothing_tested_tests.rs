@@ -22,17 +22,7 @@ fn log(seconds: f64, share_at_rest: f64, temperature: f64) -> Recording {
 
 fn answer(field: &Recording) -> Result<Diagnosis, DiagnoseError> {
     let library = Library::built_in();
-    diagnose(&Question {
-        field,
-        quiet: None,
-        judged: None,
-        target: "gx",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    })
+    diagnose(&Question::new(field, "gx", &library))
 }
 
 /// Whether an answer says that nothing is missing though no slow effect was tested.

@@ -30,6 +30,23 @@ pub struct Question<'a> {
     pub given: &'a [Given],
 }
 
+impl<'a> Question<'a> {
+    /// The axis `target` of a log, with nothing known beside it.
+    pub fn new(field: &'a Recording, target: &'a str, library: &'a Library) -> Self {
+        Self {
+            field,
+            quiet: None,
+            judged: None,
+            target,
+            sheet: None,
+            full_scale: None,
+            lsb: None,
+            library,
+            given: &[],
+        }
+    }
+}
+
 /// An effect that a model already has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Given {

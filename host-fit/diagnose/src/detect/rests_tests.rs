@@ -48,17 +48,7 @@ fn turned_bursts(seed: u64, bursts: usize) -> Recording {
 
 fn ask<T>(field: &Recording, target: &str, answer: impl FnOnce(&Question<'_>) -> T) -> T {
     let library = Library::built_in();
-    let question = Question {
-        field,
-        quiet: None,
-        judged: None,
-        target,
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    };
+    let question = Question::new(field, target, &library);
     answer(&question)
 }
 

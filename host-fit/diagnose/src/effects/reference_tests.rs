@@ -35,17 +35,7 @@ fn recording(Reference { name, answers, channels }: &Reference) -> Recording {
 }
 
 fn diagnosed(recording: &Recording, library: &Library) -> Diagnosis {
-    let question = Question {
-        field: recording,
-        quiet: None,
-        judged: None,
-        target: "gx_rads",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library,
-        given: &[],
-    };
+    let question = Question::new(recording, "gx_rads", library);
     diagnose(&question).unwrap()
 }
 

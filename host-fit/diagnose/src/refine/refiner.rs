@@ -296,17 +296,7 @@ impl<'a> Refiner<'a> {
     }
 
     fn question<'q>(&'q self, field: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
-        Question {
-            field,
-            quiet: self.quiet,
-            judged: Some(self.judged),
-            target: column,
-            sheet: None,
-            full_scale: None,
-            lsb: None,
-            library,
-            given: &[],
-        }
+        Question { quiet: self.quiet, judged: Some(self.judged), ..Question::new(field, column, library) }
     }
 
     /// The field log without what the model had before it grew, and without `found`.

@@ -73,17 +73,7 @@ fn of_inputs(library: &Library) -> Vec<&Effect> {
 /// What an effect does to a model by the rule of before: whatever can be estimated is added. The effects for which it
 /// refuses nothing.
 fn can_be_estimated(field: &Recording, library: &Library) -> usize {
-    let question = Question {
-        field,
-        quiet: None,
-        judged: None,
-        target: "gx",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library,
-        given: &[],
-    };
+    let question = Question::new(field, "gx", library);
     let estimated = |effect: &&Effect| estimate(&question, std::slice::from_ref(&effect.id)).is_ok();
     of_inputs(library).into_iter().filter(estimated).count()
 }
@@ -162,17 +152,7 @@ fn a_model_with_an_undetermined_effect_is_not_all_clear() {
     let refiner = Refiner::new(&field, Some(&quiet), Some(&field), &library);
     let mut refinement = begin(&refiner, &quiet);
     assert_eq!(refiner.diagnose(&refinement).expect("a diagnosis").verdict, Verdict::NothingMissing);
-    let question = Question {
-        field: &field,
-        quiet: None,
-        judged: None,
-        target: "gx",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    };
+    let question = Question::new(&field, "gx", &library);
     let finding = estimate(&question, &["g_sensitivity".to_owned()]).expect("estimated").remove(0);
     let effect = library.get("g_sensitivity").expect("known").clone();
     let mut step = refinement.steps[0].clone();
