@@ -86,7 +86,8 @@ def unmasked(values: object) -> Any:  # noqa: ANN401
     """A masked array of NumPy as a plain one, NaN (or no time) where a cell is masked; everything else as it is."""
     if not isinstance(values, np.ma.MaskedArray):
         return values
-    masked = cast("np.ma.MaskedArray[Any, Any]", values)
+    # the types of NumPy know of no fill value that is a time
+    masked: Any = values
     if masked.dtype.kind in "mM":
         return masked.filled(np.array("NaT", masked.dtype))
     if not np.ma.getmaskarray(masked).any():

@@ -41,6 +41,13 @@ impl Hypothesis {
         Self { columns: Arc::new(columns), terms, regressors, ..self.clone() }
     }
 
+    /// With the terms only that `other`, a hypothesis of the same effect, has.
+    pub(super) fn with_terms_of(&self, other: &Self) -> Self {
+        let places: Vec<usize> =
+            (0..self.terms.len()).filter(|place| other.terms.contains(&self.terms[*place])).collect();
+        if places.len() == self.terms.len() { self.clone() } else { self.of_terms(&places) }
+    }
+
     /// Whether it is the same effect, whatever the value.
     pub(super) fn is_same_effect(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id
@@ -90,6 +97,13 @@ impl<'a> Hypotheses<'a> {
     /// Blocks from one place at which a step is looked for to the next.
     pub(super) fn blocks_a_place(&self) -> usize {
         self.blocks.len().div_ceil(MAX_PLACES).max(1)
+    }
+
+    /// The temperature in block means, °C; `None` where it is not logged.
+    pub(super) fn temperature(&self) -> Option<Vec<f64>> {
+        let temperature = Regressor::parse("temp_c").ok()?;
+        self.inputs.logged(&temperature)?;
+        self.inputs.block_means(&temperature, self.blocks).ok().filter(|means| !means.is_empty())
     }
 
     /// Time of a step just before `block`, s after the first sample.

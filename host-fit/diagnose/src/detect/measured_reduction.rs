@@ -13,6 +13,9 @@ use fos_data::recording::Recording;
 /// An error that rises by less is as large as before: half a percent.
 const LEAST_RISE: f64 = 0.005;
 
+/// An effect that takes off at least this share of what was predicted is confirmed.
+const CONFIRMED: f64 = 0.5;
+
 /// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect
 /// that was sure to help and makes the error worse there becomes a lead.
 ///
@@ -60,6 +63,10 @@ pub fn with_measured_reduction(
         with.push(finding.clone());
         let fall = 1.0 - left(&with, &finding)? / before;
         finding.measured_reduction = Some(fall);
+        // what its own log leaves open, the other decides
+        if fall >= CONFIRMED * finding.predicted_reduction && fall > finding.predicted_reduction_interval[0] {
+            finding.doubt = None;
+        }
         if finding.band == Band::Slow && fall < -LEAST_RISE && finding.predicted_reduction_interval[0] > 0.0 {
             diagnosis.leads.push(Lead {
                 kind: LeadKind::Refuted,

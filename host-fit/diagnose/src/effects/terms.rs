@@ -112,11 +112,11 @@ impl fmt::Display for Product {
 
 /// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the
 /// next two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes;
-/// the name of the parameter stands for its value.
+/// the name of the parameter stands for its value, `{half_width_k*2}` for twice its value.
 pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
     let mut filled = text.replace("{target}", target);
     if let Some((name, value)) = parameter {
-        filled = filled.replace(&format!("{{{name}}}"), &value.to_string());
+        filled = with_multiples(&filled, name, value)?;
     }
     if filled.contains('{') {
         let Some((triad, place)) = Column::named(target).place() else {
@@ -138,6 +138,22 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
     }
 }
 
+/// The text with the parameter's value in place of `{name}`, and `factor` times its value in place of `{name*factor}`.
+fn with_multiples(text: &str, name: &str, value: f64) -> Result<String, String> {
+    let mut filled = text.replace(&format!("{{{name}}}"), &value.to_string());
+    let multiple = format!("{{{name}*");
+    // ends: each round replaces one placeholder by a number
+    while let Some(at) = filled.find(&multiple) {
+        let from = at + multiple.len();
+        let to = filled[from..].find('}').map(|length| from + length).ok_or("a placeholder without }")?;
+        let factor: f64 = filled[from..to]
+            .parse()
+            .map_err(|_| format!("{:?} is not a factor of {name}", &filled[from..to]))?;
+        filled.replace_range(at..=to, &(factor * value).to_string());
+    }
+    Ok(filled)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,6 +164,8 @@ mod tests {
         assert_eq!(fill("ref_{next} * ref_{after}", "gy_rads").unwrap(), "ref_gz_rads * ref_gx_rads");
         assert_eq!(fill("ref_{gyro_next}:rate(0.05)", "az_mps2").unwrap(), "ref_gx_rads:rate(0.05)");
         assert_eq!(fill("temp_c:lowpass({tau_s})", "other").unwrap(), "temp_c:lowpass(60.5)");
+        assert_eq!(fill("temp_c:lowpass({tau_s*2})", "other").unwrap(), "temp_c:lowpass(121)");
+        assert!(fill("temp_c:lowpass({tau_s*two})", "other").unwrap_err().contains("two"));
         assert!(fill("ref_{next}", "other").is_err());
         assert!(fill("ref_{nxt}", "gx_rads").unwrap_err().contains("{nxt}"));
     }

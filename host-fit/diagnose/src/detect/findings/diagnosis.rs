@@ -88,7 +88,9 @@ impl Assembly<'_> {
                 decides,
             });
         }
-        doubt(&mut findings, self.question.library, self.column);
+        let blocks = &self.reduced.blocks;
+        let span_s = blocks.blocks.last().map_or(0.0, |last| (last.index + 1) as f64 * blocks.length_s);
+        doubt(&mut findings, self.question.library, self.column, span_s);
         let stood = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());

@@ -17,8 +17,8 @@ const FAR_BEYOND: f64 = 20.0;
 const FAR_OUT: f64 = 36.0;
 
 /// Says of those of the slow findings that are no claim why, and puts them behind the others. `target` is the column that
-/// was explained.
-pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str) {
+/// was explained, over `span_s`.
+pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, span_s: f64) {
     let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
     for place in 0..findings.len() {
         // what comes after it is still missing in its prediction
@@ -29,6 +29,7 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str) {
             let far = finding.doubt.take();
             let explains_little = finding.predicted_reduction < MOST;
             finding.doubt = parameter(finding, effect)
+                .or_else(|| longer_than_the_log(finding, effect, span_s))
                 .or_else(|| helps_nothing(finding).filter(|_| is_last))
                 .or_else(|| size(finding, effect, target).filter(|_| explains_little))
                 .or(far);
@@ -58,6 +59,16 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     let [_, high] = finding.params_interval.get(name)?;
     (high.is_nan() || *high > NO_END * parameter.high)
         .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
+}
+
+/// A time constant of more than half the log: over the log such a low-pass is an integral of its input, whatever its
+/// time constant.
+fn longer_than_the_log(finding: &Finding, effect: &Effect, span_s: f64) -> Option<String> {
+    let parameter = effect.parameter.as_ref().filter(|parameter| parameter.unit == "s")?;
+    let (name, value) = (&parameter.name, *finding.params.get(&parameter.name)?);
+    (value > 0.5 * span_s).then(|| {
+        format!("its {name} of {value:.0} s is more than half of the log, which lasts {span_s:.0} s")
+    })
 }
 
 /// Half of a 95 % interval, over the value, from which on a coefficient is known to less than a factor of two.

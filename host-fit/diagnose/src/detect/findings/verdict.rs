@@ -14,7 +14,8 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
     let most = |finding: &Finding| {
         let against = leads.iter().filter(|lead| lead.decides && is_wide(lead.band) == is_wide(finding.band));
         let weight = |lead: &Lead| match lead.kind {
-            LeadKind::Jumps if finding.shows_against.is_some() => lead.gain,
+            // a package under stress gives way in jumps, which say nothing against the temperature it follows
+            LeadKind::Jumps if finding.shows_against.is_some() => 0.0,
             _ => OUTWEIGHS * lead.gain,
         };
         against.map(weight).fold(0.0, f64::max)

@@ -26,11 +26,9 @@ impl SlowSearch<'_> {
         {
             for deviation in AROUND {
                 let other = (value * (deviation * error).exp()).clamp(parameter.low, parameter.high);
-                let all = self.hypotheses.make(&current.effect, Some(other))?;
-                let places: Vec<usize> =
-                    (0..all.terms.len()).filter(|place| current.terms.contains(&all.terms[*place])).collect();
+                let other = self.hypotheses.make(&current.effect, Some(other))?.with_terms_of(current);
                 let odds = (-0.5 * deviation * deviation).exp();
-                alternatives.push(self.alternative((rest, state), all.of_terms(&places), odds));
+                alternatives.push(self.alternative((rest, state), other, odds));
             }
         }
         let of_finding = 1.0 + alternatives.iter().map(|alternative| alternative.odds).sum::<f64>();

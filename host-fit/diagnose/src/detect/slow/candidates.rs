@@ -47,6 +47,7 @@ impl SlowSearch<'_> {
         let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(&accepted, state, hypothesis.clone());
         let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        self.without_thermal_steps(state, &mut candidates);
         Ok(candidates)
     }
 
@@ -109,8 +110,7 @@ impl SlowSearch<'_> {
             self.fit(&all, state.noise, start)
         };
         let first = with(&hypothesis, state.fitted.levels);
-        let refined = self.refine(accepted, state.noise, &first, hypothesis)?;
-        let refined = self.worth_their_price(accepted, state.noise, &first, refined);
+        let refined = self.worth_their_price(accepted, state.noise, &first, hypothesis)?;
         let fitted = with(&refined, first.levels);
         let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
         let gain = state.fitted.deviance - fitted.deviance;

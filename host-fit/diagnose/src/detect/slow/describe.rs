@@ -139,7 +139,7 @@ impl SlowSearch<'_> {
         let mut best: Option<(f64, Hypothesis)> = None;
         for value in self.hypotheses.grid(&rival.effect) {
             if value.is_some_and(|value| value > INSIDE * parameter.low && value < parameter.high / INSIDE) {
-                let hypothesis = self.hypotheses.make(&rival.effect, value)?;
+                let hypothesis = self.hypotheses.make(&rival.effect, value)?.with_terms_of(rival);
                 let deviance = at(&hypothesis);
                 if best.as_ref().is_none_or(|(other, _)| deviance < *other) {
                     best = Some((deviance, hypothesis));
@@ -160,7 +160,7 @@ impl SlowSearch<'_> {
             return Ok(None);
         };
         let at = |log: f64| -> Result<f64, RecordingError> {
-            let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?;
+            let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?.with_terms_of(current);
             Ok(self.deviance_with(rest, &hypothesis, state.noise, state.fitted.levels))
         };
         let step = 0.1;

@@ -8,6 +8,7 @@
 //! | `parameter`, `terms` | an effect's parameter between the values of its grid; which of its regressors are worth their price |
 //! | `noise` | noise beyond the baseline's |
 //! | `candidates` | every effect on top of a model |
+//! | `reversal` | steps and warm-ups where the temperature explains them |
 //! | `estimate` | the coefficients of an effect, and how well they are known |
 //! | `alternatives` | what may be true instead of a finding |
 //! | `describe` | what was accepted: gains, errors of parameters, rivals |
@@ -21,6 +22,7 @@ mod model;
 mod noise;
 mod parameter;
 mod result;
+mod reversal;
 mod selection;
 mod terms;
 

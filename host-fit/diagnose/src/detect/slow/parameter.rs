@@ -28,7 +28,7 @@ impl SlowSearch<'_> {
             return self.refine_step(accepted, noise, fitted, start, value);
         }
         let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
-            let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?;
+            let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?.with_terms_of(&start);
             Ok((log, self.deviance_with(accepted, &hypothesis, noise, fitted.levels), hypothesis))
         };
         let middle = value.ln();
