@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use super::page::{CALIBRATION, CASES, README, SEEDS, section, summary, table};
+use super::page::{CALIBRATION, CASES, README, SEEDS, headline, section, summary, table};
 use crate::form::host_fit;
 
 /// So few show it.
@@ -34,8 +34,11 @@ pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
         let place = section(&page, &format!("calibration {seed}"), CALIBRATION)?;
         page.replace_range(place, &(head + &table(&calibrated)?));
     }
+    let place = section(&page, "calibration", CALIBRATION)?;
+    page.replace_range(place, &summary(&page)?);
     let mut readme = fs::read_to_string(README)?;
-    readme.replace_range(section(&readme, "calibration", README)?, &summary(&page)?);
+    let place = section(&readme, "calibration", README)?;
+    readme.replace_range(place, &headline(&page)?);
     fs::write(CALIBRATION, page)?;
     fs::write(README, readme)?;
     Ok(missed)

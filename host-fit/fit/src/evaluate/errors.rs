@@ -1,4 +1,4 @@
-//! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Which error").
+//! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Definitions of errors").
 
 use fos_data::column::{Column, Triad};
 use serde::{Deserialize, Deserializer, Serialize};
