@@ -179,18 +179,23 @@ fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)>
 /// The power of ten that all stamps are multiples of, where they had more digits than a spreadsheet keeps; none of stamps
 /// that are evenly spaced, which may be whole numbers by nature.
 pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
-    let finite = || stamps.iter().copied().filter(|stamp| stamp.is_finite());
-    let smallest = finite().map(f64::abs).reduce(f64::min).filter(|smallest| *smallest >= MANY_DIGITS)?;
+    let finite = stamps.iter().copied().filter(|stamp| stamp.is_finite());
+    // what somebody wrote below the stamps is none
+    let (many, few): (Vec<f64>, Vec<f64>) = finite.partition(|stamp| stamp.abs() >= MANY_DIGITS);
+    if few.len() * 100 > many.len() {
+        return None;
+    }
+    let smallest = many.iter().map(|stamp| stamp.abs()).reduce(f64::min)?;
     let is_multiple = |stamp: f64, step: f64| {
         let nearest = (stamp / step).round() * step;
         (stamp - nearest).abs() <= 2.0 * f64::EPSILON * stamp.abs()
     };
     // 15 digits are kept
     let least = 10_f64.powi(smallest.log10().floor() as i32 - 14);
-    if !finite().all(|stamp| is_multiple(stamp, least)) {
+    if !many.iter().all(|stamp| is_multiple(*stamp, least)) {
         return None;
     }
-    let steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps: Vec<f64> = many.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median_of(steps.iter().copied().filter(|step| step.is_finite()))?;
     let resolution = 2.0 * f64::EPSILON * smallest;
     let is_even = steps.iter().all(|step| (step - usual).abs() <= resolution);
@@ -259,6 +264,8 @@ mod tests {
         assert_eq!(rounded(&sampled), None);
         let mangled: Vec<f64> = sampled.iter().map(|ns| (ns / 1e4).round() * 1e4).collect();
         assert_eq!(rounded(&mangled), Some(1e4));
+        // with a remark of the spreadsheet below
+        assert_eq!(rounded(&[mangled, vec![200.0]].concat()), Some(1e4));
         // an even grid, and a clock in s
         assert_eq!(rounded(&(0..500).map(|row| 1.4e18 + f64::from(row) * 5e6).collect::<Vec<_>>()), None);
         assert_eq!(rounded(&(0..500).map(|row| f64::from(row) * 0.01).collect::<Vec<_>>()), None);

@@ -109,6 +109,15 @@ fn parse(
     for_each_cell(line, separator, |i, cell| {
         names.push(column_name(&String::from_utf8_lossy(cell), i));
     });
+    // some loggers end every row with a separator, and the header too
+    let ends_empty = |line: &[u8]| {
+        let mut is_empty = false;
+        for_each_cell(line, separator, |_, cell| is_empty = cell.is_empty());
+        is_empty
+    };
+    if names.len() > 2 && ends_empty(line) && rows.iter().all(|(_, row)| ends_empty(row)) {
+        names.pop();
+    }
     if names.iter().all(|name| name.parse::<f64>().is_ok()) {
         let problem = "the first line holds numbers where the names of the columns should be";
         return Err(not_a_log(path, problem.into()));

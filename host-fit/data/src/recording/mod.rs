@@ -161,6 +161,13 @@ impl Recording {
             if self.quality.empty_axes.iter().any(|axis| axis == name) {
                 return self.no_values(name);
             }
+            // columns that may be axes, but state no unit: the error has the entries of a column map for them
+            if AXES.contains(&name)
+                && !self.quality.perhaps.is_empty()
+                && let Err(no_axes) = self.axes()
+            {
+                return no_axes;
+            }
             let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
             let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);
             RecordingError::NoChannel { name: name.to_owned(), closest, available }

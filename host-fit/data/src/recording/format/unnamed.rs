@@ -13,7 +13,7 @@ use super::super::provenance::Provenance;
 use super::super::table::Table;
 use super::meaning::{Meaning, filled};
 use super::{Format, ReadAs};
-use crate::column::{ACCELEROMETERS, AXES, GYROS, MAGNETOMETERS};
+use crate::column::{ACCELEROMETERS, AXES, GYROS};
 use crate::statistics::median_of;
 
 /// Gravity by the scale and bias of a MEMS sensor is at most this far off, relative.
@@ -24,6 +24,9 @@ const AT_REST_WITHIN: f64 = 0.3;
 
 /// A norm that scatters by less than this, relative, was made: of a unit vector or a quaternion.
 const LEAST_SCATTER: f64 = 1e-5;
+
+/// Sensors of a kind that an error offers.
+const MAX_CHOICES: usize = 3;
 
 /// Columns by channel and unit.
 type Entry = (&'static str, String, String);
@@ -59,7 +62,7 @@ pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Resu
         targets.into_iter().zip(triad).map(|(target, column)| entry(target, column, unit)).collect()
     };
     let clock = entries.clone();
-    let refused = |choices: Vec<Vec<Entry>>| {
+    let refused = |choices: Vec<Vec<Entry>>, may_be: &str| {
         let specs = |choice: Vec<Entry>| {
             clock
                 .iter()
@@ -69,7 +72,12 @@ pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Resu
                 .collect()
         };
         let maps = choices.into_iter().map(specs).collect();
-        Err(RecordingError::NoHeader { path: path.to_owned(), shows: shows(table), maps, needs_rate })
+        Err(RecordingError::NoHeader {
+            path: path.to_owned(),
+            shows: format!("{}{may_be}", shows(table)),
+            maps,
+            needs_rate,
+        })
     };
     if !AXES.iter().any(|axis| is_given(axis)) {
         let force: Vec<([usize; 3], &str)> =
@@ -86,7 +94,8 @@ pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Resu
             }
             _ => {
                 let mut choices: Vec<Vec<Entry>> = Vec::new();
-                for (triad, unit) in &force {
+                let rates = &rates[..rates.len().min(MAX_CHOICES)];
+                for (triad, unit) in force.iter().take(MAX_CHOICES) {
                     let forces = named(ACCELEROMETERS, *triad, unit);
                     choices.extend(
                         rates.iter().map(|(rate, unit)| [&forces[..], &named(GYROS, *rate, unit)].concat()),
@@ -98,17 +107,22 @@ pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Resu
                     let other_unit = |unit: &str| if unit == "rad/s" { "dps" } else { "rad/s" };
                     choices.extend(rates.iter().map(|(rate, unit)| named(GYROS, *rate, other_unit(unit))));
                     let field = others.iter().filter(|triad| rates.iter().all(|(rate, _)| rate != *triad));
-                    for triad in field {
+                    for triad in field.take(MAX_CHOICES) {
                         choices.push(named(GYROS, *triad, "dps"));
-                        choices.push(named(MAGNETOMETERS, *triad, "uT"));
                     }
                 }
-                return refused(choices);
+                let may_be = match force.is_empty() && !others.is_empty() {
+                    true => {
+                        "; none show gravity: they may be a gyro's, or a magnetometer's, which alone is of no use"
+                    }
+                    false => "",
+                };
+                return refused(choices, may_be);
             }
         }
     }
     if needs_rate {
-        return refused(vec![entries[clock.len()..].to_vec()]);
+        return refused(vec![entries[clock.len()..].to_vec()], "");
     }
     let specs: Vec<String> =
         entries.iter().map(|(target, column, unit)| format!("{target}={column}:{unit}")).collect();

@@ -82,7 +82,8 @@ impl Blocks {
         let columns = columns.flat_map(|(names, columns)| names.map(str::to_owned).into_iter().zip(columns));
         let columns: Vec<(String, Vec<f64>)> = columns.collect();
         let has_gyro = columns.iter().any(|(name, _)| name == GYROS[0]);
-        let mut streams = vec![Stream { name: "samples".to_owned(), stamps_ns, columns }];
+        let name = if has_gyro { "accelerometer and gyro" } else { "accelerometer" };
+        let mut streams = vec![Stream { name: name.to_owned(), stamps_ns, columns }];
         let warm = blocks.iter().filter(|(.., celsius)| celsius.is_finite());
         let (at, celsius): (Vec<i64>, Vec<f64>) =
             warm.map(|(start, _, _, celsius)| (*start, *celsius)).unzip();

@@ -76,7 +76,10 @@ pub(super) fn read(
         return Err(choice::no_sensors(
             path,
             Format::Dataflash,
-            format!("there are no samples of instance {wanted}; there is {there}"),
+            format!(
+                "there are no samples of {}; there is {there}",
+                options.topic.as_ref().map_or_else(|| "IMU 0".to_owned(), |topic| format!("\"{topic}\""))
+            ),
             "set the IMU_RAW bit of LOG_BITMASK (every sample), or its IMU bit, and record again",
         ));
     }
