@@ -86,7 +86,7 @@ fn a_wild_sample_is_left_out_and_said() {
 
 /// "2736.8 Hz, 41 times the stamps go back", exit code 0; and `--rate 50` was ignored where the stamps mean 0.8533 Hz.
 #[test]
-fn stamps_out_of_order_or_at_another_rate_are_refused() {
+fn refuses_stamps_out_of_order_and_follows_a_stated_rate_instead_of_another_one() {
     let mut rows: Vec<usize> = (0..1000).collect();
     rows.shuffle(&mut ChaCha8Rng::seed_from_u64(3));
     let csv = |rows: &[usize], period_s: f64| {
@@ -100,8 +100,13 @@ fn stamps_out_of_order_or_at_another_rate_are_refused() {
     assert!(error.contains("in 100 rows"), "{error}");
     rows.sort_unstable();
     let in_order: Vec<usize> = (0..1000).collect();
-    let error = refused(&csv(&in_order, 1.0 / 0.8533), Some(50.0));
-    assert!(error.contains("0.8533") && error.contains("50 were stated"), "{error}");
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, csv(&in_order, 1.0 / 0.8533)).expect("written");
+    let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };
+    let log = load(&path, &options).expect("a log");
+    let said = oddities(&log).iter().map(ToString::to_string).collect::<String>();
+    assert!(log.rate.true_hz == 50.0 && said.contains("50 Hz replaces") && said.contains("0.8533"), "{said}");
 }
 
 #[test]

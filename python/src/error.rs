@@ -125,7 +125,6 @@ impl EngineError for RecordingError {
             .in_column(column),
             E::NotUnpacked { path, line, .. } => Location { line: Some(*line), ..Location::file(path) },
             E::OutOfOrder { path, column, .. }
-            | E::OtherRate { path, column, .. }
             | E::UnknownColumn { path, column, .. }
             | E::NoClock { path, column }
             | E::HeaderUnit { path, column, .. }
@@ -141,6 +140,7 @@ impl EngineError for RecordingError {
             | E::SeveralLogs { path, .. }
             | E::Undecided { path, .. }
             | E::NoEffect { path, .. }
+            | E::NoHeader { path, .. }
             | E::TwoDevices { path }
             | E::GravityUnit { path, .. }
             | E::NoTime { path, .. }

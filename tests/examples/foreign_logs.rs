@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::{env, fs};
 
-use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
+};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(env::args().nth(1).expect("the folder to write into"));
@@ -17,6 +19,9 @@ fn main() -> std::io::Result<()> {
     fs::write(folder.join("every_sample.bin"), dataflash(&flight, &[], true))?;
     fs::write(folder.join("flight.mcap"), mcap(&flight))?;
     fs::write(folder.join("flight.bag"), bag(&flight, Chunks::Some))?;
+    fs::write(folder.join("flight_geneactiv.bin"), geneactiv(&flight))?;
+    fs::write(folder.join("ax6.cwa"), axivity(&flight, Axivity::WithGyro))?;
+    fs::write(folder.join("packed.cwa"), axivity(&flight, Axivity::Packed))?;
     for (_, name, write) in TEXTS {
         fs::write(folder.join(name), write(&flight))?;
     }

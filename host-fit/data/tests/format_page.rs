@@ -6,7 +6,9 @@ use std::fs;
 
 use fos_data::column::AXES;
 use fos_data::recording::{Format, KNOWN_FORMATS, LoadOptions, ReadAs, Recording, load};
-use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
+};
 use fos_testkit::page;
 use tempfile::TempDir;
 
@@ -42,6 +44,10 @@ fn variants() -> Vec<Variant> {
             bag(flight, Chunks::Some)
         }),
         of(Format::Bag, "plain.bag", "the same without chunks", |flight| bag(flight, Chunks::None)),
+        of(Format::GeneActiv, "geneactiv.bin", "pages of 300 samples", geneactiv),
+        of(Format::Axivity, "ax6.cwa", "AX6", |flight| axivity(flight, Axivity::WithGyro)),
+        of(Format::Axivity, "packed.cwa", "AX3, packed", |flight| axivity(flight, Axivity::Packed)),
+        of(Format::Axivity, "unpacked.cwa", "AX3, unpacked", |flight| axivity(flight, Axivity::Unpacked)),
     ];
     all.extend(TEXTS.iter().map(|(id, name, write)| Variant {
         format: id.parse().unwrap(),
@@ -251,7 +257,7 @@ fn wrong(recording: &Recording, whole: &Recording) -> usize {
         let found = whole.time_s.iter().position(|stamp| *stamp == recording.time_s[row]);
         let Some(of_whole) = found else { return true };
         let value =
-            |of: &Recording, axis: &str, row: usize| of.channel(axis).map(|found| found.values[row]).unwrap();
+            |of: &Recording, axis: &str, row: usize| of.channel(axis).ok().map(|found| found.values[row]);
         AXES.iter().any(|axis| value(recording, axis, row) != value(whole, axis, of_whole))
     };
     (0..recording.n_rows()).filter(|row| differs(*row)).count()

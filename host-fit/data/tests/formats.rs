@@ -4,7 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use fos_data::recording::{Format, LoadOptions, Recording, load};
-use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog, zip};
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, dataflash_of_2014, geneactiv, mcap, ulog,
+    zip,
+};
 use tempfile::TempDir;
 
 const SAMPLES: usize = 2000;
@@ -91,6 +94,138 @@ fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
         // and again when the format is named
         let options = LoadOptions { format: Some(found.parse().unwrap()), ..LoadOptions::default() };
         assert_eq!(read_as(name, &write(&flight), &options).unwrap().time_s, recording.time_s, "{name}");
+    }
+}
+
+/// A file of three columns in the order of Sensor Logger.
+fn sensor_logger(z: f64) -> String {
+    let rows: String = (0..50)
+        .map(|row| format!("{row},{},{},0.1,0.2\n", 0.01 * f64::from(row), z + 1e-3 * f64::from(row % 3)))
+        .collect();
+    format!("time,seconds_elapsed,z,y,x\n{rows}")
+}
+
+#[test]
+fn recognises_renamed_files_of_sensor_logger() {
+    for name in ["root_Gyroscope.csv", "run-2 GyroscopeUncalibrated.csv"] {
+        let turn = read(name, sensor_logger(1.5).as_bytes());
+        assert_eq!(turn.channel("gz_rads").unwrap().values[0], 1.5, "{name}");
+    }
+    // by gravity where the name says nothing, as an iPhone has it
+    let force = read("a.csv", sensor_logger(-1.0).as_bytes());
+    assert!((force.channel("az_mps2").unwrap().values[0] - 9.80665).abs() < 1e-9);
+    let error = read_as("a.csv", sensor_logger(0.3).as_bytes(), &LoadOptions::default()).unwrap_err();
+    assert!(error.contains("Sensor Logger") && error.contains("gz_rads=z:rad/s"), "{error}");
+    for name in ["root_Accelerometer.csv", "x_Accelerometer.csv"] {
+        let error = read_as(name, sensor_logger(0.3).as_bytes(), &LoadOptions::default()).unwrap_err();
+        assert!(error.contains("without gravity") && error.contains("uncalibrated accelerometer"), "{error}");
+    }
+    // a folder joins them
+    let folder = TempDir::new().unwrap();
+    for (name, z) in
+        [("root_Accelerometer.csv", 0.3), ("root_Gyroscope.csv", 1.5), ("root_TotalAcceleration.csv", 9.8)]
+    {
+        fs::write(folder.path().join(name), sensor_logger(z)).unwrap();
+    }
+    let log = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(log.axes().unwrap().len(), 6);
+    fs::remove_file(folder.path().join("root_TotalAcceleration.csv")).unwrap();
+    let log = load(folder.path(), &LoadOptions::default()).unwrap();
+    assert_eq!(log.axes().unwrap().len(), 3);
+    let (_, assumed) = format_of(&log);
+    assert!(assumed.contains("root_Accelerometer.csv is without gravity and not read"), "{assumed}");
+}
+
+#[test]
+fn reads_dataflash_of_2014_and_its_second_imu() {
+    let flight = Flight::new(SAMPLES, 20_000, 1);
+    let log = dataflash_of_2014(&flight);
+    let of_topic = |topic: Option<&str>| {
+        let options = LoadOptions { topic: topic.map(str::to_owned), ..LoadOptions::default() };
+        read_as("a.BIN", &log, &options).unwrap()
+    };
+    let first = of_topic(None);
+    assert!((first.rate.true_hz - 50.0).abs() < 0.01);
+    assert_eq!(first.channel("gx_rads").unwrap().values[7], f64::from(flight.rate[7][0]));
+    assert!(format_of(&first).1.contains("there are 1 too"), "{}", format_of(&first).1);
+    // a thermometer that is not there
+    assert!(first.channel("temp_c").is_err());
+    assert!(first.oddities(&[true; SAMPLES]).iter().any(|odd| odd.to_string().contains("not a temperature")));
+    for topic in ["1", "IMU 1", "IMU2"] {
+        let second = of_topic(Some(topic));
+        assert_eq!(
+            second.channel("gx_rads").unwrap().values[7],
+            f64::from(flight.rate[7][0] + 0.5),
+            "{topic}"
+        );
+    }
+}
+
+#[test]
+fn reads_what_wearables_log() {
+    let flight = flight();
+    let g = 9.80665;
+    for (name, bytes, axes, step) in [
+        ("a.bin", geneactiv(&flight), 3, 0.5 * 100.0 / 25_344.0 * g),
+        ("a.cwa", axivity(&flight, Axivity::Packed), 3, 0.5 / 256.0 * g),
+        ("b.cwa", axivity(&flight, Axivity::Unpacked), 3, 0.5 / 256.0 * g),
+        ("c.cwa", axivity(&flight, Axivity::WithGyro), 6, 0.5 / 2048.0 * g),
+    ] {
+        let log = read(name, &bytes);
+        assert_eq!((log.axes().unwrap().len(), log.n_rows(), log.quality.gaps), (axes, SAMPLES, 0), "{name}");
+        assert!((log.rate.true_hz - 200.0).abs() < 0.01, "{name}: {}", log.rate.true_hz);
+        for (column, expected) in flight.columns() {
+            let Ok(channel) = log.channel(column) else { continue };
+            let allowed = if column == "temp_c" { 0.5 } else { step + 1e-6 };
+            let far = channel.values.iter().zip(&expected).map(|(found, expected)| (found - expected).abs());
+            let far = far.filter(|far| far.is_finite()).fold(0.0, f64::max);
+            assert!(far <= allowed, "{name}: {column} is off by {far}");
+        }
+        assert!(log.channel("temp_c").unwrap().n_missing() < 10, "{name}");
+    }
+}
+
+#[test]
+fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
+    let flight = flight();
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let mut gene = String::from_utf8(geneactiv(&flight)).unwrap();
+    // a page with a digit that is none, one that is cut short, one of an impossible time
+    let samples: Vec<(usize, usize)> =
+        gene.match_indices("200.0\r\n").map(|(at, text)| (at, at + text.len())).collect();
+    gene.replace_range(samples[1].1..samples[1].1 + 1, "G");
+    gene.replace_range(samples[3].1..samples[3].1 + 5, "");
+    let time = gene.match_indices("Page Time:").nth(5).unwrap().0;
+    gene.replace_range(time + 15..time + 17, "13");
+    let mut ax6 = axivity(&flight, Axivity::WithGyro);
+    ax6[1024 + 512 + 40] ^= 1;
+    // blank at the end, as the device leaves it, and cut short within a block
+    ax6.extend([0xff; 512 + 100]);
+    for (name, bytes, damaged, rows) in
+        [("a.bin", gene.into_bytes(), 3, 1100), ("a.cwa", ax6, 2, SAMPLES - 40)]
+    {
+        let log = read(name, &bytes);
+        assert_eq!(log.n_rows(), rows, "{name}");
+        let (_, assumed) = format_of(&log);
+        assert!(assumed.contains(&format!("{damaged} blocks cannot be read")), "{assumed}");
+        let error = read_as(name, &bytes, &strict).unwrap_err();
+        assert!(error.contains("damaged"), "{error}");
+    }
+    let without = String::from_utf8(geneactiv(&flight)).unwrap().replace("y gain:25870", "y gain:NaN");
+    let error = read_as("a.bin", without.as_bytes(), &LoadOptions::default()).unwrap_err();
+    assert!(error.contains("gain and offset"), "{error}");
+    let error = read_as("a.cwa", &axivity(&flight, Axivity::Packed)[..1024 + 300], &LoadOptions::default())
+        .unwrap_err();
+    assert!(error.contains("0 samples") && error.contains("\nhelp: "), "{error}");
+}
+
+#[test]
+fn names_what_to_export_of_files_that_are_known_and_not_read() {
+    let matrix = [&[0; 512][..], b"MDTC\x01\0MDTCPACK"].concat();
+    let gt3x = zip(&[("info.txt", b"Serial Number: X"), ("log.bin", &[0x1e; 400])]);
+    for (name, bytes, said) in [("a.BIN", matrix, "Parmay"), ("a.gt3x", gt3x, "ActiGraph")] {
+        let error = read_as(name, &bytes, &LoadOptions::default()).unwrap_err();
+        assert!(error.contains(said) && error.contains("help: export it"), "{error}");
     }
 }
 

@@ -7,7 +7,9 @@ use fos_data::column::Triad;
 use fos_data::recording::{
     ColumnMap, Format, Frame, KNOWN_FORMATS, LoadOptions, Recording, SensorProvenance, Source, Values, load,
 };
-use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog, zip};
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog, zip,
+};
 use tempfile::TempDir;
 
 /// A file, and what its values are: accelerometers, then gyros.
@@ -42,6 +44,10 @@ fn of_text(name: &str) -> [SensorProvenance; 2] {
         "blackbox.csv" => {
             let by = "Betaflight (gyro zero and accelerometer trim subtracted, turned to the vehicle)";
             [sensor(corrected(by), Frame::Vehicle), sensor(corrected(by), Frame::Vehicle)]
+        }
+        "dot.csv" => {
+            let by = "the factory calibration of the sensor";
+            [sensor(corrected(by), Frame::Sensor), sensor(corrected(by), Frame::Sensor)]
         }
         // they do not say
         "named.csv" | "imu0.csv" => [SensorProvenance::default(), SensorProvenance::default()],
@@ -116,6 +122,13 @@ fn cases(flight: &Flight) -> Vec<Case> {
     let unknown = || of_ardupilot(0, None, Values::Unstated, Frame::Unstated);
     let without = dataflash(flight, &[], false);
     all.push(case("without.bin", without, None, Format::Dataflash, [unknown(), unknown()]));
+    let raw = || sensor(Values::Raw, Frame::Sensor);
+    let ax6 = axivity(flight, Axivity::WithGyro);
+    all.push(case("ax6.cwa", ax6, None, Format::Axivity, [raw(), raw()]));
+    let by_header = sensor(corrected("the factory gain and offset in the header"), Frame::Sensor);
+    // no gyro, of which nothing is said
+    let accelerometers = [by_header, SensorProvenance::default()];
+    all.push(case("left.bin", geneactiv(flight), None, Format::GeneActiv, accelerometers));
     for (id, name, write) in TEXTS {
         all.push(case(name, write(flight), None, id.parse().unwrap(), of_text(name)));
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::Failure;
+use super::output::{Failure, warning_in_words};
 use fos_data::disturbance;
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, RecordingError, load};
 use fos_data::stillness::Stillness;
@@ -64,7 +64,8 @@ pub(super) struct Reading {
     /// Which sensor, where a log has several: the number of an instance, the name of a topic
     #[arg(long, value_name = "NAME")]
     pub(super) topic: Option<String>,
-    /// Nominal sample rate, Hz; needed if the log has no time stamps
+    /// Sample rate, Hz; needed if the log has no time stamps. Where its stamps show another rate, or cannot be time, this one
+    /// holds, and the rows count in their order
     #[arg(long = "rate", id = "rate_hz", value_name = "HZ")]
     pub(super) rate: Option<f64>,
     /// Refuse the first row that cannot be read instead of skipping and counting
@@ -175,8 +176,10 @@ pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
 
 fn quality(recording: &Recording, stillness: &Stillness) -> String {
     let quality = recording.quality.to_string();
+    let options = Reading::augment_args(clap::Command::new("options"));
+    let oddities = recording.oddities(&stillness.still).into_iter();
     let oddities =
-        recording.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
+        oddities.map(|oddity| format!("caution: {}", warning_in_words(&oddity, options.get_arguments())));
     let told = disturbance::told(recording, &stillness.disturbances).into_iter();
     let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
     let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);

@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::escaping::{quoted, visible_json};
-use fos_data::recording::RecordingError;
+use fos_data::recording::{Oddity, RecordingError};
 pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};
 
@@ -99,20 +99,49 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
     Ok(())
 }
 
-/// An error as the user of the command line reads it: the column maps to choose from as arguments to paste.
+/// An error as the user of the command line reads it: entries of a column map, and maps to choose from, as arguments to
+/// paste.
 pub(super) fn in_words(failure: &Failure) -> String {
     let said = failure.to_string();
-    let maps = match failure.downcast_ref() {
-        Some(RecordingError::Undecided { maps, .. }) => maps,
+    let (maps, with_rate) = match failure.downcast_ref() {
+        Some(RecordingError::Undecided { maps, .. }) => (maps, false),
+        Some(RecordingError::NoHeader { maps, needs_rate, .. }) if !maps.is_empty() => (maps, *needs_rate),
         Some(RecordingError::GravityUnit { map, .. }) => {
             return map.iter().fold(said, |said, entry| said.replace(entry, &format!("--map {entry}")));
         }
+        Some(RecordingError::NoTime { perhaps, .. } | RecordingError::NoAxes { perhaps, .. })
+            if !perhaps.is_empty() =>
+        {
+            return said.replace(&perhaps.join(", "), &map_arguments(perhaps));
+        }
         _ => return said,
     };
-    let arguments = maps.iter().map(|map| map.iter().map(|entry| format!("--map {}", quoted(entry))));
-    let arguments: Vec<String> = arguments.map(|map| map.collect::<Vec<_>>().join(" ")).collect();
+    let arguments: Vec<String> = maps.iter().map(|map| map_arguments(map)).collect();
     let problem = said.split("\nhelp: ").next().unwrap_or_default();
-    format!("{problem}\nhelp: choose one: {}", arguments.join("\n  or: "))
+    let rate = if with_rate { "\n  with the sample rate, as in `rate_hz` 100" } else { "" };
+    format!("{problem}\nhelp: choose one: {}{rate}", arguments.join("\n  or: "))
+}
+
+/// Entries of a column map as arguments to paste.
+fn map_arguments(map: &[String]) -> String {
+    map.iter().map(|entry| format!("--map {}", quoted(entry))).collect::<Vec<_>>().join(" ")
+}
+
+/// A warning about a log as the user of the command line reads it.
+pub(super) fn warning_in_words<'a>(
+    warning: &Oddity,
+    arguments: impl IntoIterator<Item = &'a clap::Arg>,
+) -> String {
+    let said = match warning {
+        Oddity::AssumedMap(map) => {
+            format!(
+                "the file has no header; its values show {}. Check it, and pass it with the file",
+                map_arguments(map)
+            )
+        }
+        _ => warning.to_string(),
+    };
+    with_flags(&said, arguments)
 }
 
 /// The word before an error, in colour on a terminal only.

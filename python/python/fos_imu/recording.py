@@ -289,7 +289,7 @@ def read(
         path: PX4 ULog, ArduPilot DataFlash, MCAP and ROS 1 bags, EuRoC, Kalibr, phone apps, ST tools, Betaflight, or any
             CSV, gzip'd CSV or Parquet; `formats()` lists them.
         map: Columns under other names, converted: `"gx_rads=gyro_x:mdps"`, `"t_s=time:us"`; `"!temp_c"` leaves one out.
-        rate_hz: Nominal sample rate, Hz; needed where the log has no time stamps.
+        rate_hz: Sample rate, Hz; needed where the log has no time stamps, and replaces stamps that show another rate.
         format: The format by its identifier, where the content does not tell.
         topic: Which sensor, where a log has several.
         strict: Refuse the first row that cannot be used, instead of counting up to 5 % of them.

@@ -64,3 +64,30 @@ pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<
     }
     log
 }
+
+/// The log of a flight as ArduPilot wrote it in 2014: stamps in ms, and a message of its own for the second IMU, whose
+/// gyro has another bias.
+pub fn dataflash_of_2014(flight: &Flight) -> Vec<u8> {
+    let mut log = Vec::new();
+    let formats: [(u8, u8, &str, &str, &str); 4] = [
+        (128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns"),
+        (129, 3 + 16 + 4, "PARM", "Nf", "Name,Value"),
+        (131, 3 + 4 + 6 * 4 + 4, "IMU", "Ifffffff", "TimeMS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,Temp"),
+        (135, 3 + 4 + 6 * 4, "IMU2", "Iffffff", "TimeMS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ"),
+    ];
+    for (kind, length, name, format, labels) in formats {
+        let fields: [&[u8]; 5] =
+            [&[kind], &[length], &padded::<4>(name), &padded::<16>(format), &padded::<64>(labels)];
+        message(&mut log, 128, &fields);
+    }
+    for sample in 0..flight.len() {
+        let stamp = ((flight.stamps_us[sample] / 1000) as u32).to_le_bytes();
+        let triad =
+            |values: [f32; 3]| -> Vec<u8> { values.iter().flat_map(|value| value.to_le_bytes()).collect() };
+        let (force, turn) = (triad(flight.acceleration[sample]), triad(flight.rate[sample]));
+        let other = triad(flight.rate[sample].map(|rate| rate + 0.5));
+        message(&mut log, 131, &[&stamp, &turn, &force, &0.0_f32.to_le_bytes()]);
+        message(&mut log, 135, &[&stamp, &other, &force]);
+    }
+    log
+}

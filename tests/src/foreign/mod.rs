@@ -6,6 +6,7 @@ mod mcap;
 mod ros;
 mod text;
 mod ulog;
+mod wearable;
 mod zip;
 
 use rand::{RngExt, SeedableRng};
@@ -13,10 +14,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 pub use bag::{Chunks, bag, bag_of};
-pub use dataflash::dataflash;
+pub use dataflash::{dataflash, dataflash_of_2014};
 pub use mcap::{mcap, mcap_of};
 pub use text::{TEXTS, Text};
 pub use ulog::{Rate, ulog, ulog_of};
+pub use wearable::{Axivity, axivity, geneactiv};
 pub use zip::zip;
 
 /// A unit at rest: accelerations, rates and the temperature, all with the same stamps.

@@ -22,6 +22,7 @@ pub const TEXTS: &[Text] = &[
     ("physics-toolbox", "physics.csv", physics_toolbox),
     ("androsensor", "androsensor.csv", androsensor),
     ("betaflight", "blackbox.csv", betaflight),
+    ("xsens", "dot.csv", dot),
 ];
 
 const G: f64 = 9.80665;
@@ -52,6 +53,17 @@ fn named(flight: &Flight) -> Vec<u8> {
             format!("{},{},{}", us as f64 / 1e3, joined(a, ","), joined(w, ","))
         },
     )
+}
+
+/// As the app of Movella exports a DOT: its clock has 32 bits and is about to wrap.
+fn dot(flight: &Flight) -> Vec<u8> {
+    const HEADER: &str = "sep=,\nDeviceTag:,Xsens DOT\nFirmwareVersion:,2.0.0\n\nPacketCounter,SampleTimeFine,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z";
+    let first = flight.stamps_us[0];
+    let before_wrap = u64::from(u32::MAX) - 2_000_000;
+    lines(flight, HEADER, |us, a, w| {
+        let ticks = (before_wrap + us - first) % (1 << 32);
+        format!("{},{ticks},{},{}", (us - first) / 5000, joined(a, ","), joined(w.map(f64::to_degrees), ","))
+    })
 }
 
 fn euroc(flight: &Flight) -> Vec<u8> {

@@ -1,5 +1,8 @@
 //! Cells of a line of text, and what they say.
 
+/// Separator of cells that stand between spaces, any number of them, or tabs.
+pub(super) const SPACES: u8 = b' ';
+
 /// Hands every cell of a line to `take` with its index, without spaces around it; returns how many there are.
 pub(super) fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) -> usize {
     let mut n = 0;
@@ -11,6 +14,11 @@ pub(super) fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usi
                 take(n, cell.trim_ascii());
                 n += 1;
             }
+        }
+    } else if separator == SPACES {
+        for cell in line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()) {
+            take(n, cell);
+            n += 1;
         }
     } else {
         for cell in line.split(|&byte| byte == separator) {

@@ -634,7 +634,9 @@ pub(super) fn unit_in(name: &str, target: &str) -> Option<&'static str> {
             "nsec" | "nanos" | "ns" => "ns",
             "m/s2" | "m/s^2" | "m/s²" | "m/s/s" | "mps2" | "ms2" => "m/s2",
             // an axis letter g is no unit: gyro names hold it
-            "g" if lower.contains("acc") => "g",
+            "g" if lower.contains("acc") || bracketed.is_some_and(|unit| unit.eq_ignore_ascii_case("g")) => {
+                "g"
+            }
             "mgauss" | "mg" if target.starts_with("mag") => "mgauss",
             "mg" | "milli/g" => "mg",
             "rad/s" | "rads" | "rps" | "radps" => "rad/s",

@@ -7,8 +7,9 @@
 //! longer, an open quotation mark in a library say, is refused before it takes memory.
 //!
 //! The header is the first line, or where titles stand before it, the line above the first row of numbers (`header`).
-//! The separator is the one the header has most of: comma, semicolon or tab; beside the others a comma in a number is
-//! the decimal one. Blank lines and lines that start with `#` are passed over. Empty cells, `NA`, `null` and `none` are
+//! The separator is the one the header has most of: comma, semicolon or tab, or spaces where only they part numbers; beside
+//! the others a comma in a number is the decimal one. A row of units below the names is joined to them. A text that begins
+//! with numbers has no header: its columns are named `column_1` and so on. Blank lines and lines that start with `#` are passed over. Empty cells, `NA`, `null` and `none` are
 //! empty; `true` and `false` are 1 and 0.
 
 use std::collections::HashMap;
@@ -211,7 +212,7 @@ impl<'a> Parser<'a> {
                 _ => {}
             });
         }
-        let mut table = Table::default();
+        let mut table = Table { is_unnamed: header.is_unnamed, ..Table::default() };
         let needed: Vec<bool> = names.iter().map(|name| must_be_numeric(name, map)).collect();
         let mut kinds = Vec::with_capacity(names.len());
         for (i, name) in names.iter().enumerate() {

@@ -168,7 +168,7 @@ pub enum RecordingError {
     },
     /// Candidates for a channel that are equally good and hold different data.
     #[error(
-        "{}: {problem}: equally good by their names, and they differ\nhelp: choose by a column map, {}",
+        "{}: {problem}\nhelp: choose by a column map, {}",
         path.display(),
         maps.iter().map(|map| map.join(" ")).collect::<Vec<_>>().join("; or ")
     )]
@@ -179,6 +179,28 @@ pub enum RecordingError {
         problem: String,
         /// Complete column maps, one per choice.
         maps: Vec<Vec<String>>,
+    },
+    /// A table without a header whose values do not show what is needed.
+    #[error(
+        "{}: it has no header{}; the medians of its columns are {shows}\nhelp: {}{}",
+        path.display(),
+        if *needs_rate { " and no column of time" } else { "" },
+        if maps.is_empty() {
+            "name its columns in the column map, as in gx_rads=column_1:dps".to_owned()
+        } else {
+            format!("choose by a column map, {}", maps.iter().map(|map| map.join(" ")).collect::<Vec<_>>().join("; or "))
+        },
+        if *needs_rate { "; and give the sample rate (`rate_hz`)" } else { "" }
+    )]
+    NoHeader {
+        /// As it was given.
+        path: PathBuf,
+        /// The columns and their medians.
+        shows: String,
+        /// Complete column maps, the most probable first.
+        maps: Vec<Vec<String>>,
+        /// There is no time either, and no stated rate.
+        needs_rate: bool,
     },
     /// Rows of two devices in turn.
     #[error("{}: every second row differs in its stamp and in its values: the rows are of two devices in turn\nhelp: give the rows of each device as a log of its own, or record each on a topic of its own", path.display())]
@@ -265,18 +287,6 @@ pub enum RecordingError {
         /// Rows in all.
         rows: usize,
     },
-    /// The rate that was stated is not that of the stamps.
-    #[error("{}: by {column} there are {true_hz:.4} samples a second, and {rate_hz} were stated\nhelp: leave `rate_hz` out if the stamps are right; if they are in another unit, name it in the column map, as in t_s={column}:ms", path.display())]
-    OtherRate {
-        /// As it was given.
-        path: PathBuf,
-        /// The column of time stamps.
-        column: String,
-        /// By the stamps, Hz.
-        true_hz: f64,
-        /// As stated, Hz.
-        rate_hz: f64,
-    },
     /// Two columns have one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {
@@ -335,7 +345,7 @@ pub enum RecordingError {
     },
     /// Time stamps that do not run forward.
     #[error(
-        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or leave the column out (`columns` '!{column}') and give `rate_hz`",
+        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or give the rate of the rows (`rate_hz`): it replaces stamps that show none, as those that a spreadsheet rounded to 1.40364E+18",
         path.display()
     )]
     NoClock {
@@ -346,7 +356,7 @@ pub enum RecordingError {
     },
     /// Time stamps in another unit than is said.
     #[error(
-        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or leave the column out (`columns` '!{column}') and give `rate_hz`",
+        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or give the rate of the rows (`rate_hz`), which replaces the stamps",
         path.display()
     )]
     NoSuchClock {

@@ -16,6 +16,9 @@ const EXACTLY: f64 = 1e-9;
 /// K.
 const JUMP_K: f64 = 5.0;
 
+/// Rows from which on one value throughout is no temperature.
+const FEWEST_ROWS: usize = 20;
+
 /// Readings of a thermometer that failed, taken for empty cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailedReads {
@@ -29,15 +32,35 @@ pub struct FailedReads {
     pub said: Vec<f64>,
 }
 
+impl FailedReads {
+    /// Whether every reading of this column failed, so that the column is left out.
+    pub(super) fn is_of_all(&self, column: &str) -> bool {
+        self.column == column && self.share >= 1.0
+    }
+}
+
 /// Empties the cells of a thermometer that hold one of the values a failed read leaves, where the readings before and
 /// after are far from it, on the same side: a log that passes through 0 °C, or lives there, keeps it.
 pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
     if channel.unit != Unit::Celsius {
         return None;
     }
-    let values = &channel.values;
+    let values = channel.values.clone();
     let said_at = |row: usize| SAID.into_iter().find(|said| (values[row] - said).abs() < EXACTLY);
     let known: Vec<usize> = (0..values.len()).filter(|row| !values[*row].is_nan()).collect();
+    // a thermometer shows its own noise, and no thermometer that works shows one of these values in every row
+    if known.len() >= FEWEST_ROWS && known.iter().all(|row| said_at(*row).is_some()) {
+        let mut said: Vec<f64> = known.iter().filter_map(|row| said_at(*row)).collect();
+        said.sort_unstable_by(f64::total_cmp);
+        said.dedup();
+        channel.values = vec![f64::NAN; values.len()].into();
+        return Some(FailedReads {
+            column: channel.name.clone(),
+            rows: known.len() as u64,
+            share: 1.0,
+            said,
+        });
+    }
     let mut failed: Vec<usize> = Vec::new();
     let mut said = Vec::new();
     let mut last_good = None;
@@ -116,11 +139,19 @@ mod tests {
     }
 
     #[test]
+    fn a_thermometer_that_shows_zero_in_every_row_is_left_out() {
+        let log = recording("temp_c", vec![0.0; 2000]);
+        assert!(log.channel("temp_c").is_err());
+        let text = log.oddities(&[true; 2000])[0].to_string();
+        assert!(text.contains("temp_c is exactly 0 °C in every row") && text.contains("left out"), "{text}");
+    }
+
+    #[test]
     fn a_log_that_lives_there_keeps_its_values() {
         // through zero, at zero, through 85 °C, coarse about zero, and a step to 85 °C that stays
         let coarse = (0..2000).map(|row| (3.0 * (0.01 * f64::from(row)).sin()).round()).collect();
         let step = (0..2000).map(|row| if row < 500 { 25.0 } else { 85.0 }).collect();
-        for values in [warming(-10.0), vec![0.0; 2000], warming(75.0), coarse, step] {
+        for values in [warming(-10.0), warming(75.0), coarse, step] {
             let log = recording("temp_c", values.clone());
             assert_eq!(log.channel("temp_c").unwrap().values[..], values[..]);
             assert!(log.quality.failed_reads.is_empty());

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
-use super::{FailedReads, Recording};
+use super::{ClockProblem, FailedReads, Recording};
 use crate::interrupt::in_parallel;
 use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
@@ -67,6 +67,10 @@ pub enum Oddity {
     },
     /// The accelerometers show another level after a pause.
     LevelAfterPause(LevelsAfterPauses),
+    /// Entries of a column map that were assumed by the values of a file without a header.
+    AssumedMap(Vec<String>),
+    /// Timestamps that are not the time of the samples.
+    Clock(ClockProblem),
     /// Readings of a thermometer that failed.
     FailedReads(FailedReads),
     /// A thermometer of coarse steps.
@@ -132,8 +136,24 @@ impl fmt::Display for Oddity {
                 "{column} moves in steps of {step:.3e}, coarser than its noise: changes smaller than a step are hidden; choose a finer range of the sensor"
             ),
             Self::LevelAfterPause(levels) => levels.fmt(f),
+            Self::AssumedMap(map) => {
+                let map: Vec<String> = map.iter().map(|entry| format!("'{entry}'")).collect();
+                write!(
+                    f,
+                    "the file has no header; its values show this column map: {}. Check it, and pass it with the file",
+                    map.join(" ")
+                )
+            }
+            Self::Clock(problem) => problem.fmt(f),
             Self::FailedReads(FailedReads { column, rows, share, said }) => {
                 let said: Vec<String> = said.iter().map(f64::to_string).collect();
+                if *share >= 1.0 {
+                    return write!(
+                        f,
+                        "{column} is exactly {} °C in every row: not a temperature; the column is left out",
+                        said.join(" or ")
+                    );
+                }
                 write!(
                     f,
                     "{column}: {rows} readings, {:.2} %, are exactly {} °C and no temperature: the thermometer was not read; they are taken for empty cells",
@@ -177,6 +197,9 @@ impl Recording {
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
         let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
         let mut found = in_parallel(0..axes.len(), of_axis).concat();
+        let assumed = Some(&self.quality.assumed_map).filter(|map| !map.is_empty());
+        found.extend(assumed.cloned().map(Oddity::AssumedMap));
+        found.extend(self.quality.clock.iter().cloned().map(Oddity::Clock));
         found.extend(self.quality.failed_reads.iter().cloned().map(Oddity::FailedReads));
         found.extend(self.channels().iter().filter_map(|channel| {
             let step = self.coarse_step(channel)?;

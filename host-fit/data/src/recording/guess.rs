@@ -341,7 +341,7 @@ fn steps(values: &[f64]) -> Vec<f64> {
 }
 
 /// The unit in which the stamps come at 10 to 2000 a second.
-fn time_unit(stamps: &[f64]) -> Option<&'static str> {
+pub(super) fn time_unit(stamps: &[f64]) -> Option<&'static str> {
     let step = median(steps(stamps).into_iter().filter(|step| *step > 0.0).collect());
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
         .into_iter()
@@ -367,7 +367,7 @@ pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
 }
 
 /// The unit by the noise from one sample to the next: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
-fn rate_unit(triad: &[&[f64]]) -> Option<&'static str> {
+pub(super) fn rate_unit(triad: &[&[f64]]) -> Option<&'static str> {
     // of slow or coarse data most samples repeat the one before
     let changes = |values: &&[f64]| steps(values).into_iter().filter(|step| *step > 0.0).collect();
     let noise = median(triad.iter().map(|values| median(changes(values))).collect());

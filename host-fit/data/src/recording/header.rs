@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::cell::{Cell, for_each_cell, parse_cell};
+use super::cell::{Cell, SPACES, for_each_cell, parse_cell};
 use super::error::RecordingError;
+use super::format::is_unit;
 use super::table::{check_names, column_name};
 
 /// Titles are looked for in so many lines: Betaflight writes a hundred and fifty before its header.
@@ -15,7 +16,12 @@ pub(super) struct Header {
     pub(super) separator: u8,
     /// A comma in a number is the decimal one.
     pub(super) decimal_comma: bool,
+    /// The text has no header, so that its columns are named by their places.
+    pub(super) is_unnamed: bool,
 }
+
+/// Lines at the end of the first ones that are looked at to see whether cells stand between spaces.
+const LINES_TO_SPACE: usize = 20;
 
 /// Takes the header, and what stands above it, from the first lines of a text. `comment` is the one above the first of
 /// them.
@@ -27,31 +33,59 @@ pub(super) fn take(
     comment: Option<Vec<u8>>,
     lines: &mut Vec<(u64, Vec<u8>)>,
 ) -> Result<Header, RecordingError> {
-    let first = Shape::of(&lines[0].1);
+    let spaced = is_spaced(lines);
+    let first = Shape::of(&lines[0].1, spaced);
     // EuRoC writes its header as a comment
     let comment = comment.filter(|comment| first.numbers == first.cells && names_cells(comment, &first));
-    let header = match comment {
-        Some(comment) => comment,
-        None => {
-            let at = first_row_below_names(lines).unwrap_or(0);
-            lines.drain(..=at).next_back().map(|(_, line)| line).unwrap_or_default()
-        }
-    };
-    parse(path, &header, lines)
+    if let Some(comment) = comment {
+        return parse(path, &comment, None, lines, spaced);
+    }
+    if let Some(at) = units_below_names(lines, spaced) {
+        let taken: Vec<Vec<u8>> = lines.drain(..=at).map(|(_, line)| line).skip(at - 1).collect();
+        return parse(path, &taken[0], taken.get(1).map(Vec::as_slice), lines, spaced);
+    }
+    let found = first_row_below_names(lines, spaced);
+    if found.is_none() && first.cells > 1 && first.numbers == first.cells {
+        let names = (0..first.cells).map(|index| column_name("", index)).collect();
+        let decimal_comma = decimal_comma(lines, first.separator);
+        return Ok(Header { names, separator: first.separator, decimal_comma, is_unnamed: true });
+    }
+    let header = lines.drain(..=found.unwrap_or(0)).next_back().map(|(_, line)| line).unwrap_or_default();
+    parse(path, &header, None, lines, spaced)
 }
 
-fn parse(path: &Path, line: &[u8], rows: &[(u64, Vec<u8>)]) -> Result<Header, RecordingError> {
-    let separator = separator(line);
-    let mut names = Vec::new();
-    for_each_cell(line, separator, |i, cell| {
-        names.push(column_name(&String::from_utf8_lossy(cell), i));
-    });
-    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        let problem = "the first line holds numbers where the names of the columns should be";
-        return Err(not_a_log(path, problem.into()));
-    }
-    check_names(path, &names)?;
-    // where a point is the decimal one, a comma is not
+/// Whether cells stand between spaces: the last of the first lines are numbers between them, and not between separators.
+fn is_spaced(lines: &[(u64, Vec<u8>)]) -> bool {
+    let last = &lines[lines.len().saturating_sub(LINES_TO_SPACE)..];
+    let is_spaced = |line: &[u8]| {
+        let (spaced, separated) = (Shape::by(line, SPACES), Shape::by(line, separator(line, false)));
+        spaced.cells > 1 && spaced.numbers == spaced.cells && separated.numbers < separated.cells
+    };
+    let spaced = last.iter().filter(|(_, line)| is_spaced(line)).count();
+    2 * spaced > last.len()
+}
+
+/// The place of a row of units that stands between the names and the first row of numbers.
+fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
+    let is_units = |at: usize| {
+        let (names, units, row) = (&lines[at - 1].1, &lines[at].1, &lines[at + 1].1);
+        let by = separator(units, spaced);
+        let row = Shape::by(row, by);
+        let (mut cells, mut known) = (0, 0);
+        for_each_cell(units, by, |_, cell| {
+            cells += usize::from(!cell.is_empty());
+            known += usize::from(is_unit(&String::from_utf8_lossy(cell)));
+        });
+        2 * row.numbers >= row.cells
+            && names_cells(names, &row)
+            && names_cells(units, &row)
+            && 2 * known > cells
+    };
+    (1..lines.len().saturating_sub(1).min(MOST_TITLES)).find(|at| is_units(*at))
+}
+
+/// Whether a comma in a number is the decimal one: where a point is, it is not.
+fn decimal_comma(rows: &[(u64, Vec<u8>)], separator: u8) -> bool {
     let mut has_point = false;
     if separator != b',' {
         for (_, row) in rows {
@@ -60,10 +94,49 @@ fn parse(path: &Path, line: &[u8], rows: &[(u64, Vec<u8>)]) -> Result<Header, Re
             });
         }
     }
-    Ok(Header { names, separator, decimal_comma: separator != b',' && !has_point })
+    separator != b',' && !has_point
 }
 
-fn separator(line: &[u8]) -> u8 {
+fn parse(
+    path: &Path,
+    line: &[u8],
+    units: Option<&[u8]>,
+    rows: &[(u64, Vec<u8>)],
+    spaced: bool,
+) -> Result<Header, RecordingError> {
+    let separator = separator(line, spaced);
+    let mut names = Vec::new();
+    for_each_cell(line, separator, |i, cell| {
+        names.push(column_name(&String::from_utf8_lossy(cell), i));
+    });
+    // some loggers end every row with a separator, and the header too
+    let ends_empty = |line: &[u8]| {
+        let mut is_empty = false;
+        for_each_cell(line, separator, |_, cell| is_empty = cell.is_empty());
+        is_empty
+    };
+    if names.len() > 2 && ends_empty(line) && rows.iter().all(|(_, row)| ends_empty(row)) {
+        names.pop();
+    }
+    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        let problem = "the first line holds numbers where the names of the columns should be";
+        return Err(not_a_log(path, problem.into()));
+    }
+    for_each_cell(units.unwrap_or_default(), separator, |i, cell| {
+        let unit = column_name(&String::from_utf8_lossy(cell), i);
+        if let Some(name) = names.get_mut(i).filter(|_| !cell.is_empty()) {
+            let unit = unit.trim_matches(['[', ']', '(', ')']);
+            name.push_str(&format!(" [{unit}]"));
+        }
+    });
+    check_names(path, &names)?;
+    Ok(Header { names, separator, decimal_comma: decimal_comma(rows, separator), is_unnamed: false })
+}
+
+fn separator(line: &[u8], spaced: bool) -> u8 {
+    if spaced {
+        return SPACES;
+    }
     let count = |separator: u8| line.iter().filter(|&&byte| byte == separator).count();
     [b'\t', b';', b','].into_iter().max_by_key(|&separator| count(separator)).unwrap_or(b',')
 }
@@ -81,8 +154,8 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(line: &[u8]) -> Self {
-        Self::by(line, separator(line))
+    fn of(line: &[u8], spaced: bool) -> Self {
+        Self::by(line, separator(line, spaced))
     }
 
     fn by(line: &[u8], separator: u8) -> Self {
@@ -103,16 +176,16 @@ fn names_cells(line: &[u8], row: &Shape) -> bool {
 }
 
 /// The place of the header where titles stand above it: they have fewer cells, and it names those of the row below.
-fn first_row_below_names(lines: &[(u64, Vec<u8>)]) -> Option<usize> {
-    let title = Shape::of(&lines[0].1);
+fn first_row_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
+    let title = Shape::of(&lines[0].1, spaced);
     let is_header = |at: usize| {
         // by the separator of the names: in the row there may be more decimal commas
         let Some((_, row)) = lines.get(at + 1) else { return false };
-        let row = Shape::by(row, separator(&lines[at].1));
+        let row = Shape::by(row, separator(&lines[at].1, spaced));
         // half of a row may be empty or text
         2 * row.numbers >= row.cells && row.numbers > 1 && names_cells(&lines[at].1, &row)
     };
-    let is_below_titles = |at: usize| Shape::of(&lines[at].1).cells > title.cells;
+    let is_below_titles = |at: usize| Shape::of(&lines[at].1, spaced).cells > title.cells;
     (0..lines.len().min(MOST_TITLES)).find(|&at| (at == 0 || is_below_titles(at)) && is_header(at))
 }
 
@@ -147,8 +220,9 @@ mod tests {
     fn a_comment_that_names_the_cells_of_the_numbers_below_is_the_header() {
         assert_eq!(taken(Some("timestamp [ns],x,y"), "1,2,3\n").0[0], "timestamp [ns]");
         assert_eq!(taken(Some("a remark, with a comma"), "t,x\n1,2\n").0[0], "t");
+        // a remark is none
         let mut rows = vec![(1, b"1,2,3".to_vec())];
-        assert!(take(Path::new("x"), Some(b"a remark".to_vec()), &mut rows).is_err());
+        assert!(take(Path::new("x"), Some(b"a remark".to_vec()), &mut rows).unwrap().is_unnamed);
     }
 
     #[test]

@@ -99,6 +99,10 @@ impl Quality {
         let more = other.empty_axes.into_iter().filter(|axis| !self.empty_axes.contains(axis));
         self.empty_axes.extend(more.collect::<Vec<_>>());
         self.failed_reads.extend(other.failed_reads);
+        self.clock.extend(other.clock);
+        if self.assumed_map.is_empty() {
+            self.assumed_map = other.assumed_map;
+        }
         self.text_columns.extend(other.text_columns);
         self.first_text = self.first_text.take().or(other.first_text);
     }

@@ -16,7 +16,9 @@ use super::rate::{self, Rate, Stamps};
 use super::source::Source;
 use super::table::{Column, Skipped, Table, check_names};
 use super::unusable::refuse_unusable;
-use super::{Recording, Stream, failed_reads, gaps, interleaved, own_rate, streams};
+use super::{
+    ClockProblem, Recording, Stream, clock_check, failed_reads, gaps, interleaved, own_rate, streams,
+};
 use crate::closest::closest;
 use crate::unit::Unit;
 
@@ -29,7 +31,7 @@ const MAX_COPIES: f64 = 0.1;
 const FEW_BACKS: u64 = 3;
 const MOST_BACKS: f64 = 0.02;
 
-/// A true rate further from the stated one than this, relative, is another one: the oscillators of parts are off by up
+/// A rate by the stamps that is further from the stated one than this, relative, is another one, and the stated one holds: the oscillators of parts are off by up
 /// to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
 const SAME_RATE: f64 = 0.07;
 
@@ -41,8 +43,9 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
     let path = path.as_ref();
     let (opened, mut source) = format::open(path, options, Extent::Whole)?;
     match opened {
-        Opened::Table(table) => {
+        Opened::Table(mut table) => {
             let mut meaning = format::meaning(path, &table, options)?;
+            meaning.unwrap_clock(&mut table);
             if let Some(undecided) = meaning.undecided.take() {
                 return Err(undecided);
             }
@@ -78,9 +81,10 @@ pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
     let options = LoadOptions::default();
     let (opened, _) = format::open(path, &options, Extent::Begin)?;
     match opened {
-        Opened::Table(table) => {
+        Opened::Table(mut table) => {
             refuse_unusable(path, &table, false)?;
             let meaning = format::meaning(path, &table, &options)?;
+            meaning.unwrap_clock(&mut table);
             Ok((*table, meaning))
         }
         Opened::Streams(streams, read_as) => {
@@ -170,10 +174,16 @@ fn assemble(
         return Err(RecordingError::TooFewRows { path, rows: n_rows });
     }
 
+    let to_s = map.mappings().iter().find(|mapping| mapping.target == "t_s");
+    let to_s = to_s.map_or(1.0, |mapping| mapping.conversion.scale);
+    let rounded = time.and_then(|time| clock_check::rounded(&table.columns[time].values));
+    let rounded_to_s = rounded.map(|step| step * to_s.abs());
     let Table { columns, skipped, mut quality, .. } = table;
     quality.perhaps.clone_from(&meaning.perhaps);
+    quality.assumed_map.clone_from(&meaning.assumed_map);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
+    channels.retain(|channel| !quality.failed_reads.iter().any(|reads| reads.is_of_all(&channel.name)));
     leave_out_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
     if rates == MayHaveRates::Yes
         && let Some(streams) = streams_of(&channels, n_rows, options)
@@ -185,6 +195,7 @@ fn assemble(
             clock_back: recording.quality.clock_back,
             gaps: recording.quality.gaps,
             samples_missing: recording.quality.samples_missing,
+            clock: recording.quality.clock,
             pauses: recording.quality.pauses,
             paused_s: recording.quality.paused_s,
             ..quality
@@ -201,28 +212,40 @@ fn assemble(
     let still = take("still").map(|cells| cells.into_iter().map(|cell| cell > 0.5).collect());
     let marks = find_marks(take("segment").as_deref().unwrap_or_default(), &skipped);
 
+    let column = || map.column_of("t_s").to_owned();
+    let by_order = |rate_hz: f64| without_stamps(n_rows, rate_hz, &marks);
     let (time_s, grid, rate) = match (stamps, options.rate_hz) {
-        (Some(time_s), nominal_hz) => {
-            let column = || map.column_of("t_s").to_owned();
-            let (grid, rate) = measure(&time_s, nominal_hz, &marks)
-                .ok_or_else(|| RecordingError::NoClock { path: path.clone(), column: column() })?;
-            if !RATES_HZ.contains(&rate.true_hz) {
-                let period_s = rate.period_s;
-                return Err(RecordingError::NoSuchClock { path, column: column(), period_s });
+        (Some(time_s), nominal_hz) => match measured(&path, column(), time_s, nominal_hz, &marks) {
+            Ok((time_s, grid, rate)) => {
+                let (segments, period_s) = (&grid.segments, rate.period_s);
+                quality.clock = clock_check::problems(
+                    map.column_of("t_s"),
+                    &time_s,
+                    rounded_to_s,
+                    segments,
+                    period_s,
+                    &channels,
+                );
+                let is_other = |rate_hz: &f64| (rate.true_hz / rate_hz - 1.0).abs() > SAME_RATE;
+                let no_time = quality.clock.iter().any(ClockProblem::discredits_stamps);
+                match nominal_hz.filter(|rate_hz| is_other(rate_hz) || no_time) {
+                    Some(rate_hz) => {
+                        let stamped_hz = Some(rate.true_hz);
+                        quality.clock =
+                            vec![ClockProblem::Overridden { column: column(), stamped_hz, rate_hz }];
+                        without_stamps(n_rows, rate_hz, &marks_of(&grid))
+                    }
+                    None => (time_s, grid, rate),
+                }
             }
-            let backs = grid.clock_back;
-            if backs > FEW_BACKS && backs as f64 > MOST_BACKS * n_rows as f64 {
-                return Err(RecordingError::OutOfOrder { path, column: column(), backs, rows: n_rows });
+            Err(error) => {
+                let rate_hz = nominal_hz.ok_or(error)?;
+                quality.clock =
+                    vec![ClockProblem::Overridden { column: column(), stamped_hz: None, rate_hz }];
+                by_order(rate_hz)
             }
-            if let Some(rate_hz) = nominal_hz
-                && (rate.true_hz / rate_hz - 1.0).abs() > SAME_RATE
-            {
-                let true_hz = rate.true_hz;
-                return Err(RecordingError::OtherRate { path, column: column(), true_hz, rate_hz });
-            }
-            (time_s, grid, rate)
-        }
-        (None, rate_hz) => without_stamps(n_rows, rate_hz.unwrap_or(1.0), &marks),
+        },
+        (None, rate_hz) => by_order(rate_hz.unwrap_or(1.0)),
     };
     if rate.stamps != Stamps::Absent && is_of_two(&time_s, &channels) {
         return Err(RecordingError::TwoDevices { path });
@@ -248,6 +271,46 @@ fn assemble(
         alignment: None,
         memo: Default::default(),
     })
+}
+
+/// The boundaries of a grid, for rows that count in their order; none where the stamps leave gaps everywhere.
+fn marks_of(grid: &Grid) -> Vec<Mark> {
+    let rows = grid.segments.last().map_or(0, |last| last.rows.end);
+    let is_few = grid.segments.len() * 20 <= rows;
+    let inner =
+        grid.segments.iter().skip(1).filter(|segment| is_few || segment.boundary == Boundary::SegmentColumn);
+    inner
+        .map(|segment| Mark {
+            row: segment.rows.start,
+            boundary: segment.boundary,
+            missing: segment.missing_before,
+        })
+        .collect()
+}
+
+/// Stamps with the grid and the rate that they show.
+///
+/// # Errors
+/// They show none, or an impossible one, or are in no order.
+fn measured(
+    path: &Path,
+    column: String,
+    time_s: Vec<f64>,
+    nominal_hz: Option<f64>,
+    marks: &[Mark],
+) -> Result<(Vec<f64>, Grid, Rate), RecordingError> {
+    let path = path.to_owned();
+    let Some((grid, rate)) = measure(&time_s, nominal_hz, marks) else {
+        return Err(RecordingError::NoClock { path, column });
+    };
+    if !RATES_HZ.contains(&rate.true_hz) {
+        return Err(RecordingError::NoSuchClock { path, column, period_s: rate.period_s });
+    }
+    let (backs, rows) = (grid.clock_back, time_s.len());
+    if backs > FEW_BACKS && backs as f64 > MOST_BACKS * rows as f64 {
+        return Err(RecordingError::OutOfOrder { path, column, backs, rows });
+    }
+    Ok((time_s, grid, rate))
 }
 
 /// The streams that a table was merged from, if an axis has a rate of its own.

@@ -13,7 +13,7 @@ pub struct LoadOptions {
     /// Which column is which channel, in what unit.
     #[cfg_attr(feature = "page-types", ts(as = "Vec<String>"))]
     pub columns: ColumnMap,
-    /// Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps.
+    /// Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "page-types", ts(optional))]
     pub rate_hz: Option<f64>,

@@ -304,7 +304,8 @@ fn what_spreadsheets_and_loggers_do_to_csv_is_read() {
 fn files_that_are_no_logs_say_what_is_expected() {
     for (text, hint) in [
         ("", "empty"),
-        ("1,2\n3,4\n", "names of the columns"),
+        ("1,2\n3,4\n", "no header"),
+        ("1\n3\n", "names of the columns"),
         ("t_s,t_s\n1,2\n", "two columns are named \"t_s\""),
         ("t_s,gx_rads\n1,2\n", "at least 2"),
         ("t_s,gx_rads\nx,2\ny,3\n", "\"t_s\" is needed as numbers"),

@@ -9,7 +9,9 @@
 //! |---|---|
 //! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
 //! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
-//! | a stated rate that is 7 % off what the stamps show | refused, with both |
+//! | a stated rate that is 7 % off what the stamps show, or stamps that cannot be time | the rows count in their order, at the stated rate; both are printed |
+//! | a temperature that moves faster than 5 K/s, stamps that a spreadsheet rounded, a clock that ticks slower than the sensor samples | warning, with the remedy |
+//! | a thermometer shows one of these values in every row | the column is left out, with a warning |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
 //! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
 //! | a stamp repeats, the sample differs | kept and counted |
@@ -28,6 +30,7 @@
 
 mod cell;
 mod channel;
+mod clock_check;
 mod coarse;
 mod column_map;
 mod column_words;
@@ -91,6 +94,7 @@ use crate::closest::closest;
 use crate::column::{AXES, Column};
 
 pub use channel::Channel;
+pub use clock_check::ClockProblem;
 pub use column_map::{ColumnMap, MapError};
 pub use duty_cycle::DutyCycle;
 pub use error::RecordingError;
@@ -156,6 +160,13 @@ impl Recording {
         self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
             if self.quality.empty_axes.iter().any(|axis| axis == name) {
                 return self.no_values(name);
+            }
+            // columns that may be axes, but state no unit: the error has the entries of a column map for them
+            if AXES.contains(&name)
+                && !self.quality.perhaps.is_empty()
+                && let Err(no_axes) = self.axes()
+            {
+                return no_axes;
             }
             let available: Vec<String> = self.channels.iter().map(|channel| channel.name.clone()).collect();
             let closest = closest(name, available.iter().map(String::as_str)).map(str::to_owned);

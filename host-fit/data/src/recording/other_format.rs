@@ -31,7 +31,11 @@ const KNOWN: &[Known] = &[
         is: "it is an HDF5 file, as MATLAB writes too",
         help: "write the table in it as CSV or Parquet",
     },
-    Known { begin: b"MATLAB 5.0", is: "it is a MAT-file", help: "in MATLAB: writetable(log, \"log.csv\")" },
+    Known {
+        begin: b"MATLAB 5.0",
+        is: "it is a MAT-file",
+        help: "write its columns as CSV: in MATLAB writetable(table(t, acc, gyr), \"log.csv\"), in Python scipy.io.loadmat and numpy.savetxt",
+    },
     Known {
         begin: b"SQLite format 3",
         is: "it is a database of SQLite",
@@ -46,6 +50,15 @@ pub(super) const BEGIN: usize = 16;
 
 /// What a file that begins so is, if it is no log, and what to do.
 pub(super) fn known(begin: &[u8]) -> Option<(&'static str, &'static str)> {
+    // the first sector is empty
+    if begin.get(512..).is_some_and(|rest| rest.starts_with(b"MDTC"))
+        && begin[..512].iter().all(|byte| *byte == 0)
+    {
+        return Some((
+            "it is a log of a Matrix wearable of Parmay Tech (.BIN, with accelerometer, gyro and temperature)",
+            "export it as CSV, with time, accelerometer and gyro: by the software of the device, or in R by GGIRread::readParmayMatrix",
+        ));
+    }
     // a column of a CSV file may be named ORC
     let is_text = |known: &Known| known.begin.iter().all(u8::is_ascii_alphanumeric);
     let ends_as_text =

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::clock_check::ClockProblem;
 use super::failed_reads::FailedReads;
 
 /// How many rows that could not be used are kept with their place and content.
@@ -34,6 +35,9 @@ pub struct Quality {
     pub empty_axes: Vec<String>,
     /// Readings of thermometers that failed, by column; they read NaN.
     pub failed_reads: Vec<FailedReads>,
+    /// Reasons why the stamps are not the time of the samples.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub clock: Vec<ClockProblem>,
     /// Stretches of missing samples.
     pub gaps: u64,
     /// Samples missing in them, counted on the regular sample grid.
@@ -49,6 +53,9 @@ pub struct Quality {
     /// Entries of a column map that may be right, by names and values: nothing states them, and they are not followed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub perhaps: Vec<String>,
+    /// Entries of a column map that were assumed by the values of a file without a header.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub assumed_map: Vec<String>,
 }
 
 /// Cells of one channel without a usable number; they read NaN.

@@ -16,6 +16,8 @@ pub(super) struct Table {
     pub(super) quality: Quality,
     /// Columns of the file that a map leaves out.
     pub(super) ignored: Vec<String>,
+    /// The file has no header; columns are named by their places.
+    pub(super) is_unnamed: bool,
 }
 
 /// One column.

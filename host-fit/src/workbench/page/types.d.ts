@@ -615,7 +615,7 @@ judged: Source | null,
 fitted_rows: number,
 /** Which column is which channel, in what unit. */
 columns: Array<string>,
-/** Nominal sample rate, Hz. Reported beside the true one; needed only if the log has no time stamps. */
+/** Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate. */
 rate_hz?: number,
 /** The format, where it is not to be found by the content. */
 format?: string,

@@ -61,7 +61,14 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
     }
     let by = "Betaflight (gyro zero and accelerometer trim subtracted, turned to the vehicle)";
     let provenance = Provenance::of_both(Values::Corrected(by.into()), Frame::Vehicle);
-    Ok(Some(Found { format: Format::Betaflight, entries, assumed, provenance, gyro_clock: None }))
+    Ok(Some(Found {
+        format: Format::Betaflight,
+        entries,
+        assumed,
+        provenance,
+        gyro_clock: None,
+        counter: None,
+    }))
 }
 
 /// Counts to 1 g.

@@ -8,7 +8,7 @@ use super::super::load_options::LoadOptions;
 use super::super::{csv_file, other_format};
 use super::names::Format;
 use super::opened::{Extent, Opened};
-use super::{choice, gnss_logger};
+use super::{axivity, choice, geneactiv, gnss_logger};
 use crate::file::FileError;
 
 /// What is read of a file to see what is in it.
@@ -34,13 +34,24 @@ pub(super) fn unpacked(
     if let Some((is, help)) = in_sqlite.or_else(|| other_format::known(begin)) {
         return Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help });
     }
-    let signed = of_signature(begin).or_else(|| gnss_logger::is(begin).then_some(Format::GnssLogger));
+    let signed = of_signature(begin)
+        .or_else(|| gnss_logger::is(begin).then_some(Format::GnssLogger))
+        .or_else(|| geneactiv::is(begin).then_some(Format::GeneActiv));
     if let (Some(given), Some(found)) = (options.format, signed)
         && given != found
     {
         return Err(RecordingError::OtherFormat {
             path: path.to_owned(),
             is: format!("it begins as {found} does, and was said to be {given}"),
+            help: "leave the format out, so that it is found by the content",
+        });
+    }
+    if let (Some(given @ (Format::GeneActiv | Format::Axivity)), None, false) =
+        (options.format, signed, begin.is_empty())
+    {
+        return Err(RecordingError::OtherFormat {
+            path: path.to_owned(),
+            is: format!("it does not begin as {given} does"),
             help: "leave the format out, so that it is found by the content",
         });
     }
@@ -74,6 +85,14 @@ pub(super) fn unpacked(
             choice::refuse_topic(path, options, "a log of GnssLogger, with one accelerometer and one gyro")?;
             return gnss_logger::read(path, input, options.strict);
         }
+        Some(Format::GeneActiv) => {
+            choice::refuse_topic(path, options, "a log of a GENEActiv, with one accelerometer")?;
+            return geneactiv::read(path, input, options);
+        }
+        Some(Format::Axivity) => {
+            choice::refuse_topic(path, options, "a log of an Axivity device, with one accelerometer")?;
+            return axivity::read(path, input, options);
+        }
         _ => {}
     }
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
@@ -86,18 +105,28 @@ pub(super) fn unpacked(
 impl Format {
     /// Whether it is no table.
     fn has_bytes_of_its_own(self) -> bool {
-        matches!(self, Self::Ulog | Self::Dataflash | Self::Mcap | Self::Bag | Self::GnssLogger)
+        matches!(
+            self,
+            Self::Ulog
+                | Self::Dataflash
+                | Self::Mcap
+                | Self::Bag
+                | Self::GnssLogger
+                | Self::GeneActiv
+                | Self::Axivity
+        )
     }
 }
 
 /// The format by the signature that a file begins with.
 fn of_signature(begin: &[u8]) -> Option<Format> {
-    const SIGNATURES: [(&[u8], Format); 4] = [
+    const SIGNATURES: [(&[u8], Format); 5] = [
         (b"ULog\x01\x12\x35", Format::Ulog),
         // a message that describes messages
         (b"\xa3\x95\x80", Format::Dataflash),
         (b"\x89MCAP0\r\n", Format::Mcap),
         (b"#ROSBAG V", Format::Bag),
+        (axivity::SIGNATURE, Format::Axivity),
     ];
     let known = SIGNATURES.iter().find(|(signature, _)| begin.starts_with(signature));
     known.map(|(_, format)| *format)

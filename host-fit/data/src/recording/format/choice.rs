@@ -73,7 +73,6 @@ pub(super) fn offers_of(table: &Table) -> String {
 /// # Errors
 ///
 /// `strict`, and there is damage or an unreadable message.
-#[cfg(any(feature = "bag", feature = "dataflash", feature = "mcap", feature = "ulog"))]
 pub(super) fn refuse_damage(
     path: &Path,
     format: Format,
@@ -95,7 +94,6 @@ pub(super) fn refuse_damage(
 }
 
 /// What is missing in a log of `format`, what is there, and what to record instead.
-#[cfg(any(feature = "bag", feature = "dataflash", feature = "mcap", feature = "ulog"))]
 pub(super) fn no_sensors(path: &Path, format: Format, problem: String, help: &str) -> RecordingError {
     RecordingError::NoSensors {
         path: path.to_owned(),

@@ -186,6 +186,15 @@ const DIALECTS: &[Dialect] = &[
         ..PLAIN
     },
     Dialect {
+        format: Format::SensorLogger,
+        marks: &["version", "device name", "platform", "sensors"],
+        refused: Some((
+            "it is Metadata.csv of Sensor Logger, which describes a recording and holds no samples",
+            "name the folder that it lies in, or the file of a sensor, as Gyroscope.csv",
+        )),
+        ..PLAIN
+    },
+    Dialect {
         format: Format::Phyphox,
         marks: &["Time ()", "Linear Acceleration x ()"],
         refused: Some((

@@ -16,4 +16,6 @@ pub(super) struct Found {
     pub(super) provenance: Provenance,
     /// The stamps of the gyros and their unit, where they have their own.
     pub(super) gyro_clock: Option<(String, &'static str)>,
+    /// The column of a clock that wraps, and the count at which it does.
+    pub(super) counter: Option<(String, f64)>,
 }

@@ -71,6 +71,13 @@ pub(super) fn spelling(stated: &str, target: &str) -> Option<&'static str> {
     (unit == Unit::of_column(target)).then_some(known)
 }
 
+/// Whether a text is a unit of any quantity that a log has, in brackets or not.
+pub(in super::super) fn is_unit(text: &str) -> bool {
+    let text = text.trim().trim_matches(['[', ']', '(', ')']);
+    let targets = ["t_s", "ax_mps2", "gx_rads", "mag_x_ut", "temp_c", "supply_v", "load_pct"];
+    targets.iter().any(|target| spelling(text, target).is_some())
+}
+
 /// The unit of a column: as its header states it, else `default`.
 ///
 /// # Errors

@@ -33,7 +33,7 @@ pub struct FormatKnowledge {
 
 /// Endings of files that may be logs; `.gz` stands behind another one. What is in a file is told by its content.
 pub const LOG_ENDINGS: &[&str] =
-    &[".csv", ".tsv", ".txt", ".gz", ".parquet", ".ulg", ".bin", ".mcap", ".bag", ".zip"];
+    &[".csv", ".tsv", ".txt", ".gz", ".parquet", ".ulg", ".bin", ".cwa", ".mcap", ".bag", ".zip"];
 
 /// Whether a file may be a log, by the ending of its name; capitals do not count.
 pub fn may_be_log(name: &str) -> bool {
@@ -98,11 +98,11 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         id: "dataflash",
         name: "ArduPilot DataFlash",
         files: ".bin, .BIN",
-        read: "ACC and GYR, else IMU (and IMU2, IMU3 of old)",
+        read: "ACC and GYR, else IMU (of logs up to 2020 also IMU2 and IMU3)",
         units: "m/s², rad/s, °C",
         values: "raw, in the axes of the board, as far as the parameters in the log undo ArduPilot's corrections; the reader lists what it undid and what is left",
-        clock: "SampleUS, else TimeUS, µs since boot",
-        temperature: "T of IMU",
+        clock: "SampleUS, else TimeUS, µs since boot; TimeMS, ms, of logs up to 2014",
+        temperature: "T of IMU, Temp of logs up to 2016",
         traps: "values are offset, scaled, temperature-corrected and turned by AHRS_ORIENTATION before they are logged; the parameters in the log say how, and it is undone; batches (ISBH, ISBD) hold one sensor at a time and are not read",
         refused: "logs without any of these: set INS_RAW_LOG_OPT, or the IMU_RAW bit of LOG_BITMASK",
     },
@@ -261,5 +261,44 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         temperature: "none",
         traps: "gyroADC is filtered and both are rounded to 1 °/s; the accelerometer is in counts, of which gravity tells the scale",
         refused: "the binary log: decode it by blackbox_decode",
+    },
+    FormatKnowledge {
+        format: Format::Xsens,
+        id: "xsens",
+        name: "Xsens and Movella DOT",
+        files: ".csv, .txt",
+        read: "Acc_X … Gyr_Z of an export, or f_x … w_z of a table of DOT logs; Temperature",
+        units: "m/s², °/s; rad/s of MT Manager",
+        values: "corrected by the sensor's factory calibration, in the axes of the sensor",
+        clock: "SampleTimeFine, which wraps: µs of a DOT, 100 µs of an MTi; or Time, s",
+        temperature: "a column Temperature, which a DOT does not export",
+        traps: "the magnetic field is in no unit and left alone; FreeAcc is without gravity and left alone",
+        refused: "orientations alone: record the payload \"Rate quantities\"; dq and dv alone likewise",
+    },
+    FormatKnowledge {
+        format: Format::GeneActiv,
+        id: "geneactiv",
+        name: "GENEActiv",
+        files: ".bin",
+        read: "the three accelerometers of each page",
+        units: "counts, converted to m/s² by the gain and offset in the header; °C",
+        values: "corrected by the factory gain and offset in the header, in the axes of the sensor",
+        clock: "Page Time, local time; samples are spread evenly to the next page",
+        temperature: "one for each page of 300 samples, held until the next",
+        traps: "there is no gyro; light and button are not read",
+        refused: "a header without gain and offset: extract the file again",
+    },
+    FormatKnowledge {
+        format: Format::Axivity,
+        id: "axivity",
+        name: "Axivity AX3 and AX6",
+        files: ".cwa",
+        read: "the three accelerometers of each block, and the gyro of an AX6",
+        units: "counts, converted to m/s² and rad/s by the scales in each block; °C",
+        values: "raw, in the axes of the sensor",
+        clock: "the time of each block, local time; samples are spread evenly to the next block",
+        temperature: "one for each block of 40 to 120 samples, held until the next",
+        traps: "the thermometer is on the board and resolves 0.3 K; light and battery are not read",
+        refused: "a log without samples",
     },
 ];

@@ -11,7 +11,7 @@ use super::super::stream::{Stream, stamps};
 use super::super::table::Table;
 use super::dialect::{Dialect, is_named};
 use super::found::Found;
-use super::{Format, ReadAs, betaflight, header, several};
+use super::{Format, ReadAs, betaflight, header, several, unnamed, xsens};
 use crate::column::{AXES, Triad};
 use crate::unit::{Affine, parse_unit};
 
@@ -24,8 +24,12 @@ pub(in super::super) struct Meaning {
     pub(in super::super) read_as: Option<ReadAs>,
     /// The stamps of the gyros and their unit, where they have their own.
     pub(in super::super) gyro_clock: Option<(String, &'static str)>,
+    /// The column of a clock that wraps, and the count at which it does.
+    pub(in super::super) counter: Option<(String, f64)>,
     /// Entries of a column map that may be right, but that nothing states.
     pub(in super::super) perhaps: Vec<String>,
+    /// The same, where they are followed: the file has no header, and the values are clear.
+    pub(in super::super) assumed_map: Vec<String>,
     /// Why the log cannot be read without a word of the user: candidates for a channel that are equally good and differ.
     pub(in super::super) undecided: Option<RecordingError>,
 }
@@ -47,8 +51,16 @@ pub(in super::super) fn meaning(
         None if has_axes && has_time => return Ok(Meaning::told(options)),
         _ => {}
     }
+    if table.is_unnamed {
+        return match options.format {
+            None | Some(Format::Named) => unnamed::meaning(path, table, options),
+            Some(format) => {
+                Err(RecordingError::NotOfFormat { path: path.to_owned(), format, available: table.names() })
+            }
+        };
+    }
     if let Some(found) = of_program(path, table, options)? {
-        let Found { format, entries, assumed, mut provenance, gyro_clock } = found;
+        let Found { format, entries, assumed, mut provenance, gyro_clock, counter } = found;
         header::refuse_other_gravity(path, table, &entries, options)?;
         // what the user maps may be anything
         for triad in [Triad::Accelerometers, Triad::Gyros] {
@@ -57,7 +69,13 @@ pub(in super::super) fn meaning(
             }
         }
         let read_as = Some(ReadAs { format, assumed, provenance: Some(provenance) });
-        return Ok(Meaning { map: filled(map, table, entries), read_as, gyro_clock, ..Meaning::default() });
+        return Ok(Meaning {
+            map: filled(map, table, entries),
+            read_as,
+            gyro_clock,
+            counter,
+            ..Meaning::default()
+        });
     }
     if let Some(format) = options.format.filter(|format| *format != Format::Named) {
         return Err(RecordingError::NotOfFormat { path: path.to_owned(), format, available: table.names() });
@@ -78,6 +96,11 @@ fn of_program(path: &Path, table: &Table, options: &LoadOptions) -> Result<Optio
     }
     if let Some(dialect) = Dialect::of(table, options.format) {
         return of_dialect(path, table, options, dialect).map(Some);
+    }
+    if may_be(Format::Xsens)
+        && let Some(found) = xsens::exported(path, table)?
+    {
+        return Ok(Some(found));
     }
     if !may_be(Format::Betaflight) {
         return Ok(None);
@@ -117,7 +140,7 @@ fn of_dialect(
     };
     let entries = dialect.entries(path, table, options)?;
     let (format, assumed, provenance) = (dialect.format, dialect.assumed(&entries), dialect.provenance());
-    Ok(Found { format, entries, assumed, provenance, gyro_clock })
+    Ok(Found { format, entries, assumed, provenance, gyro_clock, counter: None })
 }
 
 /// By names that state what they are. Where they do not, it is left to the user.
@@ -189,11 +212,17 @@ fn undecided_error(path: &Path, undecided: &[Undecided], decided: &[String]) -> 
     let rest: Vec<String> = of_others.chain(decided).cloned().collect();
     let first = undecided.first().map_or(&[][..], |group| &group.choices);
     let maps = first.iter().map(|entries| entries.iter().chain(&rest).cloned().collect()).collect();
-    RecordingError::Undecided { path: path.to_owned(), problem: problem.collect::<Vec<_>>().join("; "), maps }
+    let problem = problem.collect::<Vec<_>>().join("; ");
+    let problem = format!("{problem}: equally good by their names, and they differ");
+    RecordingError::Undecided { path: path.to_owned(), problem, maps }
 }
 
 /// What the user says, and of other channels what was found.
-fn filled<T: AsRef<str>>(map: &ColumnMap, table: &Table, entries: Vec<(T, String, String)>) -> ColumnMap {
+pub(super) fn filled<T: AsRef<str>>(
+    map: &ColumnMap,
+    table: &Table,
+    entries: Vec<(T, String, String)>,
+) -> ColumnMap {
     let mut filled = map.clone();
     for (target, column, how) in entries {
         let target = target.as_ref();
@@ -211,6 +240,15 @@ impl Meaning {
     /// What the user says, and nothing else.
     pub(in super::super) fn told(options: &LoadOptions) -> Self {
         Self { map: options.columns.clone(), ..Self::default() }
+    }
+
+    /// Makes the clock of the table go on where it wraps.
+    pub(in super::super) fn unwrap_clock(&self, table: &mut Table) {
+        if let Some((column, modulus)) = &self.counter
+            && let Some(at) = table.index_of(column)
+        {
+            xsens::unwrap(&mut table.columns[at].values, *modulus);
+        }
     }
 
     /// The channels by sensor, each with its own stamps, where the gyros have a clock of their own; the table stays

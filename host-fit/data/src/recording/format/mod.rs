@@ -5,6 +5,7 @@
 //! Formats that give every sensor stamps of its own come out as [`Stream`](super::Stream)s.
 
 mod archive;
+mod axivity;
 #[cfg(feature = "bag")]
 mod bag;
 mod betaflight;
@@ -15,6 +16,7 @@ mod container;
 mod dataflash;
 mod dialect;
 mod found;
+mod geneactiv;
 mod gnss_logger;
 mod header;
 mod identity;
@@ -31,8 +33,12 @@ mod rotation;
 mod several;
 #[cfg(feature = "ulog")]
 mod ulog;
+mod unnamed;
+mod wearable;
+mod xsens;
 
 pub(super) use container::open;
+pub(super) use header::is_unit;
 pub use identity::{ReadAs, UnknownFormat};
 pub use known::{FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, may_be_log};
 pub(super) use meaning::{Meaning, meaning};

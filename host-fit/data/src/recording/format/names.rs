@@ -35,4 +35,10 @@ pub enum Format {
     AndroSensor,
     /// Betaflight's blackbox as CSV.
     Betaflight,
+    /// Movella DOT, and Xsens MT Manager, as text.
+    Xsens,
+    /// GENEActiv wrist-worn accelerometers.
+    GeneActiv,
+    /// Axivity AX3 and AX6.
+    Axivity,
 }

@@ -39,8 +39,11 @@ const MAGNETOMETER_FILES: &[&str] = &["magnetometeruncalibrated", "magnetometer"
 impl Sensor {
     /// By the name of a file.
     fn of_file(name: &str) -> Option<Self> {
-        let stem = stem(name)?;
-        let is = |stems: &[&str]| stems.contains(&stem.as_str());
+        Self::of_stem(stem(name)?.as_str())
+    }
+
+    fn of_stem(stem: &str) -> Option<Self> {
+        let is = |stems: &[&str]| stems.contains(&stem);
         if is(TOTAL_ACCELEROMETERS) || is(PLAIN_ACCELEROMETERS) {
             return Some(Self::Accelerometer);
         }
@@ -182,6 +185,10 @@ fn candidates<'a>(names: &'a [String], archive: &mut Archive) -> Result<Vec<Cand
             candidates.push(Candidate { name, kind: Kind::Sensors(files) });
         }
     }
+    // the binary log in a .gt3x of ActiGraph is no table
+    if names.iter().any(|name| name == "info.txt") && names.iter().any(|name| name == "log.bin") {
+        return Ok(Vec::new());
+    }
     // phyphox tells of the phone in there
     let is_of_phone = |name: &str| name.starts_with("meta/") || name.contains("/meta/");
     let logs = names.iter().filter(|name| may_be_log_within(name) && !is_of_phone(name));
@@ -195,7 +202,10 @@ fn candidates<'a>(names: &'a [String], archive: &mut Archive) -> Result<Vec<Cand
 fn nothing(path: &Path, names: &[String]) -> RecordingError {
     let is_sqlite = names.iter().any(|name| name.ends_with(".db3"));
     let is_workbook = names.iter().any(|name| name.starts_with("xl/"));
-    let (is, help) = if is_sqlite {
+    let has = |name: &str| names.iter().any(|known| known == name);
+    let (is, help) = if has("info.txt") && has("log.bin") {
+        ("it is a log of an ActiGraph (.gt3x)", "export it as raw CSV by ActiLife or CentrePoint")
+    } else if is_sqlite {
         BAG_IN_SQLITE
     } else if is_workbook {
         ("it is a workbook (xlsx)", "save the sheet as CSV")
@@ -223,11 +233,23 @@ fn is_log_by_name(name: &str) -> bool {
     [".ulg", ".mcap", ".bag"].iter().any(|ending| name.ends_with(ending))
 }
 
-/// The name of a table without folder, ending, spaces and dashes, in small letters; none if it is no table.
+/// The name of a table without folder, ending, spaces and dashes, in small letters; none if it is no table. What somebody
+/// put before the name of a sensor, as in `run1_Gyroscope.csv`, is left out.
 fn stem(name: &str) -> Option<String> {
     let file = name.rsplit_once('/').map_or(name, |(_, file)| file).to_ascii_lowercase();
-    file.strip_suffix(".csv").map(|stem| stem.replace([' ', '_', '-'], ""))
+    let file = file.strip_suffix(".csv")?;
+    let is_part = |letter: char| [' ', '_', '-', '.'].contains(&letter);
+    let ends = file.char_indices().filter(|(_, letter)| is_part(*letter)).map(|(at, _)| at + 1);
+    let sensor = std::iter::once(0).chain(ends).find_map(|from| {
+        let (before, stem) = (&file[..from], file[from..].replace(is_part, ""));
+        let is_estimate = ESTIMATES.iter().any(|word| before.contains(word));
+        (!is_estimate && Sensor::of_stem(&stem).is_some()).then_some(stem)
+    });
+    Some(sensor.unwrap_or_else(|| file.replace([' ', '_', '-'], "")))
 }
+
+/// Words before the name of a sensor that make it an estimate of the phone.
+const ESTIMATES: [&str; 3] = ["linear", "user", "gravity"];
 
 /// The program that writes such a file, by its header.
 fn format_of(archive: &mut Archive, name: &str) -> Result<Option<Format>, RecordingError> {
@@ -246,6 +268,8 @@ struct Chosen {
     format: Format,
     files: Vec<(Sensor, String)>,
     platform: Platform,
+    /// An accelerometer without gravity, which is not read.
+    without_gravity: Option<String>,
 }
 
 impl Chosen {
@@ -301,7 +325,9 @@ impl Chosen {
             Some(name) => archive.look_into(name, |_, input| Ok(platform(input)))?,
             None => Platform::Unknown,
         };
-        Ok(Self { format, files, platform })
+        let is_read = files.iter().any(|(sensor, _)| *sensor == Sensor::Accelerometer);
+        let without_gravity = plain.filter(|_| !is_read && format == Format::SensorLogger).cloned();
+        Ok(Self { format, files, platform, without_gravity })
     }
 
     fn read(
@@ -339,7 +365,13 @@ impl Chosen {
             said.push(format!("{name} in {unit}{lost}"));
             streams.push(stream);
         }
-        let assumed = format!("{}; with gravity; each sensor by its own stamps", said.join(", "));
+        let gravity = match &self.without_gravity {
+            Some(name) => format!(
+                "{name} is without gravity and not read: record the total acceleration or the uncalibrated accelerometer"
+            ),
+            None => "with gravity".to_owned(),
+        };
+        let assumed = format!("{}; {gravity}; each sensor by its own stamps", said.join(", "));
         Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed, provenance: Some(provenance) }))
     }
 
@@ -416,26 +448,39 @@ pub(super) const WITHOUT_GRAVITY: (&str, &str) = (
     "record the total acceleration or the uncalibrated accelerometer (in phyphox: \"Acceleration with g\"), and the gyroscope",
 );
 
-/// What a file of Sensor Logger holds that stands alone: its name says which sensor it is of; none if it is no such file.
+/// What a file of Sensor Logger holds that stands alone, which its header shows; its name says which sensor it is of, and
+/// gravity shows an accelerometer. None if it is no such file.
 ///
 /// # Errors
 ///
-/// It is of an accelerometer without gravity.
+/// It is of an accelerometer without gravity, or of a sensor that neither its name nor its values show.
 pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, RecordingError>> {
     let column = |name: &str| table.columns.iter().find(|column| column.name == name);
     let _ = (column("time")?, column("seconds_elapsed")?);
     let triad = [column("x")?, column("y")?, column("z")?];
-    let stem = path.file_name()?.to_string_lossy().split('.').next()?.to_ascii_lowercase();
-    let sensor = match stem.trim_end_matches("uncalibrated") {
-        "gyroscope" => Sensor::Gyroscope,
-        "magnetometer" => Sensor::Magnetometer,
-        "totalacceleration" => Sensor::Accelerometer,
-        "accelerometer" if stem.ends_with("uncalibrated") => Sensor::Accelerometer,
-        "accelerometer" => {
+    let name = path.file_name()?.to_string_lossy();
+    let name = name.split_once('.').map_or(&*name, |(name, _)| name);
+    let stem = stem(&format!("{name}.csv"))?;
+    let values = triad.map(|column| column.values.as_slice());
+    let (sensor, by) = match Sensor::of_stem(&stem) {
+        Some(Sensor::Accelerometer) if PLAIN_ACCELEROMETERS.contains(&stem.as_str()) => {
             let (is, help) = WITHOUT_GRAVITY;
             return Some(Err(RecordingError::OtherFormat { path: path.to_owned(), is: is.to_owned(), help }));
         }
-        _ => return None,
+        Some(sensor) => (sensor, "name"),
+        None if force_unit(values).is_some() => (Sensor::Accelerometer, "gravity"),
+        None => {
+            let map = |targets: [&str; 3], unit: &str| {
+                let clock = std::iter::once("t_s=seconds_elapsed:s".to_owned());
+                let axes = targets.iter().zip(["x", "y", "z"]);
+                clock.chain(axes.map(|(target, axis)| format!("{target}={axis}:{unit}"))).collect()
+            };
+            return Some(Err(RecordingError::Undecided {
+                path: path.to_owned(),
+                problem: "a file of Sensor Logger whose name and values do not show its sensor: x, y and z may be a gyroscope or a magnetometer, or an accelerometer without gravity, which is of no use".to_owned(),
+                maps: vec![map(GYROS, "rad/s"), map(MAGNETOMETERS, "uT")],
+            }));
+        }
     };
     let unit = sensor.unit(triad.map(|column| column.values.as_slice()));
     let is_force = sensor == Sensor::Accelerometer;
@@ -453,14 +498,21 @@ pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, Recordi
         }
         _ => "",
     };
-    let assumed = format!("{stem} in {unit}, by its name{sign}; seconds_elapsed in s");
+    let assumed = format!("{stem} in {unit}, by its {by}{sign}; seconds_elapsed in s");
     let mut provenance = Provenance::default();
     match sensor {
         Sensor::Accelerometer => provenance.accelerometers = sensor_provenance,
         Sensor::Gyroscope => provenance.gyros = sensor_provenance,
         Sensor::Magnetometer => {}
     }
-    Some(Ok(Found { format: Format::SensorLogger, entries, assumed, provenance, gyro_clock: None }))
+    Some(Ok(Found {
+        format: Format::SensorLogger,
+        entries,
+        assumed,
+        provenance,
+        gyro_clock: None,
+        counter: None,
+    }))
 }
 
 /// The phone, by the table of one row in Metadata.csv.

@@ -182,6 +182,11 @@ impl Reader {
         &self.name
     }
 
+    /// Whether the message has a field of this label.
+    pub(super) fn has(&self, label: &str) -> bool {
+        self.fields.contains_key(label)
+    }
+
     fn bytes<'a>(&self, label: &str, payload: &'a [u8]) -> Option<(u8, &'a [u8])> {
         let (letter, at) = *self.fields.get(label)?;
         Some((letter, payload.get(at..at + size(letter)?)?))
@@ -218,14 +223,17 @@ impl Reader {
         b"nNZ".contains(&letter).then(|| text_of(bytes))
     }
 
-    /// A stamp in µs, as ns.
-    pub(super) fn stamp_ns(&self, label: &str, payload: &[u8]) -> Option<i64> {
-        let (letter, bytes) = self.bytes(label, payload)?;
-        let us = match letter {
-            b'Q' | b'q' => i64::from_le_bytes(bytes.try_into().ok()?),
-            b'I' => i64::from(u32::from_le_bytes(bytes.try_into().ok()?)),
-            _ => return None,
-        };
-        us.checked_mul(1000)
+    /// The time of a message, ns: that of its sample, else that of its writing, in µs or, up to 2014, in ms.
+    pub(super) fn stamp_ns(&self, payload: &[u8]) -> Option<i64> {
+        const CLOCKS: [(&str, i64); 3] = [("SampleUS", 1000), ("TimeUS", 1000), ("TimeMS", 1_000_000)];
+        CLOCKS.into_iter().find_map(|(label, ns)| {
+            let (letter, bytes) = self.bytes(label, payload)?;
+            let ticks = match letter {
+                b'Q' | b'q' => i64::from_le_bytes(bytes.try_into().ok()?),
+                b'I' => i64::from(u32::from_le_bytes(bytes.try_into().ok()?)),
+                _ => return None,
+            };
+            ticks.checked_mul(ns)
+        })
     }
 }

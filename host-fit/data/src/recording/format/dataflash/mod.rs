@@ -32,8 +32,10 @@ struct Gathered {
     gyr: Samples<3>,
     /// Three accelerations, three rates, and the temperature.
     imu: Samples<7>,
-    /// How many IMU messages each instance has.
+    /// Number of IMU messages of each instance.
     instances: Vec<u64>,
+    /// Each instance has a message of its own, `IMU2`, as up to 2020.
+    has_numbered_messages: bool,
     parameters: Parameters,
     volts: Samples<1>,
 }
@@ -46,17 +48,26 @@ pub(super) fn read(
     input: impl BufRead,
     options: &LoadOptions,
 ) -> Result<Opened, RecordingError> {
-    let wanted = choice::instance(path, Format::Dataflash, options.topic.as_deref(), &["IMU"])?;
+    let mut wanted = choice::instance(path, Format::Dataflash, options.topic.as_deref(), &["IMU"])?;
+    // the second and third IMU have messages of these names in logs whose IMU message states no instance
+    let numbered = match options.topic.as_deref().map(str::trim) {
+        Some("IMU2") => 1,
+        Some("IMU3") => 2,
+        _ => wanted,
+    };
     let mut gathered = Gathered::default();
     let mut messages = Messages::new(path, input);
     while let Some((reader, payload)) = messages.next()? {
-        gathered.take(reader, payload, wanted);
+        gathered.take(reader, payload, wanted, numbered);
+    }
+    if gathered.has_numbered_messages {
+        wanted = numbered;
     }
     let (lost, is_cut) = (messages.bytes_lost(), messages.is_cut());
     let problem = (lost > 0 || is_cut)
         .then(|| if is_cut { "it is cut short".to_owned() } else { format!("{lost} bytes are no messages") });
     choice::refuse_damage(path, Format::Dataflash, options.strict, problem.as_deref(), 0)?;
-    let Gathered { acc, gyr, imu, instances, parameters, volts } = gathered;
+    let Gathered { acc, gyr, imu, instances, parameters, volts, .. } = gathered;
     let is_raw = acc.stamps_ns.len() > 1 && gyr.stamps_ns.len() > 1;
     if !is_raw && imu.stamps_ns.len() < 2 {
         let there: Vec<String> =
@@ -65,7 +76,10 @@ pub(super) fn read(
         return Err(choice::no_sensors(
             path,
             Format::Dataflash,
-            format!("there are no samples of instance {wanted}; there is {there}"),
+            format!(
+                "there are no samples of {}; there is {there}",
+                options.topic.as_ref().map_or_else(|| "IMU 0".to_owned(), |topic| format!("\"{topic}\""))
+            ),
             "set the IMU_RAW bit of LOG_BITMASK (every sample), or its IMU bit, and record again",
         ));
     }
@@ -96,7 +110,7 @@ pub(super) fn read(
             columns.push(("temp_c".to_owned(), temperature));
         }
         streams.push(Stream { name: format!("IMU {wanted}"), stamps_ns: imu_ns, columns });
-        format!("IMU {wanted} by TimeUS, filtered and thinned out by ArduPilot")
+        format!("IMU {wanted} by TimeUS or TimeMS, filtered and thinned out by ArduPilot")
     };
     let Samples { stamps_ns, values: [volts] } = volts;
     if stamps_ns.len() > 1 {
@@ -171,7 +185,7 @@ fn named(triad: Triad, values: [Vec<f64>; 3]) -> impl Iterator<Item = (String, V
 }
 
 impl Gathered {
-    fn take(&mut self, reader: &Reader, payload: &[u8], wanted: u8) {
+    fn take(&mut self, reader: &Reader, payload: &[u8], wanted: u8, numbered: u8) {
         match reader.name() {
             "PARM" => {
                 if let (Some(name), Some(value)) =
@@ -182,8 +196,7 @@ impl Gathered {
                 }
             }
             "POWR" => {
-                if let (Some(stamp), Some(volts)) =
-                    (reader.stamp_ns("TimeUS", payload), reader.number("Vcc", payload))
+                if let (Some(stamp), Some(volts)) = (reader.stamp_ns(payload), reader.number("Vcc", payload))
                 {
                     self.volts.push(stamp, [volts]);
                 }
@@ -194,21 +207,29 @@ impl Gathered {
             "GYR" if instance(reader, payload) == wanted => {
                 self.gyr.take(reader, payload, ["GyrX", "GyrY", "GyrZ"]);
             }
-            "IMU" => self.take_imu(reader, payload, wanted),
-            // of old each instance had a message of its own
-            "IMU2" if wanted == 1 => self.take_imu(reader, payload, 0),
-            "IMU3" if wanted == 2 => self.take_imu(reader, payload, 0),
+            "IMU" => {
+                let wanted = if reader.has("I") { wanted } else { numbered };
+                self.take_imu(reader, payload, instance(reader, payload), wanted);
+            }
+            "IMU2" => self.take_numbered(reader, payload, 1, numbered),
+            "IMU3" => self.take_numbered(reader, payload, 2, numbered),
             _ => {}
         }
     }
 
-    fn take_imu(&mut self, reader: &Reader, payload: &[u8], wanted: u8) {
-        let instance = instance(reader, payload);
+    fn take_numbered(&mut self, reader: &Reader, payload: &[u8], instance: u8, wanted: u8) {
+        self.has_numbered_messages = true;
+        self.take_imu(reader, payload, instance, wanted);
+    }
+
+    fn take_imu(&mut self, reader: &Reader, payload: &[u8], instance: u8, wanted: u8) {
         let n = usize::from(instance);
         self.instances.resize(self.instances.len().max(n + 1), 0);
         self.instances[n] += 1;
         if instance == wanted {
-            self.imu.take(reader, payload, ["AccX", "AccY", "AccZ", "GyrX", "GyrY", "GyrZ", "T"]);
+            // `Temp` up to 2016
+            let celsius = if reader.has("T") { "T" } else { "Temp" };
+            self.imu.take(reader, payload, ["AccX", "AccY", "AccZ", "GyrX", "GyrY", "GyrZ", celsius]);
         }
     }
 }
@@ -227,8 +248,7 @@ impl<const FIELDS: usize> Default for Samples<FIELDS> {
 impl<const FIELDS: usize> Samples<FIELDS> {
     /// Takes a message that has a stamp; a field that it lacks is missing.
     fn take(&mut self, reader: &Reader, payload: &[u8], fields: [&str; FIELDS]) {
-        let stamp = reader.stamp_ns("SampleUS", payload).or_else(|| reader.stamp_ns("TimeUS", payload));
-        let Some(stamp) = stamp else { return };
+        let Some(stamp) = reader.stamp_ns(payload) else { return };
         self.push(stamp, fields.map(|field| reader.number(field, payload).unwrap_or(f64::NAN)));
     }
 
