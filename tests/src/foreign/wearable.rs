@@ -76,6 +76,8 @@ pub fn axivity(flight: &Flight, layout: Axivity) -> Vec<u8> {
     let counts_per_g = if layout == Axivity::WithGyro { 2048.0 } else { 256.0 };
     let mut log = vec![0xff; 1024];
     log[..4].copy_from_slice(b"MD\xfc\x03");
+    // an annotation without text
+    log[64..512].fill(b' ');
     log[4] = if layout == Axivity::WithGyro { 0x64 } else { 0x17 };
     for (number, block) in blocks(flight, most).into_iter().enumerate() {
         let (hour, minute, second, us) = clock(flight.stamps_us[block.start]);

@@ -176,8 +176,8 @@ fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)>
     most
 }
 
-/// The power of ten that all stamps are multiples of, where they had more digits than a spreadsheet keeps; none of stamps
-/// that are evenly spaced, which may be whole numbers by nature.
+/// The power of ten that all stamps are multiples of, where they had more digits than a spreadsheet keeps; none of
+/// evenly spaced stamps that are whole numbers of a coarser unit, as the milliseconds of a clock.
 pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
     let finite = stamps.iter().copied().filter(|stamp| stamp.is_finite());
     // what somebody wrote below the stamps is none
@@ -199,7 +199,9 @@ pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
     let usual = median_of(steps.iter().copied().filter(|step| step.is_finite()))?;
     let resolution = 2.0 * f64::EPSILON * smallest;
     let is_even = steps.iter().all(|step| (step - usual).abs() <= resolution);
-    (!is_even).then_some(least).filter(|step| *step > 4.0 * resolution)
+    // evenly spaced whole milliseconds are a clock's own; an even grid that is rounded to 10 µs has other digits
+    let is_coarser = many.iter().all(|stamp| is_multiple(*stamp, 100.0 * least));
+    (!(is_even && is_coarser)).then_some(least).filter(|step| *step > 4.0 * resolution)
 }
 
 #[cfg(test)]
@@ -266,7 +268,10 @@ mod tests {
         assert_eq!(rounded(&mangled), Some(1e4));
         // with a remark of the spreadsheet below
         assert_eq!(rounded(&[mangled, vec![200.0]].concat()), Some(1e4));
-        // an even grid, and a clock in s
+        // an even grid, rounded
+        let even: Vec<f64> = (0..500).map(|row| 1_403_636_579_758_560_000.0 + f64::from(row) * 5e6).collect();
+        assert_eq!(rounded(&even), Some(1e4));
+        // an even grid of milliseconds, and a clock in s
         assert_eq!(rounded(&(0..500).map(|row| 1.4e18 + f64::from(row) * 5e6).collect::<Vec<_>>()), None);
         assert_eq!(rounded(&(0..500).map(|row| f64::from(row) * 0.01).collect::<Vec<_>>()), None);
         assert_eq!(rounded(&[]), None);
