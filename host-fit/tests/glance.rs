@@ -100,7 +100,7 @@ fn refuses_stamps_out_of_order_and_follows_a_stated_rate_instead_of_another_one(
     assert!(error.contains("in 100 rows"), "{error}");
     rows.sort_unstable();
     let in_order: Vec<usize> = (0..1000).collect();
-    let folder = TempDir::new().expect("a folder");
+    let folder = tempfile::TempDir::new().expect("a folder");
     let path = folder.path().join("log.csv");
     std::fs::write(&path, csv(&in_order, 1.0 / 0.8533)).expect("written");
     let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };

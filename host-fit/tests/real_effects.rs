@@ -4,7 +4,7 @@
 use std::sync::LazyLock;
 
 use fos_data::recording::{Boundary, ColumnMap, LoadOptions, Recording, Source, load};
-use fos_diagnose::detect::{Diagnosis, Question, Verdict, diagnose, with_measured_reduction};
+use fos_diagnose::detect::{Diagnosis, Question, Verdict, diagnose, rms_reduction, with_measured_reduction};
 use fos_diagnose::effects::Library;
 use fos_testkit::noise::{autoregression, white_noise};
 use fos_testkit::outside;
@@ -152,7 +152,7 @@ fn table_of_the_tag_in_both_directions() {
     {
         println!("\n**Found in {heading}**\n");
         println!(
-            "| axis | verdict | finding | score | size | parameter | predicted reduction (90 %) | measured |"
+            "| axis | verdict | finding | score | size | parameter | predicted RMS reduction (90 %) | measured |"
         );
         println!("|---|---|---|---|---|---|---|---|");
         for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
@@ -183,18 +183,18 @@ fn print_rows(diagnosis: &Diagnosis) {
             .collect();
         let params: Vec<String> =
             finding.params.iter().map(|(name, value)| format!("{name} {value:.1}")).collect();
-        let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * share);
+        let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * rms_reduction(share));
         println!(
             "| {target} | {verdict:?} | {}{} | {:.0} | {} | {} | {:.1} % ({low:.1} … {high:.1}) | {} |",
-            if finding.doubt.is_some() { "in doubt: " } else { "" },
+            if finding.doubt.is_some() { "not conclusive: " } else { "" },
             finding.effect,
             finding.score.unwrap_or(f64::NAN),
             sizes.join(", "),
             params.join(", "),
-            100.0 * finding.predicted_reduction,
+            100.0 * rms_reduction(finding.predicted_reduction),
             finding
                 .measured_reduction
-                .map_or("–".to_owned(), |reduction| format!("{:.1} %", 100.0 * reduction))
+                .map_or("–".to_owned(), |reduction| format!("{:.1} %", 100.0 * rms_reduction(reduction)))
         );
     }
 }

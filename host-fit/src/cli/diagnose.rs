@@ -11,7 +11,9 @@ use super::output::{
     Failure, number, print_json, print_line, print_verdict, print_warning, spinner, table, with_flags,
 };
 use super::refinement::{LogArguments, column_of, read_logs};
-use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
+use fos_diagnose::detect::{
+    Diagnosis, Finding, Question, Verdict, diagnose, rms_reduction, with_measured_reduction,
+};
 use fos_diagnose::effects::{Band, Library};
 use fos_diagnose::study::Study;
 
@@ -142,7 +144,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     if !effects.is_empty() {
         print_line!();
         let mut rows =
-            table(&["  effect", "score", "size", "parameter", "predicted reduction (90 %)", "measured"]);
+            table(&["  effect", "score", "size", "parameter", "predicted RMS reduction (90 %)", "measured"]);
         for finding in &effects {
             rows.add_row(row(finding));
         }
@@ -159,7 +161,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         }
     }
     if !diagnosis.leads.is_empty() {
-        print_line!("\n  leads, what the rest follows (not findings):");
+        print_line!("\n  leads in the residual (not findings):");
         for lead in diagnosis.leads.iter().take(5) {
             print_line!("    {} (score {})", lead.follows, number(lead.score));
         }
@@ -171,7 +173,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         .map(|rejected| format!("{} ({:.0})", rejected.effect, rejected.score))
         .collect();
     if !rejected.is_empty() {
-        print_line!("\n  tried alone and not chosen, with score: {}", rejected.join(", "));
+        print_line!("\n  tested alone and not chosen, with score: {}", rejected.join(", "));
     }
     for rejected in &diagnosis.rejected {
         if let Some(why) = &rejected.why {
@@ -189,7 +191,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         print_line!("  not tested, needs {needs}: {}", effects.join(", "));
     }
     print_line!(
-        "  noise learnt from {}; {} blocks of {:.2} s",
+        "  noise estimated from {}; {} blocks of {:.2} s",
         diagnosis.noise.learnt_from,
         diagnosis.noise.blocks,
         diagnosis.noise.block_s
@@ -215,10 +217,10 @@ fn row(finding: &Finding) -> Vec<String> {
         .collect();
     let fall = match finding.predicted_reduction != 0.0 {
         true => format!(
-            "{:.1} % ({:.1} … {:.1})",
-            100.0 * finding.predicted_reduction,
-            100.0 * finding.predicted_reduction_interval[0],
-            100.0 * finding.predicted_reduction_interval[1]
+            "{} ({} … {})",
+            percent(finding.predicted_reduction),
+            percent(finding.predicted_reduction_interval[0]),
+            percent(finding.predicted_reduction_interval[1])
         ),
         false => "–".to_owned(),
     };
@@ -228,8 +230,13 @@ fn row(finding: &Finding) -> Vec<String> {
         sizes.join(", "),
         params.join(", "),
         fall,
-        finding.measured_reduction.map_or_else(String::new, |fall| format!("{:.1} %", 100.0 * fall)),
+        finding.measured_reduction.map_or_else(String::new, percent),
     ]
+}
+
+/// A reduction of a variance as that of the RMS.
+pub(super) fn percent(of_variance: f64) -> String {
+    format!("{:.1} %", 100.0 * rms_reduction(of_variance))
 }
 
 fn print_evidence(finding: &Finding) {
@@ -242,6 +249,6 @@ fn print_evidence(finding: &Finding) {
         print_line!("  {}: shows {against}most from {begin:.1} s to {end:.1} s", finding.effect);
     }
     for separation in &finding.separate {
-        print_line!("  cannot be told from {}: {}", separation.effect, separation.experiment);
+        print_line!("  indistinguishable from {}: {}", separation.effect, separation.experiment);
     }
 }

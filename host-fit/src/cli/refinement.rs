@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::Reading;
+use super::diagnose::percent;
 use super::error_table::error_table;
 use super::output::{Failure, number, print_line, sparkline, table};
 use fos_data::recording::{Recording, Source};
@@ -112,7 +113,7 @@ pub(super) fn print_refinement(refinement: &Refinement) {
     let header = [
         "  step",
         "size",
-        "predicted reduction (90 %)",
+        "predicted RMS reduction (90 %)",
         "measured",
         "slow left",
         "wide left",
@@ -144,7 +145,6 @@ pub(super) fn print_refinement(refinement: &Refinement) {
 }
 
 fn row(index: usize, step: &RefinementStep) -> Vec<String> {
-    let percent = |value: f64| format!("{:.1} %", 100.0 * value);
     let (name, size, predicted, measured) = match &step.added {
         None => ("before".to_owned(), String::new(), String::new(), String::new()),
         Some(added) => {

@@ -6,6 +6,7 @@ use minijinja::{AutoEscape, Environment, Error, Value, context, escape_formatter
 use crate::figures::{Figure, svg};
 use fos_data::text::{number, rounded};
 use fos_data::visible::visible_lines;
+use fos_diagnose::detect::rms_reduction;
 
 /// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +53,10 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     });
     environment.add_filter("percent", |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
+    });
+    environment.add_filter("rms_percent", |value: Option<f64>| {
+        let shown = |share| format!("{:.1} %", 100.0 * rms_reduction(share)).replace('-', "−");
+        value.map_or_else(|| "–".to_owned(), shown)
     });
     environment.add_filter("hundredths", |shares: Vec<f64>| {
         shares.iter().map(|share| format!("{:.0}", 100.0 * share)).collect::<Vec<_>>().join(" : ")

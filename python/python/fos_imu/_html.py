@@ -34,6 +34,11 @@ def percent(value: float | None) -> str:
     return "–" if value is None or math.isnan(value) else f"{100 * value:.1f} %"
 
 
+def rms_percent(share: float | None) -> str:
+    """A share of a variance, as the reduction of the RMS."""
+    return percent(None if share is None else 1 - max(1 - share, 0.0) ** 0.5)
+
+
 def paragraph(text: object, colour: str = PLAIN) -> str:
     """A line of text."""
     return f'<p style="margin:4px 0;color:{colour}">{escaped(text)}</p>'

@@ -331,12 +331,12 @@ class Diagnosis:
         notes += [f"note: {note}" for note in self.notes]
         leads = "; ".join(lead.follows for lead in self.leads[:3])
         near = ", ".join(f"{one.effect} ({one.score:.0f})" for one in self.rejected[:6])
-        noise = f"noise learnt from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
+        noise = f"noise estimated from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
         tail = [
             text
             for text, shown in (
-                (f"leads, what the rest follows (not findings): {leads}", leads),
-                (f"tried alone and not chosen, with score: {near}", near),
+                (f"leads in the residual (not findings): {leads}", leads),
+                (f"tested alone and not chosen, with score: {near}", near),
                 (noise, noise),
             )
             if shown
@@ -351,16 +351,16 @@ class Diagnosis:
 
 
 def _finding(finding: Finding, unit: str) -> str:
-    number, percent = _html.number, _html.percent
+    number, percent = _html.number, _html.rms_percent
     low, high = finding.predicted_reduction_interval
     rows: list[tuple[object, ...]] = [
         (f"{size.of}", f"{number(size.value)} ({number(size.interval[0])} … {number(size.interval[1])}) {size.unit}")
         for size in finding.sizes
     ]
     rows += [(name, _with_interval(value, finding.params_interval.get(name))) for name, value in finding.params.items()]
-    rows.append(("predicted reduction", f"{percent(finding.predicted_reduction)} ({percent(low)} … {percent(high)})"))
+    rows.append(("predicted reduction of the RMS", f"{percent(finding.predicted_reduction)} ({percent(low)} … {percent(high)})"))
     if finding.measured_reduction is not None:
-        rows.append(("measured reduction", percent(finding.measured_reduction)))
+        rows.append(("measured reduction of the RMS", percent(finding.measured_reduction)))
     if finding.cost is not None:
         cost = finding.cost
         more = f"{cost.terms} terms, {cost.ram_bytes} bytes of RAM, {cost.instructions} instructions a sample"

@@ -126,7 +126,7 @@ class Refinement:
         return _svg.plot(title, "step", f"root of the variance of 1-s means, {unit}", series)
 
     def _repr_html_(self) -> str:
-        number, percent = _html.number, _html.percent
+        number, percent = _html.number, _html.rms_percent
         header = (
             "step",
             "predicted reduction",

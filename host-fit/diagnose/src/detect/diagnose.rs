@@ -169,10 +169,10 @@ fn assembly<'s>(
 
 fn learnt_from(question: &Question<'_>) -> String {
     match (question.sheet.is_some(), question.quiet.is_some()) {
-        (true, true) => "the quiet log, with the data sheet as prior",
-        (false, true) => "the quiet log",
-        (true, false) => "the data sheet; no quiet log was given",
-        (false, false) => "the log itself; neither a quiet log nor a data sheet was given",
+        (true, true) => "the reference log, with the data sheet as prior",
+        (false, true) => "the reference log",
+        (true, false) => "the data sheet; there is no reference log",
+        (false, false) => "the log itself; there is neither a reference log nor a data sheet",
     }
     .to_owned()
 }

@@ -45,6 +45,7 @@ pub use correction::{correction, is_fast};
 pub use diagnose::{diagnose, estimate};
 pub use error_in_blocks::ErrorInBlocks;
 pub(crate) use findings::not_identifiable;
+pub use findings::rms_reduction;
 pub use measured_reduction::with_measured_reduction;
 pub use open::Lead;
 pub(crate) use question::is_bias_known;

@@ -1,7 +1,7 @@
 //! What the library does not know: an open search over what is logged, once the library has said what it can. Its
 //! results are leads and not findings.
 
-use fos_data::column::Column;
+use fos_data::column::{AXES, Column};
 use fos_data::interrupt::in_parallel;
 use std::f64::consts::TAU;
 
@@ -250,6 +250,9 @@ impl Left<'_> {
                 let mean = fos_fit::signal::mean(&[&means]);
                 let means = centred(means);
                 let deviation = (dot(&means, &means) / means.len() as f64).sqrt();
+                if deviation < least_motion(&channel.name) {
+                    return None;
+                }
                 if channel.column().place().is_some() && is_of_few(&means, deviation) {
                     return None;
                 }
@@ -263,6 +266,19 @@ impl Left<'_> {
                 })
             })
             .collect()
+    }
+}
+
+/// Block means of a device at rest scatter by less, in the unit of the axis: 1 °/s, and the gravity of 1°. What an axis
+/// shows then is its own error, and another axis that drifts with it does not follow it.
+fn least_motion(name: &str) -> f64 {
+    let column = Column::named(name);
+    if !AXES.contains(&name) {
+        0.0
+    } else if column.is_angular_rate() {
+        0.017
+    } else {
+        0.17
     }
 }
 

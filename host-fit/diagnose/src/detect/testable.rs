@@ -67,7 +67,7 @@ impl Testable {
             .map(|column| format!("{column} (never changes)"))
             .collect();
         let needs = match constant.is_empty() {
-            true => vec!["a log in which it differs from what the model has already".to_owned()],
+            true => vec!["a log in which it differs from the effects in the model".to_owned()],
             false => constant,
         };
         Untested { effect: effect.id.clone(), needs }

@@ -86,6 +86,11 @@ export function quantity(value, unit, digits = 3) {
   return suited.unit ? `${text}${NARROW}${suited.unit}` : text;
 }
 
+/** A share of a variance as the reduction of the RMS, in percent. @param {number | null | undefined} share */
+export function rmsPercent(share, digits = 1) {
+  return percent(isNumber(share) ? 1 - Math.sqrt(Math.max(1 - share, 0)) : share, digits);
+}
+
 /** A share as percent. @param {number | null | undefined} share */
 export function percent(share, digits = 1) {
   return isNumber(share) ? `${typeset((100 * share).toFixed(digits))}${NARROW}%` : UNKNOWN;

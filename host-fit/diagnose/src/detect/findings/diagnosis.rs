@@ -98,7 +98,7 @@ impl Assembly<'_> {
         let mut cautions = beyond_typical(&findings, self.question.library, self.column);
         if self.question.quiet.is_none() {
             cautions
-                .push("no quiet log: what is the noise of the unit is guessed from this log, slow wander of the sensor itself may be taken for an effect, and a line of the sensor for interference; ten quiet minutes of the same unit, given as `quiet`, tell".to_owned());
+                .push("no reference log: the noise was estimated from this log, so slow drift of the sensor may be mistaken for an effect, and a spectral line of the sensor for interference; record 10 min at rest with the same device and pass it as `quiet`".to_owned());
         }
         Ok(Diagnosis {
             target: self.column.to_owned(),

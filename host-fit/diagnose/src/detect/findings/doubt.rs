@@ -1,5 +1,6 @@
 //! What speaks against a slow effect that was found: it is no claim then, and says why.
 
+use super::verdict::rms_reduction;
 use crate::detect::answer::{Finding, Size};
 use crate::effects::{Band, Detector, Effect, Library};
 use fos_data::text::number;
@@ -54,11 +55,11 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     let value = *finding.params.get(&parameter.name)?;
     let (name, unit) = (&parameter.name, &parameter.unit);
     if value <= parameter.low * AT_LIMIT || value >= parameter.high / AT_LIMIT {
-        return Some(format!("its {name} of {value:.4} {unit} is the limit of what is looked for"));
+        return Some(format!("its {name} of {value:.4} {unit} is a limit of the search"));
     }
     let [_, high] = finding.params_interval.get(name)?;
     (high.is_nan() || *high > NO_END * parameter.high)
-        .then(|| format!("the log does not bound its {name}: it may as well be {high:.3e} {unit}"))
+        .then(|| format!("the log does not bound its {name}: it may be as large as {high:.3e} {unit}"))
 }
 
 /// A time constant of more than half the log: over the log such a low-pass is an integral of its input, whatever its
@@ -148,9 +149,9 @@ fn helps_nothing(finding: &Finding) -> Option<String> {
     let [low, high] = finding.predicted_reduction_interval;
     (low <= 0.0).then(|| {
         format!(
-            "with it the error may fall by {:.1} … {:.1} %, which includes nothing",
-            100.0 * low,
-            100.0 * high
+            "its predicted reduction of the RMS, {:.1} … {:.1} %, includes none",
+            100.0 * rms_reduction(low),
+            100.0 * rms_reduction(high)
         )
     })
 }

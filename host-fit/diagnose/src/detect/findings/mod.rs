@@ -18,4 +18,5 @@ mod verdict;
 
 pub(super) use assembly::Assembly;
 pub(crate) use doubt::not_identifiable;
+pub use verdict::rms_reduction;
 pub(super) use verdict::{sentence, verdict};

@@ -25,16 +25,18 @@ impl Assembly<'_> {
             match (rival_of, left) {
                 _ if score < WORTH_A_WORD => None,
                 _ if stood.iter().any(|found| found.effect == id) => {
-                    lead.map(|lead| format!("it stands, but more is unexplained: what follows {lead}"))
+                    lead.map(|lead| format!("found, but a larger residual follows {lead}"))
                 }
-                (Some(finding), _) => Some(format!("this log cannot tell it from {}", finding.name)),
+                (Some(finding), _) => {
+                    Some(format!("in this log it is indistinguishable from {}", finding.name))
+                }
                 (None, Some(left)) if left < WORTH_A_WORD => {
-                    Some(format!("with {beside} taken off its score is {left:.0}"))
+                    Some(format!("its score is {left:.0} once {beside} is in the model"))
                 }
                 (None, Some(left)) => Some(format!(
-                    "no more than {MAX_FOUND} are looked for at once; with {beside} taken off its score is {left:.0}"
+                    "its score is {left:.0} once {beside} is in the model; one search finds at most {MAX_FOUND} effects"
                 )),
-                (None, None) => Some(format!("with {beside} taken off nothing of it is left")),
+                (None, None) => Some(format!("{beside} already contains it")),
             }
         };
         let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));

@@ -42,18 +42,17 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
 pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
     match verdict {
         Verdict::NothingMissing => match leads.first() {
-            None => "Nothing is missing: what is left looks like the noise of the unit.".to_owned(),
-            Some(lead) => format!(
-                "Nothing is missing that would be noticed. A trace is left: it follows {}.",
-                lead.follows
-            ),
+            None => "Nothing is missing: the residual looks like sensor noise.".to_owned(),
+            Some(lead) => {
+                format!("Nothing is missing that matters. A trace in the residual follows {}.", lead.follows)
+            }
         },
         Verdict::Unexplained if leads.is_empty() => {
             let doubtful = findings.first().map_or_else(String::new, |finding| {
-                let why = finding.doubt.as_deref().unwrap_or("it explains only part of it");
+                let why = finding.doubt.as_deref().unwrap_or("it explains only part of the error");
                 format!(": {}, but {why}", finding.name)
             });
-            format!("Something is missing, and what explains it best is no claim{doubtful}.")
+            format!("Something is missing, and its best explanation is not conclusive{doubtful}.")
         }
         Verdict::Unexplained => {
             let lead = leads.first().map(|lead| lead.follows.as_str()).unwrap_or("nothing that is logged");
@@ -62,43 +61,78 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 None => String::new(),
             };
             format!(
-                "Something is missing{beside}, and nothing in the library explains it; a lead: it follows {lead}."
+                "Something is missing{beside}, and nothing in the library explains it. A lead: the residual follows {lead}."
             )
         }
         Verdict::NotEnoughData => "Not enough data to test any slow effect.".to_owned(),
         Verdict::Missing if findings[0].band == Band::Data => {
             let beside = match leads.first() {
-                Some(lead) => format!("A trace is left: it follows {}", lead.follows),
+                Some(lead) => format!("A trace in the residual follows {}", lead.follows),
                 None => "No physical effect was found".to_owned(),
             };
             format!("{beside}. {}", faults(findings))
         }
         Verdict::Missing => {
             let finding = &findings[0];
-            let drop = match finding.predicted_reduction > 0.0 {
-                true => {
-                    format!("; with it the error should fall by {:.1} %", 100.0 * finding.predicted_reduction)
-                }
-                false if findings.len() > 1 && finding.band == Band::Slow => {
-                    ", which alone helps little: the others are still missing".to_owned()
-                }
-                false => String::new(),
-            };
+            let claims: Vec<&Finding> = findings
+                .iter()
+                .filter(|other| {
+                    other.doubt.is_none() && other.band != Band::Data && !is_other_band(other, finding)
+                })
+                .collect();
+            let claims = if claims.is_empty() { vec![finding] } else { claims };
             let rivals = match finding.confounded_with.is_empty() {
                 true => String::new(),
-                false => format!(" This log cannot tell it from {}.", finding.confounded_with.join(", ")),
+                false => format!(
+                    " In this log it is indistinguishable from {}.",
+                    finding.confounded_with.join(", ")
+                ),
             };
-            let beside = leads.first().map_or_else(String::new, |lead| {
-                format!(" Something smaller is left beside it: it follows {}.", lead.follows)
-            });
+            let beside = leads
+                .first()
+                .map_or_else(String::new, |lead| format!(" A smaller residual follows {}.", lead.follows));
             let faults = match findings.iter().any(|finding| finding.band == Band::Data) {
                 true => format!(" {}", faults(findings)),
                 false => String::new(),
             };
-            let name = with_params(finding);
-            format!("Most likely missing: {name}{drop}.{rivals}{beside}{faults}")
+            let names = listed(claims.iter().map(|claim| with_params(claim)));
+            let drop = drop(&claims);
+            format!("Most likely missing: {names}{drop}.{rivals}{beside}{faults}")
         }
     }
+}
+
+fn is_other_band(one: &Finding, other: &Finding) -> bool {
+    (one.band == Band::Wide) != (other.band == Band::Wide)
+}
+
+/// The reduction to expect from all of these findings together, in words; each is predicted with those before it in the
+/// model.
+fn drop(claims: &[&Finding]) -> String {
+    let left: f64 = claims.iter().map(|claim| 1.0 - claim.predicted_reduction).product();
+    let reduction = rms_reduction(1.0 - left);
+    if reduction <= 0.0 {
+        return String::new();
+    }
+    let with = match claims.len() {
+        1 => "it",
+        2 => "both",
+        _ => "all of them",
+    };
+    let of = if claims[0].band == Band::Wide { "of the samples" } else { "of the slow error" };
+    format!("; with {with} the RMS {of} should fall by {:.1} %", 100.0 * reduction)
+}
+
+/// The reduction of an RMS that goes with this reduction of its square, a variance.
+pub fn rms_reduction(of_variance: f64) -> f64 {
+    1.0 - (1.0 - of_variance).max(0.0).sqrt()
+}
+
+/// A, B and C.
+fn listed(names: impl Iterator<Item = String>) -> String {
+    let mut names: Vec<String> = names.collect();
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
 /// The faults of the data among the findings, in a sentence.

@@ -2,7 +2,7 @@
 // Part 4: the staircase. The predicted reduction of every step, the measured one, and the way back.
 
 import { el, icon, replace } from "../dom.js";
-import { capitalised, count, fileName, interval, isNumber, number, percent, prefixed, seconds } from "../format.js";
+import { capitalised, count, fileName, interval, isNumber, number, prefixed, rmsPercent, seconds } from "../format.js";
 import { figureElement } from "../figure.js";
 import { section } from "./section.js";
 
@@ -85,7 +85,7 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
       "tr",
       { "data-step": added?.effect.id ?? "before" },
       el("th", { scope: "row" }, el("span", { class: "step-number" }, at), added ? capitalised(added.finding.name) : "Before", added ? undo(at) : null),
-      el("td", {}, added ? [el("b", {}, percent(added.finding.expected_drop)), el("br"), el("span", { class: "note" }, interval(added.finding.expected_drop_ci, (value) => percent(value)))] : null),
+      el("td", {}, added ? [el("b", {}, rmsPercent(added.finding.expected_drop)), el("br"), el("span", { class: "note" }, interval(added.finding.expected_drop_ci, (value) => rmsPercent(value)))] : null),
       el("td", {}, added ? measured(added.realised_fall, added.finding.expected_drop_ci) : null),
       [root(left.slow), root(left.wide), root(errors.one_step_mse), ...HORIZONS.map((horizon) => coast(stair, horizon)), count(cost.terms), count(cost.ram_bytes), count(cost.instructions)].map((text) => el("td", { class: "right" }, text)),
     );
@@ -102,7 +102,7 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
       el(
         "thead",
         {},
-        el("tr", {}, head("Step", { rowspan: 2 }), head("Fall", { colspan: 2, scope: "colgroup" }), head(`Error left${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`Rms${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" })),
+        el("tr", {}, head("Step", { rowspan: 2 }), head("Reduction of the RMS", { colspan: 2, scope: "colgroup" }), head(`Residual RMS${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`Rms${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" })),
         el("tr", {}, head("predicted (90 %)"), head("measured"), ["slow", "wide", "one step", ...HORIZONS.map((horizon) => `coast ${horizon} s`), "terms", "RAM, bytes", "instructions"].map((text) => head(text, { class: "right" }))),
       ),
       el("tbody", {}, stairs.map(row)),
@@ -113,5 +113,5 @@ function table({ column, stairs }, unit, isBusy, { change, announce }) {
 /** @param {number} fall @param {[number, number]} predicted */
 function measured(fall, [low, high]) {
   const held = fall >= low && fall <= high;
-  return [el("b", {}, percent(fall)), el("br"), el("span", { class: `held ${held ? "yes" : "no"}` }, icon(held ? "held" : "not_held"), held ? "as predicted" : fall > high ? "more than predicted" : "less than predicted")];
+  return [el("b", {}, rmsPercent(fall)), el("br"), el("span", { class: `held ${held ? "yes" : "no"}` }, icon(held ? "held" : "not_held"), held ? "as predicted" : fall > high ? "more than predicted" : "less than predicted")];
 }

@@ -2,7 +2,7 @@
 // One missing effect: what it is, how large, how sure, what it costs, and the button that adds it.
 
 import { el } from "../dom.js";
-import { capitalised, count, firstSentence, interval, isNumber, number, percent, quantity, seconds } from "../format.js";
+import { capitalised, count, firstSentence, interval, isNumber, number, quantity, rmsPercent, seconds } from "../format.js";
 import { figureElement } from "../figure.js";
 import { effectName } from "../library.js";
 
@@ -99,12 +99,13 @@ function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
     element.style.width = `${100 * (clamp(to) - clamp(from))}%`;
     bar.append(element);
   };
-  piece("fall-expected", 0, drop);
-  piece("fall-interval", low, high);
+  const ofRms = (/** @type {number} */ share) => 1 - Math.sqrt(Math.max(1 - share, 0));
+  piece("fall-expected", 0, ofRms(drop));
+  piece("fall-interval", ofRms(low), ofRms(high));
   return el(
     "div",
     { class: "fall" },
-    el("p", {}, el("strong", {}, percent(drop)), ` ${band === "wide" ? "of the scatter of the samples" : "of the slow error"} should go`, el("span", { class: "note" }, ` (90 % interval ${interval([low, high], (value) => percent(value))})`)),
+    el("p", {}, el("strong", {}, rmsPercent(drop)), ` predicted reduction of the RMS ${band === "wide" ? "of the samples" : "of the slow error"}`, el("span", { class: "note" }, ` (90 % interval ${interval([low, high], (value) => rmsPercent(value))})`)),
     bar,
   );
 }
@@ -159,7 +160,7 @@ function rivals({ confounded_with, separate }) {
   return el(
     "div",
     { class: "rivals" },
-    el("p", {}, el("b", {}, "This log cannot tell it from: ")),
+    el("p", {}, el("b", {}, "In this log indistinguishable from: ")),
     el("ul", {}, confounded_with.map((id) => el("li", {}, el("b", {}, effectName(id)), experiment(id) ? `. To tell: ${experiment(id)}` : ""))),
   );
 }
