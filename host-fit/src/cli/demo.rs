@@ -69,7 +69,7 @@ impl Demo {
         bar.finish_and_clear();
         say!(
             self,
-            "2. On the quiet log Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes.",
+            "2. On the reference log Fast Orthogonal Search over {} candidates an axis chose {} terms for six axes.",
             study.axes[0].candidates,
             study.model.n_terms()
         );
@@ -92,20 +92,20 @@ impl Demo {
             quiet_error.and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
         say!(
             self,
-            "3. On the second log the model fails: coasting, its 1-s means scatter by {} rad/s, on the quiet log by {}.",
-            number(slow(before)),
-            number(slow(in_quiet.map(|(errors, _)| errors)))
+            "3. On the second log the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {}.",
+            number(slow(before).to_degrees()),
+            number(slow(in_quiet.map(|(errors, _)| errors)).to_degrees())
         );
         if let Some(worst) = failing.worst.first() {
             say!(
                 self,
-                "   Worst from {:.0} s to {:.0} s, {:.1} times the usual.{}",
+                "   Worst from {:.0} s to {:.0} s, {:.1} times the median stretch.{}",
                 worst.begin_s,
                 worst.end_s,
                 worst.ratio,
                 match failing.dependence.as_ref().and_then(|dependence| dependence.channels.first()) {
                     Some(channel) => format!(
-                        " What is left depends most on {} (p {:.0e}).",
+                        " The residual depends most on {} (p {:.0e}).",
                         channel.channel, channel.p_of_all
                     ),
                     None => String::new(),
@@ -117,7 +117,7 @@ impl Demo {
         let logs = Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() };
         let refiner = logs.refiner(&library);
         let mut refinement = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
-        say!(self, "4. Diagnosed, and added one after the other until nothing is missing:");
+        say!(self, "4. Diagnose, add the effect found, and repeat until nothing is missing:");
         let mut found = Vec::new();
         let steps = refiner.add_best(&refinement, |diagnosis, _| {
             say!(self, "   - {}", diagnosis.sentence);
@@ -127,7 +127,7 @@ impl Demo {
         study.keep(refinement.clone());
         study.write(&file)?;
         plots::write_staircase(&path("figures"), &refinement)?;
-        say!(self, "5. The error after every step, on the later log, which nothing was fitted to:\n");
+        say!(self, "5. The error after every step, on the evaluation log, which nothing was fitted to:\n");
         if !self.json {
             print_refinement(&refinement);
         }

@@ -211,7 +211,7 @@ fn refuse_values(
     let (log, sensor) = (log.to_owned(), name_of(triad));
     let help = match autopilot {
         Autopilot::Px4 => {
-            "record sensor_accel and sensor_gyro at their full rate (bit 11 of SDLOG_PROFILE), and fit that log"
+            "record sensor_accel and sensor_gyro at their full rate (SDLOG_PROFILE 769: their FIFOs), and fit that log"
         }
         Autopilot::ArduPilot => {
             "record IMU messages beside ACC and GYR (the IMU and IMU_RAW bits of LOG_BITMASK) with all parameters, and fit that log"

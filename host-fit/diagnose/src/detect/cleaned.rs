@@ -61,7 +61,7 @@ impl<'a> Cleaned<'a> {
     pub(super) fn cautions(&self) -> Vec<String> {
         let mut cautions = self.field.cautions(&self.column);
         let of_quiet = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
-        cautions.extend(of_quiet.map(|caution| format!("quiet log: {caution}")));
+        cautions.extend(of_quiet.map(|caution| format!("reference log: {caution}")));
         cautions
     }
 }

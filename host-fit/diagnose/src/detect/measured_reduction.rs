@@ -3,7 +3,7 @@
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
-use super::findings::{sentence, verdict};
+use super::findings::{rms_reduction, sentence, verdict};
 use super::open::{Lead, LeadKind};
 use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
@@ -71,9 +71,9 @@ pub fn with_measured_reduction(
             diagnosis.leads.push(Lead {
                 kind: LeadKind::Refuted,
                 follows: format!(
-                    "{} in this log, but with it the error on the judged log rises by {:.0} %",
+                    "{} in this log, but it increases the RMS on the evaluation log by {:.0} %",
                     finding.name,
-                    -100.0 * fall
+                    -100.0 * rms_reduction(fall)
                 ),
                 gain: finding.gain.unwrap_or(0.0),
                 score: finding.score.unwrap_or(0.0),

@@ -43,7 +43,7 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, s
 pub(super) fn far(beyond: f64) -> Option<String> {
     (beyond > FAR_OUT).then(|| {
         format!(
-            "the log to be judged goes {:.0} times further than this one in a combination of its inputs, of which nothing is known",
+            "the evaluation log goes {:.0} times further than this one in a combination of its inputs, where its coefficients are unknown",
             beyond.sqrt()
         )
     })

@@ -583,7 +583,7 @@ impl Gathered {
             path,
             Format::Ulog,
             format!("no inertial topic of instance {wanted} comes 20 times a second; there is {found}"),
-            "record with bit 11 (high rate sensors) of SDLOG_PROFILE, or its bits 8 and 9 (FIFO) for every sample",
+            "set SDLOG_PROFILE to 769 (default set, FIFO of gyro and accelerometer), or list sensor_accel and sensor_gyro in etc/logging/logger_topics.txt on the SD card",
         )
     }
 }
