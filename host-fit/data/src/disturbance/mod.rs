@@ -206,15 +206,20 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     // at rest a reference is the pose, and what moves there it does not know
     let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);
     let lasting = if is_vouched { Vec::new() } else { absolute::find(recording, &axes) };
-    let found = shared::find(recording, axes.into_iter().map(|(_, values)| values).collect(), is_vouched);
+    let lasts =
+        |rows: &&Range<usize>| rows.len() as f64 * recording.rate.period_s >= absolute::SHORTEST_REST_S;
+    // the usual scatter is that of the rest of the log, however short it is beside the motion
+    let mut values: Vec<Vec<f64>> = axes.into_iter().map(|(_, values)| values).collect();
+    for rows in lasting.iter().filter(lasts) {
+        values.iter_mut().for_each(|values| values[rows.clone()].fill(f64::NAN));
+    }
+    let found = shared::find(recording, values, is_vouched);
     let share = |stretches: &[Range<usize>]| {
         let at_rest = |rows: &Range<usize>| rest[rows.clone()].iter().filter(|rest| **rest).count();
         stretches.iter().map(at_rest).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
     let is_usual = share(&found.moved) > MOST;
     // an event is detected by what is usual, and more precisely; what lasts as long as a rest has to is motion whatever is
-    let lasts =
-        |rows: &&Range<usize>| rows.len() as f64 * recording.rate.period_s >= absolute::SHORTEST_REST_S;
     let lasting: Vec<Range<usize>> = lasting.iter().filter(|rows| is_usual || lasts(rows)).cloned().collect();
     let is_inside = |rows: &Range<usize>, all: &[Range<usize>]| {
         all.iter().any(|outer| outer.start <= rows.start && rows.end <= outer.end)

@@ -149,3 +149,18 @@ fn a_log_of_one_axis_tells_nothing() {
     columns.truncate(1);
     assert!(found(columns).is_empty());
 }
+
+#[test]
+fn handling_is_found_beside_a_motion_that_is_longer_than_the_rest() {
+    let n = 30_000;
+    let handled = 7_000..7_800;
+    let shape = |_: usize, values: &mut [f64]| {
+        values[handled.clone()].iter_mut().for_each(|value| *value *= 8.0);
+        let swing = |row: usize| 1000.0 * (row as f64 / 60.0).sin();
+        (8_000..26_000).for_each(|row| values[row] += swing(row));
+    };
+    let all = found(at_rest(3, n, shape));
+    let is_covered = |row: usize| all.iter().any(|one| one.is_left_out() && one.rows.contains(&row));
+    assert!(handled.clone().step_by(100).all(is_covered), "{all:?}");
+    assert!(is_covered(17_000) && !is_covered(3_000) && !is_covered(29_000), "{all:?}");
+}
