@@ -155,7 +155,7 @@ fn handling_is_found_beside_a_motion_that_is_longer_than_the_rest() {
     let n = 30_000;
     let handled = 7_000..7_800;
     let shape = |_: usize, values: &mut [f64]| {
-        values[handled.clone()].iter_mut().for_each(|value| *value *= 8.0);
+        values[handled.clone()].iter_mut().for_each(|value| *value *= 3.0);
         let swing = |row: usize| 1000.0 * (row as f64 / 60.0).sin();
         (8_000..26_000).for_each(|row| values[row] += swing(row));
     };
