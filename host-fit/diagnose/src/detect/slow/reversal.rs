@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_temperature_reverses_where_it_comes_back() {
-        let down_and_up: Vec<f64> = (0..=200).map(|i| f64::from((100 - i).abs())).collect();
+        let down_and_up: Vec<f64> = (0..=200).map(|i| f64::from((100_i32 - i).abs())).collect();
         let found: Vec<usize> = (0..=200).filter(|block| reversing(&down_and_up)[*block]).collect();
         assert_eq!(found, (100..=105).collect::<Vec<_>>());
         assert!(!reversing(&[20.0; 50]).contains(&true));
