@@ -298,22 +298,26 @@ impl Recording {
     /// as coarse.
     pub fn hidden_step(&self, axis: &str, still: &[bool]) -> Option<f64> {
         let stretches = self.stretches_where(|row| still[row]);
-        let own = |axis: &str| coarse_step(self.values(axis), &stretches);
-        let values = self.values(axis);
-        let changes = |rows: &Range<usize>| {
-            values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count()
+        let rest: usize = stretches.iter().map(Range::len).sum();
+        // the step, or none; no answer where the axis does not change
+        let own = |axis: &str| -> Option<Option<f64>> {
+            let values = self.values(axis);
+            let changes = |rows: &Range<usize>| {
+                values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count()
+            };
+            if stretches.iter().map(changes).sum::<usize>() >= FEWEST_CHANGES {
+                return Some(coarse_step(values, &stretches));
+            }
+            let moves = changes(&(0..values.len())) >= FEWEST_CHANGES;
+            moves.then(|| (rest >= FEWEST_AT_REST).then(|| least_change(values)).flatten())
         };
-        if stretches.iter().map(changes).sum::<usize>() >= FEWEST_CHANGES {
-            return own(axis);
-        }
-        if changes(&(0..values.len())) >= FEWEST_CHANGES {
-            let rest: usize = stretches.iter().map(Range::len).sum();
-            return (rest >= FEWEST_AT_REST).then(|| least_change(values)).flatten();
+        if let Some(step) = own(axis) {
+            return step;
         }
         let (triad, _) = Column::named(axis).place()?;
         let others = AXES.into_iter().filter(|other| *other != axis && self.channel(other).is_ok());
         let of_triad = others.filter(|other| Column::named(other).place().is_some_and(|(of, _)| of == triad));
-        of_triad.filter_map(own).reduce(f64::max)
+        of_triad.filter_map(own).flatten().reduce(f64::max)
     }
 
     fn repeats(&self, axis: &str, still: &[bool]) -> Option<Oddity> {

@@ -112,11 +112,11 @@ impl fmt::Display for Product {
 
 /// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the
 /// next two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes;
-/// the name of the parameter stands for its value.
+/// the name of the parameter stands for its value, `{5 tau_s}` for five times its value.
 pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
     let mut filled = text.replace("{target}", target);
     if let Some((name, value)) = parameter {
-        filled = filled.replace(&format!("{{{name}}}"), &value.to_string());
+        filled = with_multiples(&filled.replace(&format!("{{{name}}}"), &value.to_string()), name, value);
     }
     if filled.contains('{') {
         let Some((triad, place)) = Column::named(target).place() else {
@@ -132,15 +132,48 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
     match filled.find('{') {
         None => Ok(filled),
         Some(at) => Err(format!(
-            "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter",
+            "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter, alone or as {{5 tau_s}}",
             &filled[at..]
         )),
     }
 }
 
+/// The text with every `{NUMBER name}` replaced by that multiple of the value; anything else stays as it is.
+fn with_multiples(text: &str, name: &str, value: f64) -> String {
+    let mut filled = String::new();
+    let mut rest = text;
+    // ends: every turn leaves a shorter rest, from behind an opening brace on
+    while let Some((before, inside)) = rest.split_once('{') {
+        filled.push_str(before);
+        let multiple = inside.split_once('}').and_then(|(placeholder, after)| {
+            let factor: f64 = placeholder.strip_suffix(name)?.trim().parse().ok()?;
+            Some((factor * value, after))
+        });
+        rest = match multiple {
+            Some((value, after)) => {
+                filled.push_str(&value.to_string());
+                after
+            }
+            None => {
+                filled.push('{');
+                inside
+            }
+        };
+    }
+    filled + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fills_in_multiples_of_the_parameter() {
+        let fill = |text| filled(text, "gx_rads", Some(("onset_s", 2.5)));
+        let text = "clock:decay({onset_s}) + clock:decay({4 onset_s}) * {target}";
+        assert_eq!(fill(text).unwrap(), "clock:decay(2.5) + clock:decay(10) * gx_rads");
+        assert!(fill("clock:decay({four onset_s})").unwrap_err().contains("{four onset_s}"));
+    }
 
     #[test]
     fn placeholders_name_the_axes_of_the_target() {
