@@ -315,7 +315,7 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
         assert!(folder.join(format!("case_9/{log}.parquet")).is_file(), "{log}");
     }
     for (effect, choices) in [
-        ("thermal_drag", "outside:telegraph"),
+        ("thermal_drag", "outside:recoveries"),
         ("thermal_lag:tau=60", "tau_s, usually 15 to 200"),
         ("thermal_lag:tau_s=warm", "is no number"),
         ("bias_ramp:tau_s=60", "has no parameter"),

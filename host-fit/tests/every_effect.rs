@@ -224,6 +224,9 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
                 | "quantisation"
                 | "gauss_markov"
                 | "rate_random_walk"
+                | "random_telegraph"
+                | "noise_temperature"
+                | "dead_zone"
                 | "drifting_line"
         )
     };

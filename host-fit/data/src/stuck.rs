@@ -54,17 +54,27 @@ fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     Some(1.0 - 2.0 * tail)
 }
 
-/// How many changes from one value to the next are of more than one step, and of how many neighbours.
+/// How many changes from one value to the next are of more than one step and are taken back by the next change, and of
+/// how many neighbours.
+///
+/// Noise goes to and fro. A sensor of coarse steps that turns from one rest to the next changes by many steps too, but
+/// in one direction; counted as noise, these changes would make each of its rests, a single code, a stuck value.
 fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, f64)> {
-    let pairs = || stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
-    let mut changes: Vec<f64> = pairs().map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();
-    if changes.len() < FEWEST_CHANGES {
+    let changes = |rows: &Range<usize>| -> Vec<f64> {
+        let changes = values[rows.clone()].windows(2).map(|pair| pair[1] - pair[0]);
+        changes.filter(|change| change.abs() > 0.0).collect()
+    };
+    let changes: Vec<Vec<f64>> = stretches.iter().map(changes).collect();
+    let mut sizes: Vec<f64> = changes.iter().flatten().map(|change| change.abs()).collect();
+    if sizes.len() < FEWEST_CHANGES {
         return None;
     }
-    let low = changes.len() / 10;
-    let step = *changes.select_nth_unstable_by(low, f64::total_cmp).1;
-    let two_steps = changes.iter().filter(|change| **change > 1.5 * step).count();
-    Some((two_steps as f64, pairs().count() as f64))
+    let low = sizes.len() / 10;
+    let step = *sizes.select_nth_unstable_by(low, f64::total_cmp).1;
+    let is_taken_back = |pair: &&[f64]| pair[0].abs() > 1.5 * step && pair[0] * pair[1] < 0.0;
+    let two_steps = changes.iter().flat_map(|changes| changes.windows(2)).filter(is_taken_back).count();
+    let pairs: usize = stretches.iter().map(|rows| rows.len().saturating_sub(1)).sum();
+    Some((two_steps as f64, pairs as f64))
 }
 
 /// The step of an axis that is coarser than about 2.5 standard deviations of its noise: values change, and nearly always
@@ -85,6 +95,14 @@ pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<
     }
     let changes = neighbours().map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
     crate::statistics::median_of(changes)
+}
+
+/// The size that a tenth of the changes from one value to the next stay below: one step.
+pub(crate) fn least_change(values: &[f64]) -> Option<f64> {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut changes: Vec<f64> = changes.filter(|change| *change > 0.0).collect();
+    let low = changes.len() / 10;
+    (!changes.is_empty()).then(|| *changes.select_nth_unstable_by(low, f64::total_cmp).1)
 }
 
 /// For how many repeats nearly every value of a sensor that holds its values stays; 0 where most values stand alone.
@@ -152,6 +170,40 @@ mod tests {
         for (at, values) in logs.into_iter().enumerate() {
             assert_eq!(found(&values), [], "log {at}");
         }
+    }
+
+    /// Rests of `rest` rows at levels of their own and turns of `turn` rows between them, in noise of unit variance that
+    /// steps of `step` hide.
+    fn coarse_rests(rests: usize, (rest, turn): (usize, usize), step: f64, seed: u64) -> Vec<f64> {
+        let levels: Vec<f64> = white_noise(seed, rests + 1).iter().map(|level| 40.0 * step * level).collect();
+        let course = levels.windows(2).flat_map(|pair| {
+            let [from, to] = [pair[0], pair[1]];
+            let turned = move |row: usize| from + (to - from) * row as f64 / turn as f64;
+            std::iter::repeat_n(from, rest).chain((0..turn).map(turned))
+        });
+        let course: Vec<f64> = course.collect();
+        let noise = white_noise(seed + 1, course.len());
+        course.iter().zip(&noise).map(|(level, noise)| ((level + noise) / step).round() * step).collect()
+    }
+
+    /// Three rests of one code each, with turns between them in which the code moves: each rest was a stuck value.
+    #[test]
+    fn a_coarse_sensor_that_turns_between_rests_is_not_stuck() {
+        let (mut logs, mut wrong) = (0, Vec::new());
+        for seed in 0..20 {
+            for rests in [2, 3, 4, 8] {
+                for turn in [40, 200, 500] {
+                    for step in [8.0, 20.0, 100.0] {
+                        logs += 1;
+                        let values = coarse_rests(rests, (4000, turn), step, seed);
+                        if !found(&values).is_empty() {
+                            wrong.push((seed, rests, turn, step));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{} of {logs}: {:?}", wrong.len(), &wrong[..3.min(wrong.len())]);
     }
 
     /// Rows of 20,000 that are found stuck, of a value held for `share` of them by a sensor of steps of `step` standard

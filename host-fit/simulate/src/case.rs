@@ -143,10 +143,16 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         let sound = analog.clone();
         let wild =
             disturbance::spoil(plan.disturbance, &mut analog, (noise.white, world.period_s), (seed, log));
-        let lsb = part.lsb(target);
-        planting::add_faults(&mut faults, plan, &mut planted, (&analog, noise), (lsb, seed, log == FIELD));
+        let (lsb, bias) = (part.lsb(target), unit.bias[target as usize]);
+        planting::add_faults(
+            &mut faults,
+            plan,
+            &mut planted,
+            (&analog, noise),
+            (lsb, bias, seed, log == FIELD),
+        );
         for (error, value) in error.iter_mut().zip(&analog) {
-            if faults.limit.is_some() || faults.step.is_some() {
+            if faults.limit.is_some() || faults.step.is_some() || faults.dead_zone.is_some() {
                 *error += recorder::convert(&part, target, &faults, *value)
                     - recorder::convert(&part, target, &none, *value);
             }

@@ -41,6 +41,8 @@ fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<NamedSeries>
             one(process(n, start, decay, drive, random))
         }
         Effect::RateRandomWalk => one(process(n, 0.0, 1.0, dt.sqrt(), random)),
+        Effect::RandomTelegraph => one(telegraph(n, dt, parameter, random)),
+        Effect::NoiseTemperature => one(noise_of_level(&shape.temp(world), random)),
         Effect::Outside(outside) => match outside {
             Outside::TempTimesSupply => one(product(&shape.temp(world), &shape.supply(world))),
             Outside::SupplyTimesLoad => one(product(&shape.supply(world), &shape.load(world))),
@@ -53,11 +55,7 @@ fn course(shape: &Shape, world: &World, random: &mut Random) -> Vec<NamedSeries>
                     + (shape.phase / std::f64::consts::PI - 1.0) * 0.5 * shape.anchor.temp[1];
                 one(world.temp_c.iter().map(|t| -(-0.5 * ((t - middle) / parameter).powi(2)).exp()).collect())
             }
-            Outside::Telegraph => one(telegraph(n, dt, parameter, random)),
-            Outside::NoiseLevel => {
-                let level = shape.source(world).into_iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5));
-                one(level.map(|level| level * normal(random)).collect())
-            }
+            Outside::NoiseLevel => one(noise_of_level(&shape.source(world), random)),
             Outside::Oscillation => {
                 let phase = between(random, 0.0, std::f64::consts::TAU);
                 one((0..n).map(|k| (std::f64::consts::TAU * time(k) / parameter + phase).sin()).collect())
@@ -119,6 +117,11 @@ fn process(n: usize, start: f64, decay: f64, drive: f64, random: &mut Random) ->
         value
     };
     (0..n).map(|_| next()).collect()
+}
+
+/// White noise whose standard deviation rises from 0 to 1 while `source` goes from −1 to 1.
+fn noise_of_level(source: &[f64], random: &mut Random) -> Vec<f64> {
+    source.iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5) * normal(random)).collect()
 }
 
 /// Two states, dwelling exponentially long.

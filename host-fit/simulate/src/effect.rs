@@ -38,6 +38,10 @@ pub enum Effect {
     Quantisation,
     GaussMarkov,
     RateRandomWalk,
+    LogCreep,
+    RandomTelegraph,
+    NoiseTemperature,
+    DeadZone,
     /// In no library.
     Outside(Outside),
 }
@@ -51,9 +55,7 @@ pub enum Outside {
     TempWiggle,
     /// A dip near one temperature.
     TempDip,
-    /// Random telegraph noise, dwelling 20 to 100 s.
-    Telegraph,
-    /// White noise whose level follows temperature, supply or load.
+    /// White noise whose level follows supply or load.
     NoiseLevel,
     /// An oscillation of 60 to 200 s that nothing logged follows.
     Oscillation,
@@ -100,7 +102,7 @@ const SUPPLY: &[&str] = &["supply_v"];
 
 impl Effect {
     /// The effects of the library.
-    pub const LIBRARY: [Self; 26] = [
+    pub const LIBRARY: [Self; 30] = [
         Self::TempLinear,
         Self::TempPoly,
         Self::ThermalLag,
@@ -127,6 +129,10 @@ impl Effect {
         Self::Quantisation,
         Self::GaussMarkov,
         Self::RateRandomWalk,
+        Self::LogCreep,
+        Self::RandomTelegraph,
+        Self::NoiseTemperature,
+        Self::DeadZone,
     ];
 
     /// Every effect, those in no library last.
@@ -175,6 +181,12 @@ impl Effect {
             Self::Quantisation => ("quantisation", Data, Some(("mult", [4.0, 32.0])), &[][..]),
             Self::GaussMarkov => ("gauss_markov", Stochastic, tau(5.0, 200.0), &[][..]),
             Self::RateRandomWalk => ("rate_random_walk", Stochastic, None, &[][..]),
+            Self::LogCreep => ("log_creep", Slow, Some(("onset_s", [2.0, 200.0])), &[][..]),
+            Self::RandomTelegraph => {
+                ("random_telegraph", Stochastic, Some(("dwell_s", [20.0, 100.0])), &[][..])
+            }
+            Self::NoiseTemperature => ("noise_temperature", Wide, None, TEMP),
+            Self::DeadZone => ("dead_zone", Data, Some(("half_width_dps", [0.2, 2.0])), &[][..]),
             Self::Outside(outside) => return outside.description(),
         };
         Description { name, band, parameter, needs }
@@ -190,10 +202,13 @@ impl Effect {
                 setup == if target.is_gyro() { Setup::RateTable } else { Setup::PoseRig }
             }
             Self::LeverArm => setup == Setup::RateTable && !target.is_gyro(),
+            Self::DeadZone => setup == Setup::RateTable && target.is_gyro(),
             // beside the vibration itself their sizes would be wrong
             Self::SpectralLine
             | Self::DriftingLine
             | Self::Quantisation
+            | Self::NoiseTemperature
+            | Self::RandomTelegraph
             | Self::Outside(Outside::Bursts | Outside::NoiseLevel) => {
                 setup != Setup::Shaker || target.is_gyro()
             }
@@ -213,12 +228,11 @@ impl Effect {
 }
 
 impl Outside {
-    /// Ten that no library has.
-    pub const ALL: [Self; 10] = [
+    /// Nine that no library has.
+    pub const ALL: [Self; 9] = [
         Self::TempTimesSupply,
         Self::TempWiggle,
         Self::TempDip,
-        Self::Telegraph,
         Self::NoiseLevel,
         Self::Oscillation,
         Self::Threshold,
@@ -228,13 +242,12 @@ impl Outside {
     ];
 
     fn description(self) -> Description {
-        use Band::{Slow, Stochastic, Wide};
+        use Band::{Slow, Wide};
         let (name, band, parameter, needs) = match self {
             Self::TempTimesSupply => ("outside:temp_times_supply", Slow, None, &["temp_c", "supply_v"][..]),
             Self::TempWiggle => ("outside:temp_wiggle", Slow, Some(("period_k", [3.0, 6.0])), TEMP),
             Self::TempDip => ("outside:temp_dip", Slow, Some(("width_k", [0.6, 1.5])), TEMP),
-            Self::Telegraph => ("outside:telegraph", Stochastic, Some(("dwell_s", [20.0, 100.0])), &[][..]),
-            Self::NoiseLevel => ("outside:noise_level", Wide, None, &["temp_c", "supply_v"][..]),
+            Self::NoiseLevel => ("outside:noise_level", Wide, None, SUPPLY),
             Self::Oscillation => ("outside:oscillation", Slow, Some(("period_s", [60.0, 200.0])), &[][..]),
             Self::Threshold => ("outside:threshold", Slow, None, &["temp_c", "supply_v"][..]),
             Self::Recoveries => ("outside:recoveries", Slow, Some(("tau_s", [10.0, 60.0])), &[][..]),

@@ -15,7 +15,7 @@ use super::recorder::Faults;
 use super::regressors::NamedSeries;
 use super::rivals::{Best, CELL, Rivals};
 use super::shape::Shape;
-use super::strength::{Blocks, Whitener, level_size, noise_amplitude, solve};
+use super::strength::{Blocks, Whitener, level_size, noise_amplitude, solve, telegraph_amplitude};
 use super::world::World;
 
 /// What was planted, as it came out.
@@ -78,6 +78,15 @@ pub(super) fn size(
         let is_slow = matched(shape.effect);
         let amplitude = match measure(shape.effect) {
             Measure::Matched => plant.size / white.norm(),
+            Measure::Telegraph => {
+                let code = transitions_code(&unit, blocks.0.len());
+                let mut g = DMatrix::zeros(covariance.nrows(), covariance.nrows());
+                // each of two levels left at 1/τ: the autocorrelation falls with τ/2
+                blocks.add_gauss_markov(&mut g, 1.0, 0.5 * shape.parameter, noise.period_s);
+                let course = DVector::from_vec(blocks.means(&unit));
+                telegraph_amplitude(&covariance, &g, (&course, code), plant.size)
+                    .ok_or_else(|| nothing(shape))?
+            }
             Measure::Line => {
                 let density = noise.density(shape.parameter, lsb);
                 let energy: f64 = blocks.0.iter().flat_map(|rows| &unit[rows.clone()]).map(|x| x * x).sum();
@@ -154,6 +163,7 @@ fn judge(planted: &mut [Planted], whitened: &[Option<DVector<f64>>], rivals: &Ri
 #[derive(Clone, Copy, PartialEq)]
 enum Measure {
     Matched,
+    Telegraph,
     Line,
     Likelihood,
     Level,
@@ -164,8 +174,11 @@ fn measure(effect: Effect) -> Measure {
     match effect {
         Effect::SpectralLine | Effect::DriftingLine | Effect::Outside(Outside::Bursts) => Measure::Line,
         Effect::GaussMarkov | Effect::RateRandomWalk => Measure::Likelihood,
-        Effect::Outside(Outside::NoiseLevel) => Measure::Level,
-        Effect::Saturation | Effect::DroppedSamples | Effect::Quantisation => Measure::Data,
+        Effect::RandomTelegraph => Measure::Telegraph,
+        Effect::NoiseTemperature | Effect::Outside(Outside::NoiseLevel) => Measure::Level,
+        Effect::Saturation | Effect::DroppedSamples | Effect::Quantisation | Effect::DeadZone => {
+            Measure::Data
+        }
         _ => Measure::Matched,
     }
 }
@@ -175,9 +188,18 @@ fn matched(effect: Effect) -> bool {
     measure(effect) == Measure::Matched
 }
 
+/// −2 ln P of the transitions of a course of two levels, seen in blocks: what nobody knows of it beforehand.
+fn transitions_code(course: &[f64], blocks: usize) -> f64 {
+    let transitions = course.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let share = (transitions as f64 / blocks as f64).clamp(1e-3, 0.5);
+    -2.0 * blocks as f64 * (share * share.ln() + (1.0 - share) * (1.0 - share).ln())
+}
+
 /// Variance of the added white noise of amplitude one in every sample.
 fn level_squares(shape: &Shape, field: &World) -> Vec<f64> {
-    shape.source(field).into_iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5).powi(2)).collect()
+    let source =
+        if shape.effect == Effect::NoiseTemperature { shape.temp(field) } else { shape.source(field) };
+    source.into_iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5).powi(2)).collect()
 }
 
 /// The weighted sum of all columns.
@@ -199,7 +221,7 @@ pub(super) fn add_faults(
     plan: &CasePlan,
     planted: &mut [Planted],
     (analog, noise): (&[f64], &AxisNoise),
-    (lsb, seed, is_field): (f64, u64, bool),
+    (lsb, bias, seed, is_field): (f64, f64, u64, bool),
 ) {
     for (number, (plant, planted)) in plan.planted.iter().zip(planted).enumerate() {
         let n = analog.len() as f64;
@@ -227,6 +249,15 @@ pub(super) fn add_faults(
                     planted.size = count.sqrt();
                     planted.params.insert("frac", count / n);
                 }
+            }
+            Effect::DeadZone if is_field => {
+                let mut off: Vec<f64> = analog.iter().map(|value| (value - bias).abs()).collect();
+                off.sort_unstable_by(f64::total_cmp);
+                let of_size = (plant.size * plant.size).min(n - 1.0) as usize;
+                let half_width = plant.parameter.map_or(off[of_size], f64::to_radians);
+                faults.dead_zone = Some([bias, half_width]);
+                planted.size = (off.partition_point(|off| *off < half_width) as f64).sqrt();
+                planted.params.insert("half_width_dps", half_width.to_degrees());
             }
             Effect::Quantisation if is_field => {
                 let variance = noise.white * noise.white;

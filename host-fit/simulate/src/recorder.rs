@@ -57,6 +57,8 @@ pub(super) struct Faults {
     pub(super) limit: Option<f64>,
     /// Steps of this many LSB.
     pub(super) step: Option<f64>,
+    /// Bias of the target, and half of the width of the dead zone about it, unit of the axis.
+    pub(super) dead_zone: Option<[f64; 2]>,
     /// Samples that are lost, in order.
     pub(super) lost: Vec<usize>,
 }
@@ -85,6 +87,10 @@ pub(super) fn convert(part: &Part, axis: Axis, faults: &Faults, value: f64) -> f
     let limit = faults.limit.unwrap_or(full_scale);
     let step = part.lsb(axis) * faults.step.unwrap_or(1.0);
     let top = full_scale - part.lsb(axis);
+    let value = match faults.dead_zone {
+        Some([bias, half_width]) if (value - bias).abs() < half_width => bias,
+        _ => value,
+    };
     ((value.clamp(-limit, limit) / step).round() * step).clamp(-full_scale, top)
 }
 

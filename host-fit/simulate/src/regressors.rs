@@ -67,6 +67,7 @@ pub(super) fn regressors(
         Effect::TempRate => one("temp_rate_k_per_s", rate(&world.temp_c, dt)),
         Effect::ThermalHysteresis => one("temp_play_k", play_less_input(&world.temp_c, parameter)),
         Effect::WarmupExp => one("warmup", (0..n).map(|k| (-(k as f64) * dt / parameter).exp()).collect()),
+        Effect::LogCreep => one("creep", (0..n).map(|k| (1.0 + k as f64 * dt / parameter).ln()).collect()),
         Effect::BiasRamp => one("time_s", (0..n).map(|k| k as f64 * dt).collect()),
         Effect::BiasStep => {
             one("step", (0..n).map(|k| f64::from(u8::from(k as f64 * dt > parameter))).collect())
@@ -104,6 +105,9 @@ pub(super) fn regressors(
         | Effect::Quantisation
         | Effect::GaussMarkov
         | Effect::RateRandomWalk
+        | Effect::RandomTelegraph
+        | Effect::NoiseTemperature
+        | Effect::DeadZone
         | Effect::Outside(_) => Vec::new(),
     }
 }

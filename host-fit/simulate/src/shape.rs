@@ -49,7 +49,9 @@ impl Shape {
         let phase = between(random, 0.0, std::f64::consts::TAU);
         let covariate = match setup {
             Setup::Desk if chance(random, 0.5) => Covariate::Load,
-            _ if chance(random, 0.5) => Covariate::Supply,
+            _ if chance(random, 0.5) || plant.effect == Effect::Outside(Outside::NoiseLevel) => {
+                Covariate::Supply
+            }
             _ => Covariate::Temperature,
         };
         let anchor = Anchor::of(field, target);

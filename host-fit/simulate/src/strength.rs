@@ -14,6 +14,11 @@
 //! for a coarser step, the same sample by sample with r = added variance over the white variance: d² = Σ (r − ln(1 +
 //! r)).
 //!
+//! **Two levels.** A matched filter knows the moments of the transitions of telegraph noise, and nobody else does; and a
+//! Gauss-Markov process of the same spectrum explains much of it. d² is the
+//! expected 2 log likelihood ratio of the course against that process, C₁ = C + a² G, less −2 ln P of the transitions,
+//! block by block: a² sᵀ C₁⁻¹ s + tr(C₁⁻¹ C) − N + ln det(C₁ C⁻¹) + 2 ln P.
+//!
 //! **Lost and clipped samples.** d² = their number.
 
 use std::ops::Range;
@@ -192,6 +197,33 @@ pub(super) fn noise_amplitude(c: &DMatrix<f64>, g: &DMatrix<f64>, wanted: f64) -
         a -= (found / slope).clamp(-3.0, 3.0);
     }
     Some(a.exp())
+}
+
+/// Amplitude of a course of two levels, `s` at amplitude one, that has the size `wanted`: `g` is the covariance of a
+/// process of its spectrum, `code` the price of its transitions; see the module.
+pub(super) fn telegraph_amplitude(
+    c: &DMatrix<f64>,
+    g: &DMatrix<f64>,
+    (s, code): (&DVector<f64>, f64),
+    wanted: f64,
+) -> Option<f64> {
+    let n = c.nrows() as f64;
+    let about = (c.trace() / n).sqrt();
+    let c = c.add_scalar(1e4 * about * about);
+    let log_det = |f: &Cholesky<f64, Dyn>| 2.0 * f.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+    let base = log_det(&Cholesky::new(c.clone())?);
+    let square = |a: f64| -> Option<f64> {
+        let process = Cholesky::new(&c + g * (a * a))?;
+        let fit = a * a * s.dot(&process.solve(s)) + process.solve(&c).trace() - n;
+        Some(fit + log_det(&process) - base - code)
+    };
+    let (mut low, mut high) = (0.01 * about, 100.0 * about);
+    // ends: it halves, of 16
+    for _ in 0..16 {
+        let middle = (low * high).sqrt();
+        if square(middle)? < wanted * wanted { low = middle } else { high = middle }
+    }
+    Some(high)
 }
 
 /// Σ (r − ln(1 + r)) over samples whose variance is raised by r.

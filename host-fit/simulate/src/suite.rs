@@ -137,6 +137,7 @@ fn plant(effect: Effect, level: Level, random: &mut Random) -> Plant {
             let edges = [0.001, 0.003, 0.01, 0.03];
             Some(log_between(random, edges[step], edges[step + 1]))
         }
+        Effect::DeadZone => Some(log_between(random, [0.3, 0.6, 1.0][step], [0.6, 1.0, 2.0][step])),
         Effect::Quantisation => Some(pick(random, &[[4.0, 6.0], [8.0, 12.0], [16.0, 32.0]][step])),
         _ => None,
     };

@@ -282,7 +282,15 @@ fn predictions<'a>(singles: impl IntoIterator<Item = &'a Outcome>) -> Vec<bool> 
 /// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come
 /// again.
 fn is_reproducible(effect: &str) -> bool {
-    !["bias_step", "drifting_line", "gauss_markov", "rate_random_walk"].contains(&effect)
+    const CHANCE: [&str; 6] = [
+        "bias_step",
+        "drifting_line",
+        "gauss_markov",
+        "rate_random_walk",
+        "random_telegraph",
+        "noise_temperature",
+    ];
+    !CHANCE.contains(&effect)
 }
 
 fn named(found: &[FoundIn], effect: &str, among: usize) -> bool {

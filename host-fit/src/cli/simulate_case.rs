@@ -117,7 +117,7 @@ impl CaseArguments {
     }
 }
 
-/// `thermal_lag`, `thermal_lag:tau_s=60`, `outside:telegraph`, `outside:telegraph:dwell_s=30`.
+/// `thermal_lag`, `thermal_lag:tau_s=60`, `outside:recoveries`, `outside:recoveries:tau_s=30`.
 fn parse(text: &str, size: f64) -> Result<Plant, Failure> {
     let (name, parameter) = match text.rsplit_once(':') {
         Some((name, parameter)) if parameter.contains('=') => (name, Some(parameter)),

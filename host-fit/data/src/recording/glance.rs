@@ -11,7 +11,7 @@ use crate::interrupt::in_parallel;
 use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
-use crate::stuck::{FEWEST_CHANGES, REFUSED_SHARE, coarse_step, stuck};
+use crate::stuck::{FEWEST_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
 const GRAVITY: f64 = 9.806_65;
@@ -25,6 +25,9 @@ const NOISE_RATIO: f64 = 3.0;
 
 /// Rates of logs that differ by more than this, relative, are not those of one clock.
 const RATE_DIFFERS: f64 = 2e-3;
+
+/// Rows at rest without a change that show an axis to be coarser than its noise.
+const FEWEST_AT_REST: usize = 1000;
 
 /// Something about a log that cannot be right.
 #[derive(Debug, Clone, PartialEq)]
@@ -313,20 +316,31 @@ impl Recording {
         is_refused.then(|| (values[longest.start], [seconds(rows), seconds(known)]))
     }
 
-    /// The step of an axis, in its unit, where it is so coarse that it hides the noise: its own; of one with a single
-    /// value that of another axis of its triad, whose steps are as coarse.
+    /// The step of an axis, in its unit, where it is so coarse that it hides the noise: its own; of one that holds a single
+    /// code at each rest that of its motion; of one with a single value that of another axis of its triad, whose steps are
+    /// as coarse.
     pub fn hidden_step(&self, axis: &str, still: &[bool]) -> Option<f64> {
         let stretches = self.stretches_where(|row| still[row]);
-        let own = |axis: &str| coarse_step(self.values(axis), &stretches);
-        let values = self.values(axis);
-        let changes = values.windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count();
-        if changes >= FEWEST_CHANGES {
-            return own(axis);
+        let rest: usize = stretches.iter().map(Range::len).sum();
+        // the step, or none; no answer where the axis does not change
+        let own = |axis: &str| -> Option<Option<f64>> {
+            let values = self.values(axis);
+            let changes = |rows: &Range<usize>| {
+                values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count()
+            };
+            if stretches.iter().map(changes).sum::<usize>() >= FEWEST_CHANGES {
+                return Some(coarse_step(values, &stretches));
+            }
+            let moves = changes(&(0..values.len())) >= FEWEST_CHANGES;
+            moves.then(|| (rest >= FEWEST_AT_REST).then(|| least_change(values)).flatten())
+        };
+        if let Some(step) = own(axis) {
+            return step;
         }
         let (triad, _) = Column::named(axis).place()?;
         let others = AXES.into_iter().filter(|other| *other != axis && self.channel(other).is_ok());
         let of_triad = others.filter(|other| Column::named(other).place().is_some_and(|(of, _)| of == triad));
-        of_triad.filter_map(own).reduce(f64::max)
+        of_triad.filter_map(own).flatten().reduce(f64::max)
     }
 
     fn repeats(&self, axis: &str, still: &[bool]) -> Option<Oddity> {

@@ -4,6 +4,7 @@ use fos_data::column::Column;
 use fos_data::disturbance::{self, Disturbance};
 use std::borrow::Cow;
 
+use super::dead_zone::{self, Searched};
 use super::prepared::STAIRS;
 use super::question::{DiagnoseError, Question};
 use fos_data::case::DataSheet;
@@ -25,6 +26,7 @@ struct Log<'a> {
     still: Vec<bool>,
     without: Cow<'a, Recording>,
     disturbances: Vec<Disturbance>,
+    zone: Searched,
 }
 
 impl<'a> Cleaned<'a> {
@@ -57,6 +59,11 @@ impl<'a> Cleaned<'a> {
         &self.field.disturbances
     }
 
+    /// The dead zone of the column to explain, if it shows one.
+    pub(super) fn zone(&self) -> Searched {
+        self.field.zone
+    }
+
     /// What is odd about the logs that bears on the column to explain.
     pub(super) fn cautions(&self) -> Vec<String> {
         let mut cautions = self.field.cautions(&self.column);
@@ -71,6 +78,14 @@ impl<'a> Log<'a> {
         let (at_rest, disturbances) = disturbance::marked(whole);
         // a wild sample is no motion, whatever a detector of motion makes of it
         let still = at_rest.still.clone().unwrap_or_else(|| vec![true; whole.n_rows()]);
+        let zone = match Column::named(column).is_angular_rate() {
+            true => dead_zone::search(&whole.channel(column)?.values),
+            false => Searched::None,
+        };
+        // the value of a dead zone stays as long as the rate does
+        if matches!(zone, Searched::Found(_)) {
+            return Ok(Self { whole, still, without: at_rest, disturbances, zone });
+        }
         if let Some((value, [seconds, all_s])) = whole.stuck_axis(column, &still)
             && !(is_coarse && seconds == all_s)
         {
@@ -82,7 +97,7 @@ impl<'a> Log<'a> {
                 Cow::Owned(marked.only_measurements(column, 0..whole.n_rows(), &still).0.into_owned())
             }
         };
-        Ok(Self { whole, still, without, disturbances })
+        Ok(Self { whole, still, without, disturbances, zone })
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {

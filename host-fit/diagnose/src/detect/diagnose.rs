@@ -9,7 +9,9 @@ use fos_data::disturbance;
 
 use super::answer::{Diagnosis, Finding, Untested};
 use super::cleaned::Cleaned;
+use super::dead_zone::Searched;
 use super::error_in_blocks::ErrorInBlocks;
+use super::faults::Fault;
 use super::findings::Assembly;
 use super::hypothesis::Hypotheses;
 use super::left_over::{LeftOver, left_over};
@@ -17,7 +19,8 @@ use super::lines::{self, Line};
 use super::power::Power;
 use super::prepared::Prepared;
 use super::question::{DiagnoseError, Question};
-use super::slow::SlowResult;
+use super::slow::{SlowResult, SlowSearch};
+use super::telegraph::{self, Telegraph};
 use super::testable::{Testable, lacking};
 use crate::effects::{Band, Detector, Effect, Inputs};
 
@@ -28,15 +31,18 @@ use crate::effects::{Band, Detector, Effect, Inputs};
 /// A column is missing, or the log is too short.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
-    let mut diagnosis = diagnose_cleaned(&logs.question(question))?;
+    let mut diagnosis = diagnose_cleaned(&logs.question(question), logs.zone())?;
     diagnosis.cautions.extend(logs.cautions());
     diagnosis.notes.extend(question.field.duty_cycle().map(|cycle| cycle.to_string()));
     diagnosis.moved = disturbance::told(question.field, logs.disturbances());
     Ok(diagnosis)
 }
 
-fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
-    let prepared = Prepared::new(question)?;
+fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis, DiagnoseError> {
+    let mut prepared = Prepared::new(question)?;
+    if let Searched::Found(zone) = zone {
+        prepared.faults.push(Fault::DeadZone(zone));
+    }
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
@@ -44,18 +50,35 @@ fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError>
     let hidden = stairs || prepared.is_short();
     let effects = if hidden { &[][..] } else { &prepared.testable.effects };
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
-    let slow = prepared.search(&hypotheses, effects).run()?;
-    let left = match hidden {
-        true => LeftOver::default(),
-        false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
+    let pass = |given: &[Vec<f64>]| -> Result<(SlowResult, LeftOver), DiagnoseError> {
+        let slow = SlowSearch { given, ..prepared.search(&hypotheses, effects) }.run()?;
+        let left = match hidden {
+            true => LeftOver::default(),
+            false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
+        };
+        Ok((slow, left))
     };
+    let (mut slow, mut left) = pass(given)?;
+    let mut given = given.clone();
+    let mut telegraph = match hidden || *shaken {
+        true => None,
+        false => telegraph::instead(&prepared, &slow, &left),
+    };
+    if let Some(found) = &telegraph {
+        let beside = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
+        let again = pass(&beside)?;
+        match found.leaves_noise(&again.0) {
+            true => (given, (slow, left)) = (beside, again),
+            false => telegraph = None,
+        }
+    }
     let mut untested = prepared.testable.untested.clone();
     let silent = slow.silent.iter().map(|effect| Testable::adds_nothing(effect, &inputs, column));
     untested.extend(silent);
     let mut lacks = None;
     if hidden {
         let needs = match stairs {
-            true => "samples that are neither clipped nor in coarse steps".to_owned(),
+            true => "samples that are neither clipped nor in coarse steps nor in a dead zone".to_owned(),
             false => prepared.time_needed(question)?,
         };
         lacks = Some(needs.clone());
@@ -72,9 +95,17 @@ fn diagnose_cleaned(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError>
         lacks = Some(format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", ")));
     }
     untested.extend(powerless);
+    if zone == Searched::NotShown {
+        let effects = question.library.effects().iter();
+        let zones = effects.filter(|effect| effect.search == Detector::DeadZone && effect.strikes(column));
+        untested.extend(zones.map(|effect| Untested {
+            effect: effect.id.clone(),
+            needs: vec!["slow turns about the axis to both sides".to_owned()],
+        }));
+    }
     let tested = tested.iter().map(|effect| effect.id.clone()).collect();
-    let of_log = OfLog { left, tested, untested, lacks };
-    assembly(&prepared, question, &lines, &slow, of_log).diagnosis()
+    let of_log = OfLog { left, telegraph: telegraph.as_ref(), tested, untested, lacks };
+    assembly((&prepared, &given), question, &lines, &slow, of_log).diagnosis()
 }
 
 /// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall
@@ -111,7 +142,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     }
     let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
-    let assembly = assembly(&prepared, question, &lines, &slow, OfLog::default());
+    let assembly = assembly((&prepared, &prepared.given), question, &lines, &slow, OfLog::default());
     let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
     let mut line_findings = assembly.line_findings()?.into_iter();
     effects
@@ -134,23 +165,24 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
 
 /// What a diagnosis says of the log itself; an estimate says none of it.
 #[derive(Default)]
-struct OfLog {
+struct OfLog<'t> {
     left: LeftOver,
+    telegraph: Option<&'t Telegraph>,
     tested: Vec<String>,
     untested: Vec<Untested>,
     lacks: Option<String>,
 }
 
 fn assembly<'s>(
-    prepared: &'s Prepared,
+    (prepared, given): (&'s Prepared, &'s [Vec<f64>]),
     question: &'s Question<'s>,
     lines: &'s [Line],
     slow: &'s SlowResult,
-    of_log: OfLog,
+    of_log: OfLog<'s>,
 ) -> Assembly<'s> {
-    let Prepared { column, faults, reduced, given, .. } = prepared;
+    let Prepared { column, faults, reduced, .. } = prepared;
     let learnt_from = learnt_from(question);
-    let OfLog { left, tested, untested, lacks } = of_log;
+    let OfLog { left, telegraph, tested, untested, lacks } = of_log;
     Assembly {
         question,
         column,
@@ -160,6 +192,7 @@ fn assembly<'s>(
         lines,
         slow,
         left,
+        telegraph,
         tested,
         untested,
         lacks,

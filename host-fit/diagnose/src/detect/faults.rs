@@ -1,6 +1,7 @@
 //! Faults of the data, not of the sensor's bias: clipping, missing samples, coarse steps. They are looked for first,
 //! since wrong data beat every later test.
 
+use super::dead_zone::DeadZone;
 use fos_data::recording::Recording;
 use fos_fit::signal::quantisation::quantisation;
 
@@ -36,11 +37,13 @@ pub(crate) enum Fault {
     },
     /// Steps are coarser than they should be.
     Coarse {
-        /// How many times.
+        /// How many times; NaN where it is not known how fine they should be.
         multiple: f64,
         /// The step, unit of the axis.
         step: f64,
     },
+    /// Slow rates read as one value.
+    DeadZone(DeadZone),
 }
 
 /// What is known of the axis.
@@ -82,6 +85,11 @@ pub(super) fn find(
         && step > COARSE * known
     {
         faults.push(Fault::Coarse { multiple: (step / known).round(), step });
+    } else if quiet.is_none()
+        && let Some(step) = hidden_step(field, target)
+    {
+        // a step that hides the noise is too coarse, however fine it should be
+        faults.push(Fault::Coarse { multiple: known.map_or(f64::NAN, |known| (step / known).round()), step });
     }
     faults
 }

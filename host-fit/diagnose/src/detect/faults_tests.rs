@@ -25,6 +25,11 @@ fn faults(values: Vec<f64>) -> Vec<Fault> {
     find(&recording(values), None, "ax_mps2", &UNKNOWN)
 }
 
+/// Faults but for coarse steps.
+fn stops(values: Vec<f64>) -> Vec<Fault> {
+    faults(values).into_iter().filter(|fault| !matches!(fault, Fault::Coarse { .. })).collect()
+}
+
 fn noise(random: &mut ChaCha8Rng, deviation: f64, length: usize) -> Vec<f64> {
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
     (0..length).map(|_| deviation * normal(random)).collect()
@@ -109,7 +114,7 @@ fn noise_that_is_not_clipped_is_not_called_saturated() {
         if let Some(step) = step {
             round(&mut values, step);
         }
-        assert_eq!(faults(values), [], "seed {seed}, step {step:?}, offset {offset}");
+        assert_eq!(stops(values), [], "seed {seed}, step {step:?}, offset {offset}");
     }
 }
 
@@ -137,10 +142,23 @@ fn levels_that_are_held_are_not_stops() {
 #[test]
 fn levels_that_are_held_under_a_coarse_converter_are_not_stops() {
     let wrong: Vec<(u64, Vec<Fault>)> = (0..300)
-        .map(|seed| (seed, faults(dwells(seed, [2.5, 4.0, 8.0][seed as usize % 3]))))
+        .map(|seed| (seed, stops(dwells(seed, [2.5, 4.0, 8.0][seed as usize % 3]))))
         .filter(|(_, found)| !found.is_empty())
         .collect();
     assert!(wrong.is_empty(), "{} of 300 logs, the first {:?}", wrong.len(), wrong[0]);
+}
+
+/// No reference log and no data sheet say how fine the steps should be: they hide the noise all the same.
+#[test]
+fn coarse_steps_are_found_where_nothing_is_known_of_the_converter() {
+    for seed in 0..20 {
+        let mut values = noise(&mut ChaCha8Rng::seed_from_u64(seed), 1.0, 20_000);
+        values.iter_mut().enumerate().for_each(|(row, value)| *value += 0.001 * row as f64);
+        round(&mut values, 5.0);
+        let found = faults(values);
+        let [Fault::Coarse { multiple, step }] = found[..] else { panic!("{seed}: {found:?}") };
+        assert!(multiple.is_nan() && (step - 5.0).abs() < 1e-9, "{seed}: {step}");
+    }
 }
 
 fn dropped(found: &[Fault]) -> Option<f64> {

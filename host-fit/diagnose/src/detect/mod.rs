@@ -7,6 +7,7 @@
 mod answer;
 mod cleaned;
 mod correction;
+mod dead_zone;
 mod diagnose;
 mod error_in_blocks;
 mod faults;
@@ -24,6 +25,7 @@ mod prepared;
 mod question;
 mod shape;
 mod slow;
+mod telegraph;
 mod testable;
 
 #[cfg(test)]
@@ -32,6 +34,8 @@ mod bursts_tests;
 mod faults_tests;
 #[cfg(test)]
 mod nothing_tested_tests;
+#[cfg(test)]
+mod planted_tests;
 #[cfg(test)]
 mod rests_tests;
 #[cfg(test)]

@@ -152,6 +152,8 @@ impl Prepared {
                 // the mean of a swing that is cut off moves with the swing
                 Fault::Saturation { .. } => self.shaken,
                 Fault::Dropped { .. } => false,
+                // its value at rest is the same whatever the bias does
+                Fault::DeadZone(_) => true,
             })
     }
 }

@@ -21,6 +21,9 @@ const LEVEL_ACCEPT: f64 = 15.0;
 const LEVEL_SHARE: f64 = 0.01;
 const LEVEL_SHARE_BESIDE: f64 = 0.03;
 
+/// The thermometer of a log.
+pub(super) const TEMPERATURE: &str = "temp_c";
+
 /// Something about what is left that is not noise of constant size.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Misshape {
@@ -34,12 +37,38 @@ pub(super) enum Misshape {
     /// The level of the noise in the samples is not constant.
     Level {
         /// The quantity that it follows best, if it follows one.
-        follows: Option<String>,
+        follows: Option<Followed>,
         /// Standard deviation of the logarithm of the level that is explained.
         spread: f64,
         /// Gain minus price.
         score: f64,
     },
+}
+
+impl Misshape {
+    /// Whether an effect of the library is this: a noise level that follows the temperature.
+    pub(super) fn is_effect(&self) -> bool {
+        self.temperature_slope().is_some()
+    }
+
+    /// Change of the logarithm of the noise level per kelvin, and its standard error, where it follows the temperature.
+    pub(super) fn temperature_slope(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Level { follows: Some(Followed { column, slope }), .. } if column == TEMPERATURE => {
+                Some(*slope)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A quantity that a noise level follows.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Followed {
+    /// Its column.
+    pub(super) column: String,
+    /// Change of the logarithm of the level per unit of the quantity, and its standard error.
+    pub(super) slope: [f64; 2],
 }
 
 /// Jumps in the whitened residual of a fit, if they make up more than `least` of −2 ln L.
@@ -68,7 +97,7 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
     let left = basis.without(&own);
     let n = left.len() as f64;
     let before = dot(&left, &left);
-    let mut best: Option<(f64, f64, Option<String>)> = None;
+    let mut best: Option<(f64, f64, Option<Followed>)> = None;
     let mut consider = |columns: &[Vec<f64>], follows: Option<&str>, basis: &Basis| {
         let mut wider = basis.clone();
         let k = columns.iter().filter(|column| wider.add(column)).count() as f64;
@@ -76,7 +105,11 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         let after = dot(&rest, &rest);
         let score = n * (before / after).ln() - k * n.ln();
         if best.as_ref().is_none_or(|(other, ..)| score > *other) {
-            best = Some((score, ((before - after) / n).max(0.0).sqrt(), follows.map(str::to_owned)));
+            let follows = follows.map(|column| Followed {
+                column: column.to_owned(),
+                slope: basis.slope(&own, &columns[0], after / n),
+            });
+            best = Some((score, ((before - after) / n).max(0.0).sqrt(), follows));
         }
     };
     let middle = |i: usize| i as f64 / n;
@@ -131,6 +164,13 @@ impl Basis {
             self.columns.push(left.iter().map(|value| value / norm).collect());
         }
         is_new
+    }
+
+    /// The coefficient of `column` in `values` beside the columns, and its standard error in noise of this variance.
+    fn slope(&self, values: &[f64], column: &[f64], variance: f64) -> [f64; 2] {
+        let new = self.without(&self.without(column));
+        let square = dot(&new, &new);
+        [dot(&new, values) / square, (variance / square).sqrt()]
     }
 
     fn without(&self, column: &[f64]) -> Vec<f64> {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::answer::Untested;
 use super::question::{DiagnoseError, Question};
+use super::shape::TEMPERATURE;
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 
 /// The slow effects that a log can be asked for.
@@ -96,6 +97,9 @@ pub(super) fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Ve
 pub(super) fn lacking(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Option<Vec<String>> {
     if !effect.strikes(target) {
         return None;
+    }
+    if effect.search == Detector::NoiseLevel {
+        return Some(inputs.lacks(TEMPERATURE).into_iter().collect());
     }
     if effect.search != Detector::Terms {
         return Some(Vec::new());

@@ -22,15 +22,16 @@ use fos_data::file::FileError;
 pub const EXAMPLE: &str = include_str!("example.toml");
 
 /// The built-in effects, in the order of docs and lists.
-const BUILT_IN: [(&str, &str); 26] = {
+const BUILT_IN: [(&str, &str); 30] = {
     macro_rules! library {
         ($($id:literal)*) => { [$(($id, include_str!(concat!("library/", $id, ".toml")))),*] };
     }
     library!(
-        "temp_linear" "temp_poly" "thermal_lag" "temp_rate" "thermal_hysteresis" "warmup_exp" "bias_ramp" "bias_step"
-        "supply_sensitivity" "load_heating" "mag_sensitivity" "g_sensitivity" "vibration_rectification" "sf_error"
+        "temp_linear" "temp_poly" "thermal_lag" "temp_rate" "thermal_hysteresis" "warmup_exp" "log_creep" "bias_ramp"
+        "bias_step" "supply_sensitivity" "load_heating" "mag_sensitivity" "g_sensitivity" "vibration_rectification" "sf_error"
         "sf_nonlinearity" "sf_asymmetry" "sf_temp" "cross_axis" "lever_arm" "spectral_line" "drifting_line" "saturation"
-        "dropped_samples" "quantisation" "gauss_markov" "rate_random_walk"
+        "dropped_samples" "quantisation" "gauss_markov" "rate_random_walk" "random_telegraph" "noise_temperature"
+        "dead_zone"
     )
 };
 
@@ -147,6 +148,12 @@ pub enum Detector {
     GaussMarkov,
     /// As a random walk beyond the noise of the baseline, in block means.
     RandomWalk,
+    /// As jumps to and fro between two levels, in block means.
+    Telegraph,
+    /// As a noise level of the samples that follows the temperature.
+    NoiseLevel,
+    /// As a gap in the histogram on both sides of the most frequent value.
+    DeadZone,
 }
 
 impl Detector {
@@ -194,6 +201,9 @@ pub struct Parameter {
     pub low: f64,
     /// Largest value looked for.
     pub high: f64,
+    /// Values below `low` give the same error, so that one at `low` is as good as any other.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub open_below: bool,
 }
 
 /// An effect that another is confused with.

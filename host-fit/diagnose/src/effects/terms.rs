@@ -112,11 +112,11 @@ impl fmt::Display for Product {
 
 /// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the
 /// next two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes;
-/// the name of the parameter stands for its value, `{half_width_k*2}` for twice its value.
+/// the name of the parameter stands for its value, `{5 tau_s}` for five times its value.
 pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
     let mut filled = text.replace("{target}", target);
     if let Some((name, value)) = parameter {
-        filled = with_multiples(&filled, name, value)?;
+        filled = with_multiples(&filled.replace(&format!("{{{name}}}"), &value.to_string()), name, value);
     }
     if filled.contains('{') {
         let Some((triad, place)) = Column::named(target).place() else {
@@ -132,26 +132,35 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
     match filled.find('{') {
         None => Ok(filled),
         Some(at) => Err(format!(
-            "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter",
+            "{text:?}: no placeholder {}; there are {{target}}, {{next}}, {{after}}, {{gyro}}, {{gyro_next}}, {{gyro_after}} and the parameter, alone or as {{5 tau_s}}",
             &filled[at..]
         )),
     }
 }
 
-/// The text with the parameter's value in place of `{name}`, and `factor` times its value in place of `{name*factor}`.
-fn with_multiples(text: &str, name: &str, value: f64) -> Result<String, String> {
-    let mut filled = text.replace(&format!("{{{name}}}"), &value.to_string());
-    let multiple = format!("{{{name}*");
-    // ends: each round replaces one placeholder by a number
-    while let Some(at) = filled.find(&multiple) {
-        let from = at + multiple.len();
-        let to = filled[from..].find('}').map(|length| from + length).ok_or("a placeholder without }")?;
-        let factor: f64 = filled[from..to]
-            .parse()
-            .map_err(|_| format!("{:?} is not a factor of {name}", &filled[from..to]))?;
-        filled.replace_range(at..=to, &(factor * value).to_string());
+/// The text with every `{NUMBER name}` replaced by that multiple of the value; anything else stays as it is.
+fn with_multiples(text: &str, name: &str, value: f64) -> String {
+    let mut filled = String::new();
+    let mut rest = text;
+    // ends: every turn leaves a shorter rest, from behind an opening brace on
+    while let Some((before, inside)) = rest.split_once('{') {
+        filled.push_str(before);
+        let multiple = inside.split_once('}').and_then(|(placeholder, after)| {
+            let factor: f64 = placeholder.strip_suffix(name)?.trim().parse().ok()?;
+            Some((factor * value, after))
+        });
+        rest = match multiple {
+            Some((value, after)) => {
+                filled.push_str(&value.to_string());
+                after
+            }
+            None => {
+                filled.push('{');
+                inside
+            }
+        };
     }
-    Ok(filled)
+    filled + rest
 }
 
 #[cfg(test)]
@@ -159,13 +168,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn fills_in_multiples_of_the_parameter() {
+        let fill = |text| filled(text, "gx_rads", Some(("onset_s", 2.5)));
+        let text = "clock:decay({onset_s}) + clock:decay({4 onset_s}) * {target}";
+        assert_eq!(fill(text).unwrap(), "clock:decay(2.5) + clock:decay(10) * gx_rads");
+        assert!(fill("clock:decay({four onset_s})").unwrap_err().contains("{four onset_s}"));
+    }
+
+    #[test]
     fn placeholders_name_the_axes_of_the_target() {
         let fill = |text, target| filled(text, target, Some(("tau_s", 60.5)));
         assert_eq!(fill("ref_{next} * ref_{after}", "gy_rads").unwrap(), "ref_gz_rads * ref_gx_rads");
         assert_eq!(fill("ref_{gyro_next}:rate(0.05)", "az_mps2").unwrap(), "ref_gx_rads:rate(0.05)");
         assert_eq!(fill("temp_c:lowpass({tau_s})", "other").unwrap(), "temp_c:lowpass(60.5)");
-        assert_eq!(fill("temp_c:lowpass({tau_s*2})", "other").unwrap(), "temp_c:lowpass(121)");
-        assert!(fill("temp_c:lowpass({tau_s*two})", "other").unwrap_err().contains("two"));
+        assert_eq!(fill("temp_c:lowpass({2 tau_s})", "other").unwrap(), "temp_c:lowpass(121)");
         assert!(fill("ref_{next}", "other").is_err());
         assert!(fill("ref_{nxt}", "gx_rads").unwrap_err().contains("{nxt}"));
     }

@@ -337,7 +337,7 @@ channels: Array<ChannelDependence>,
 power: PowerMap, };
 
 /** What looks for an effect: `search` in its file. */
-export type Detector = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk";
+export type Detector = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk" | "telegraph" | "noise_level" | "dead_zone";
 
 /** What is missing from a model on a log. */
 export type Diagnosis = {
@@ -803,7 +803,9 @@ unit: string,
 /** Least value looked for. */
 low: number,
 /** Largest value looked for. */
-high: number, };
+high: number,
+/** Values below `low` give the same error, so that one at `low` is as good as any other. */
+open_below?: boolean, };
 
 /** A part. */
 export type PartReport = {

@@ -8,7 +8,9 @@ use crate::detect::faults::Fault;
 use crate::detect::left_over::LeftOver;
 use crate::detect::lines::Line;
 use crate::detect::question::{DiagnoseError, Question};
+use crate::detect::shape::{Misshape, TEMPERATURE};
 use crate::detect::slow::{ExtraNoise, SlowResult};
+use crate::detect::telegraph::Telegraph;
 use crate::effects::{Detector, Effect, SizeUnit};
 use fos_data::column::Column;
 
@@ -25,6 +27,7 @@ pub(crate) struct Assembly<'a> {
     pub(crate) lines: &'a [Line],
     pub(crate) slow: &'a SlowResult,
     pub(crate) left: LeftOver,
+    pub(crate) telegraph: Option<&'a Telegraph>,
     pub(crate) tested: Vec<String>,
     pub(crate) untested: Vec<Untested>,
     /// What the log lacks for a test of any slow effect.
@@ -48,7 +51,18 @@ impl Assembly<'_> {
             .map(|fault| match fault {
                 Fault::Saturation { share, .. } => of(Detector::Saturation, *share),
                 Fault::Dropped { share } => of(Detector::DroppedSamples, *share),
+                Fault::Coarse { multiple, step } if multiple.is_nan() => {
+                    let effect = self.found_as(Detector::CoarseSteps, 1.0)?;
+                    let unit = SizeUnit::of_axis(Column::named(self.column));
+                    let value = step / unit.si;
+                    let (of, interval) = ("step".to_owned(), [f64::NAN; 2]);
+                    let sizes = vec![Size { of, value, interval, unit: unit.to_string() }];
+                    Ok(Finding { sizes, ..bare(effect) })
+                }
                 Fault::Coarse { multiple, .. } => of(Detector::CoarseSteps, *multiple),
+                Fault::DeadZone(zone) => {
+                    of(Detector::DeadZone, zone.half_width / SizeUnit::of_axis(Column::named(self.column)).si)
+                }
             })
             .collect()
     }
@@ -80,6 +94,75 @@ impl Assembly<'_> {
                 Some(finding)
             }
         })
+    }
+}
+
+impl Assembly<'_> {
+    /// Two levels that the bias jumps between.
+    pub(super) fn telegraph_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
+        let Some(telegraph) = self.telegraph else { return Ok(None) };
+        let [lower_s, upper_s] = telegraph.dwell_s;
+        let effect = self.found_as(Detector::Telegraph, 0.5 * (lower_s + upper_s))?;
+        let unit = SizeUnit::of_axis(Column::named(self.column));
+        let [difference, error] = telegraph.difference.map(|value| value / unit.si);
+        let half = TWO_SIDED_95 * error;
+        // of n dwells the mean is known to one part in √n
+        let dwells = 0.5 * telegraph.transitions as f64;
+        let dwell = |of: &str, value: f64| {
+            let factor = (TWO_SIDED_95 / dwells.sqrt()).exp();
+            let interval = [value / factor, value * factor];
+            Size { of: of.to_owned(), value, interval, unit: "s".to_owned() }
+        };
+        let count = telegraph.transitions as f64;
+        Ok(Some(Finding {
+            params: param(effect, 0.5 * (lower_s + upper_s)),
+            sizes: vec![
+                Size {
+                    of: "difference of the two levels".to_owned(),
+                    value: difference,
+                    interval: [difference - half, difference + half],
+                    unit: unit.to_string(),
+                },
+                dwell("mean dwell in the lower level", lower_s),
+                dwell("mean dwell in the upper level", upper_s),
+                Size {
+                    of: "transitions".to_owned(),
+                    value: count,
+                    interval: [f64::NAN; 2],
+                    unit: "1".to_owned(),
+                },
+            ],
+            gain: Some(telegraph.gain),
+            score: Some(telegraph.score),
+            ..bare(effect)
+        }))
+    }
+
+    /// A noise level that follows the temperature.
+    pub(super) fn level_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let slopes = self.left.misshapes.iter().filter_map(|misshape| {
+            let Misshape::Level { score, .. } = misshape else { return None };
+            Some((misshape.temperature_slope()?, *score))
+        });
+        slopes
+            .map(|([slope, error], score)| {
+                let effect = self.found_as(Detector::NoiseLevel, 0.0)?;
+                let (value, half) = (100.0 * slope, 100.0 * TWO_SIDED_95 * error);
+                let size = Size {
+                    of: "change of the noise level".to_owned(),
+                    value,
+                    interval: [value - half, value + half],
+                    unit: "%/K".to_owned(),
+                };
+                Ok(Finding {
+                    sizes: vec![size],
+                    gain: Some(score),
+                    score: Some(score),
+                    shows_against: Some(TEMPERATURE.to_owned()),
+                    ..bare(effect)
+                })
+            })
+            .collect()
     }
 }
 

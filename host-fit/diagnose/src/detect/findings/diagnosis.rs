@@ -7,7 +7,7 @@ use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
-use crate::detect::shape::Misshape;
+use crate::detect::shape::{Followed, Misshape};
 use crate::detect::slow::Found;
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
@@ -29,13 +29,15 @@ impl Assembly<'_> {
         order.sort_by(|a, b| b.score.total_cmp(&a.score));
         findings.extend(self.slow_findings(order)?);
         findings.extend(self.noise_finding()?);
+        findings.extend(self.telegraph_finding()?);
+        findings.extend(self.level_findings()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
         findings.sort_by(|a, b| score(b).total_cmp(&score(a)));
         // a fault of the data explains no drift, and comes after the effects that do
         findings.extend(self.fault_findings()?);
 
         let mut leads = self.left.leads.clone();
-        leads.extend(self.left.misshapes.iter().map(lead_of));
+        leads.extend(self.left.misshapes.iter().filter(|misshape| !misshape.is_effect()).map(lead_of));
         if self.left.instead {
             let library = self.question.library;
             findings.retain(|finding| {
@@ -142,7 +144,7 @@ fn lead_of(misshape: &Misshape) -> Lead {
         Misshape::Level { follows, spread, score } => Lead {
             kind: LeadKind::Level,
             follows: match follows {
-                Some(column) => {
+                Some(Followed { column, .. }) => {
                     format!("a noise level that changes by {:.0} % with {column}", 100.0 * spread)
                 }
                 None => format!("a noise level that changes by {:.0} % over the log", 100.0 * spread),

@@ -54,7 +54,8 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     let parameter = effect.parameter.as_ref()?;
     let value = *finding.params.get(&parameter.name)?;
     let (name, unit) = (&parameter.name, &parameter.unit);
-    if value <= parameter.low * AT_LIMIT || value >= parameter.high / AT_LIMIT {
+    let at_low = value <= parameter.low * AT_LIMIT && !parameter.open_below;
+    if at_low || value >= parameter.high / AT_LIMIT {
         return Some(format!("its {name} of {value:.4} {unit} is a limit of the search"));
     }
     let [_, high] = finding.params_interval.get(name)?;

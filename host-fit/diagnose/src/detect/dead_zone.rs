@@ -1,0 +1,150 @@
+//! A dead zone at zero rate: a gyro holds one value, its bias, while it turns more slowly than a limit, and jumps to the
+//! true rate outside.
+//!
+//! It shows in the histogram of a gyro that turns slowly to both sides: one value that is frequent, nothing at all on
+//! either side of it as far as the limit, and all values from there on. The values of coarse steps are as far from each
+//! other everywhere, and a stuck register holds a value whose neighbours occur at other times.
+
+/// Fewest samples at the value that is held.
+const FEWEST_HELD: usize = 20;
+
+/// Fewest samples on each side within one half width of the edge.
+const FEWEST_OUTSIDE: usize = 12;
+
+/// The empty side is so many times the usual distance of neighbouring values outside.
+const EMPTY_STEPS: f64 = 4.0;
+
+/// The two sides are equal to this factor.
+const SIDES_DIFFER: f64 = 1.5;
+
+/// Parts of the half width beyond the edge, and how many of them have values: those of a few constant rates leave gaps.
+const PARTS: usize = 6;
+const PARTS_WITH_VALUES: usize = 4;
+
+/// A dead zone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DeadZone {
+    /// The value that is held, unit of the axis.
+    pub(crate) value: f64,
+    /// Half of its width, unit of the axis.
+    pub(crate) half_width: f64,
+}
+
+/// Whether a log would show a dead zone: the axis passes through its most frequent values in motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Searched {
+    /// There is one.
+    Found(DeadZone),
+    /// There is none.
+    None,
+    /// The axis does not turn slowly to both sides.
+    NotShown,
+}
+
+/// Looks for a dead zone among the values of a gyro.
+pub(super) fn search(values: &[f64]) -> Searched {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let mut distinct: Vec<(f64, usize)> = Vec::new();
+    for value in &sorted {
+        match distinct.last_mut() {
+            Some((last, count)) if last == value => *count += 1,
+            _ => distinct.push((*value, 1)),
+        }
+    }
+    let Some(held) = (0..distinct.len()).max_by_key(|at| distinct[*at].1) else { return Searched::NotShown };
+    let (value, count) = distinct[held];
+    let quantile = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+    // a gyro at rest has nearly all of its values in the middle half's neighbourhood
+    let middle = quantile(0.75) - quantile(0.25);
+    let turns = [value - quantile(0.001), quantile(0.999) - value].iter().all(|side| *side > REST * middle);
+    let nothing = if turns { Searched::None } else { Searched::NotShown };
+    if held == 0 || held + 1 == distinct.len() || count < FEWEST_HELD {
+        return nothing;
+    }
+    let sides = [value - distinct[held - 1].0, distinct[held + 1].0 - value];
+    let half_width = 0.5 * (sides[0] + sides[1]);
+    if sides[0] > SIDES_DIFFER * sides[1] || sides[1] > SIDES_DIFFER * sides[0] {
+        return nothing;
+    }
+    let is_edged = [-1.0, 1.0].into_iter().all(|sign: f64| {
+        let out = |at: f64| sign * (at - value);
+        let beyond =
+            distinct.iter().filter(|(at, _)| (half_width * 0.5..2.0 * half_width).contains(&out(*at)));
+        let beyond: Vec<(f64, usize)> = beyond.copied().collect();
+        let samples: usize = beyond.iter().map(|(_, count)| count).sum();
+        let mut parts = [false; PARTS];
+        for (at, _) in &beyond {
+            let part = (out(*at) / half_width - 1.0) * PARTS as f64;
+            parts[(part.max(0.0) as usize).min(PARTS - 1)] = true;
+        }
+        let mut gaps: Vec<f64> = beyond.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        gaps.sort_unstable_by(f64::total_cmp);
+        samples >= FEWEST_OUTSIDE
+            && parts.iter().filter(|has| **has).count() >= PARTS_WITH_VALUES
+            && gaps.get(gaps.len() / 2).is_some_and(|gap| half_width > EMPTY_STEPS * gap)
+            && beyond.iter().all(|(_, outside)| 2 * outside < count)
+    });
+    if is_edged { Searched::Found(DeadZone { value, half_width }) } else { nothing }
+}
+
+/// An axis turns if its outermost thousandths lie so many times as far out as the middle half of its values is wide, on
+/// both sides: those of normal noise lie 2.3 times as far.
+const REST: f64 = 5.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_testkit::noise::white_noise;
+
+    /// A gyro at rest, then turning to and fro, with noise of unit variance in steps of `step`.
+    fn turning(step: f64, dead: f64, seed: u64) -> Vec<f64> {
+        let noise = white_noise(seed, 40_000);
+        let rate = |row: usize| match row {
+            0..20_000 => 0.0,
+            _ => 200.0 * (row as f64 / 700.0).sin(),
+        };
+        let bias = 7.3;
+        let seen = noise.iter().enumerate().map(|(row, noise)| rate(row) + noise);
+        seen.map(|value| if value.abs() < dead { bias } else { value + bias })
+            .map(|value| (value / step).round() * step)
+            .collect()
+    }
+
+    #[test]
+    fn finds_a_dead_zone_and_its_width() {
+        for (seed, dead) in [2.0, 4.0, 10.0].into_iter().enumerate() {
+            let Searched::Found(found) = search(&turning(0.1, dead, seed as u64)) else {
+                panic!("{dead}: not found")
+            };
+            assert!((found.half_width / dead - 1.0).abs() < 0.15, "{dead}: {found:?}");
+            assert!((found.value - 7.3).abs() < 0.06, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn coarse_steps_stuck_values_and_rests_are_no_dead_zone() {
+        for seed in 0..20 {
+            for step in [0.01, 0.3, 2.0, 8.0, 40.0] {
+                assert!(!matches!(search(&turning(step, 0.0, seed)), Searched::Found(_)), "{seed}, {step}");
+            }
+            let mut stuck = turning(0.1, 0.0, seed);
+            let value = stuck[5000];
+            stuck[5000..15_000].fill(value);
+            assert!(!matches!(search(&stuck), Searched::Found(_)), "{seed}");
+            let rest = &turning(0.1, 0.0, seed)[..20_000];
+            assert_eq!(search(rest), Searched::NotShown, "{seed}");
+        }
+    }
+
+    #[test]
+    fn constant_rates_to_both_sides_are_no_dead_zone() {
+        let noise = white_noise(1, 9000);
+        let rates = [0.0, 30.0, -30.0];
+        let seen = noise.iter().enumerate().map(|(row, noise)| match rates[row / 3000] {
+            0.0 => 0.0,
+            rate => ((rate + noise) / 0.1).round() * 0.1,
+        });
+        assert!(!matches!(search(&seen.collect::<Vec<f64>>()), Searched::Found(_)));
+    }
+}

@@ -1,0 +1,65 @@
+//! Effects that the short calibration of the gate does not reach: found under their own names, and not in their rivals.
+
+use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, simulate_case};
+
+use super::{Diagnosis, Verdict, diagnose};
+use crate::case::question_of_logs;
+use crate::effects::Library;
+
+/// What is said of a log with this effect.
+fn answer(effect: &str, parameter: Option<f64>, setup: Setup, seed: u64) -> Diagnosis {
+    let mut plan = CasePlan::new(seed, "lsm6dso", setup, Axis::Gx);
+    plan.planted = vec![Plant { effect: Effect::named(effect).expect("an effect"), parameter, size: 60.0 }];
+    plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 60.0 };
+    let case = simulate_case(&plan).expect("a case");
+    let [quiet, field, _] = case.recordings().expect("recordings");
+    diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), None, &Library::built_in()))
+        .expect("an answer")
+}
+
+fn first(diagnosis: &Diagnosis) -> &str {
+    diagnosis.findings.first().map_or("nothing", |finding| finding.effect.as_str())
+}
+
+#[test]
+fn names_creep_telegraph_noise_a_noise_level_and_a_dead_zone() {
+    for (effect, setup, parameter) in [
+        ("log_creep", Setup::Bench, Some(10.0)),
+        ("random_telegraph", Setup::Desk, Some(30.0)),
+        ("noise_temperature", Setup::Bench, None),
+        ("dead_zone", Setup::RateTable, Some(0.5)),
+    ] {
+        let found = answer(effect, parameter, setup, 31);
+        assert_eq!((found.verdict, first(&found)), (Verdict::Missing, effect), "{}", found.sentence);
+        let corrects = !found.findings[0].correction.is_empty();
+        assert_eq!(corrects, effect == "log_creep", "{effect}");
+    }
+}
+
+#[test]
+fn measures_levels_and_dwells_of_telegraph_noise() {
+    let found = answer("random_telegraph", Some(30.0), Setup::Bench, 32);
+    let sizes = &found.findings[0].sizes;
+    for (size, unit) in sizes.iter().zip(["dps", "s", "s", "1"]) {
+        assert_eq!(size.unit, unit, "{size:?}");
+    }
+    for dwell in &sizes[1..3] {
+        assert!((dwell.interval[0]..dwell.interval[1]).contains(&30.0), "{dwell:?}");
+    }
+    // 900 s in dwells of 30 s
+    assert!((18.0..45.0).contains(&sizes[3].value), "{:?}", sizes[3]);
+}
+
+#[test]
+fn a_step_a_warm_up_and_other_noise_keep_their_names() {
+    for (effect, parameter) in [
+        ("bias_step", Some(400.0)),
+        ("warmup_exp", Some(60.0)),
+        ("gauss_markov", Some(20.0)),
+        ("outside:oscillation", Some(90.0)),
+    ] {
+        let found = answer(effect, parameter, Setup::Bench, 33);
+        let wrong = ["random_telegraph", "log_creep", "dead_zone"].contains(&first(&found));
+        assert!(!wrong, "{effect}: {}", found.sentence);
+    }
+}
