@@ -49,6 +49,7 @@ pub fn with_measured_reduction(
         })
     };
     let mut held: Vec<Finding> = Vec::new();
+    let mut is_confirmed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() || finding.predicted_reduction <= 0.0 {
             held.push(finding);
@@ -65,7 +66,7 @@ pub fn with_measured_reduction(
         finding.measured_reduction = Some(fall);
         // what its own log leaves open, the other decides
         if fall >= CONFIRMED * finding.predicted_reduction && fall > finding.predicted_reduction_interval[0] {
-            finding.doubt = None;
+            is_confirmed |= finding.doubt.take().is_some();
         }
         if finding.band == Band::Slow && fall < -LEAST_RISE && finding.predicted_reduction_interval[0] > 0.0 {
             diagnosis.leads.push(Lead {
@@ -86,7 +87,7 @@ pub fn with_measured_reduction(
         }
     }
     diagnosis.findings = held;
-    if !diagnosis.leads.is_empty() && diagnosis.verdict != Verdict::NotEnoughData {
+    if (is_confirmed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
