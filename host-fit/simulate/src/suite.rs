@@ -141,7 +141,9 @@ fn plant(effect: Effect, level: Level, random: &mut Random) -> Plant {
         Effect::Quantisation => Some(pick(random, &[[4.0, 6.0], [8.0, 12.0], [16.0, 32.0]][step])),
         _ => None,
     };
-    Plant { effect, parameter, size: log_between(random, low, high) }
+    // a level that changes by less than 1 % matters to nobody, however sure it is
+    let factor = if effect == Effect::NoiseTemperature { 3.0 } else { 1.0 };
+    Plant { effect, parameter, size: factor * log_between(random, low, high) }
 }
 
 fn pair(_: usize, random: &mut Random) -> CasePlan {
