@@ -31,12 +31,12 @@ impl Assembly<'_> {
                     Some(format!("in this log it is indistinguishable from {}", finding.name))
                 }
                 (None, Some(left)) if left < WORTH_A_WORD => {
-                    Some(format!("its score is {left:.0} once {beside} is in the model"))
+                    Some(format!("after {beside} its score is {left:.0}"))
                 }
                 (None, Some(left)) => Some(format!(
-                    "its score is {left:.0} once {beside} is in the model; one search finds at most {MAX_FOUND} effects"
+                    "after {beside} its score is {left:.0}; one search finds at most {MAX_FOUND} effects"
                 )),
-                (None, None) => Some(format!("{beside} already contains it")),
+                (None, None) => Some(format!("contained in {beside}")),
             }
         };
         let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));
