@@ -331,7 +331,9 @@ class Diagnosis:
         notes += [f"note: {note}" for note in self.notes]
         leads = "; ".join(lead.follows for lead in self.leads[:3])
         near = ", ".join(f"{one.effect} ({one.score:.0f})" for one in self.rejected[:6])
-        noise = f"noise estimated from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
+        noise = (
+            f"noise estimated from {self.noise.learnt_from}; {self.noise.blocks} blocks of {self.noise.block_s:.2f} s"
+        )
         tail = [
             text
             for text, shown in (
@@ -358,7 +360,9 @@ def _finding(finding: Finding, unit: str) -> str:
         for size in finding.sizes
     ]
     rows += [(name, _with_interval(value, finding.params_interval.get(name))) for name, value in finding.params.items()]
-    rows.append(("predicted reduction of the RMS", f"{percent(finding.predicted_reduction)} ({percent(low)} … {percent(high)})"))
+    rows.append(
+        ("predicted reduction of the RMS", f"{percent(finding.predicted_reduction)} ({percent(low)} … {percent(high)})")
+    )
     if finding.measured_reduction is not None:
         rows.append(("measured reduction of the RMS", percent(finding.measured_reduction)))
     if finding.cost is not None:
