@@ -30,7 +30,7 @@ export class OpenPanel {
   #paths = el("div", { class: "by-path" });
   #populations = el("div", { class: "by-path" });
   #mapping = new MappingTable();
-  #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.tsv,.txt,.gz,.parquet,.ulg,.bin,.mcap,.bag,.zip", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
+  #chooser = el("input", { type: "file", multiple: true, class: "unseen", id: uniqueId("file"), accept: ".csv,.tsv,.txt,.gz,.parquet,.ulg,.bin,.cwa,.mcap,.bag,.zip", onchange: () => void this.take([...(this.#chooser.files ?? [])]) });
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
