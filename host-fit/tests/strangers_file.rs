@@ -5,7 +5,9 @@ mod session;
 use std::fs;
 
 use fos_data::recording::KNOWN_FORMATS;
-use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
+};
 use serde_json::Value;
 use session::{done, fails, said};
 
@@ -18,6 +20,8 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
         ("dataflash", "A.BIN", dataflash(&flight, &[], false)),
         ("mcap", "a.mcap", mcap(&flight)),
         ("bag", "a.bag", bag(&flight, Chunks::Some)),
+        ("geneactiv", "wrist.bin", geneactiv(&flight)),
+        ("axivity", "ankle.cwa", axivity(&flight, Axivity::WithGyro)),
     ];
     for (id, name, write) in TEXTS {
         if !files.iter().any(|(known, ..)| known == id) {
@@ -37,7 +41,8 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
         let targets: Vec<String> = answers.as_array().expect("one for each axis").iter().map(of).collect();
         // whole degrees a second round the noise of this gyro away: an axis that stands still is left out
         let all = &fos_data::column::AXES;
-        assert_eq!(targets, if id == "betaflight" { &all[..3] } else { &all[..] }, "{id}");
+        let expected = if ["betaflight", "geneactiv"].contains(&id) { &all[..3] } else { &all[..] };
+        assert_eq!(targets, expected, "{id}");
         for answer in answers.as_array().expect("one for each axis") {
             assert!(
                 answer["sentence"].as_str().is_some_and(|sentence| !sentence.is_empty()),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 use crate::memo::Memo;
+use fos_core::Transform;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::Blocks;
 use fos_fit::signal::centred;
@@ -142,12 +143,41 @@ impl<'a> Hypotheses<'a> {
         Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
     }
 
+    /// The terms without the plays beyond the first that hardly move.
+    fn of_moving_plays(
+        &self,
+        terms: Vec<(usize, Regressor)>,
+    ) -> Result<Vec<(usize, Regressor)>, RecordingError> {
+        let mut moving = Vec::with_capacity(terms.len());
+        for (term, regressor) in terms {
+            let play = regressor.inputs().find_map(|input| match input.transform {
+                Transform::Backlash { half_width } => Some((input.column.clone(), half_width)),
+                _ => None,
+            });
+            if let Some((column, half_width)) = play
+                && !moving.is_empty()
+            {
+                let input =
+                    Regressor::parse(column.as_deref().unwrap_or_default()).unwrap_or(regressor.clone());
+                let means = self.inputs.block_means(&input, self.blocks)?;
+                let low = means.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                if half_width > WIDEST_PLAY * (high - low) {
+                    continue;
+                }
+            }
+            moving.push((term, regressor));
+        }
+        Ok(moving)
+    }
+
     fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()
             .filter_map(|(term, regressor)| Some((*term, self.inputs.logged(regressor)?)))
             .collect();
+        let logged = self.of_moving_plays(logged)?;
         // all of them, for the error that names the column
         let used = if logged.is_empty() { all } else { logged };
         let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
@@ -158,6 +188,10 @@ impl<'a> Hypotheses<'a> {
         Ok(Hypothesis { effect: effect.clone(), value, columns: Arc::new(columns), terms, regressors })
     }
 }
+
+/// A play beside another is no wider than this share of what its input spans: one that hardly moves is the input itself, and
+/// with it hysteresis would pass for any drift.
+const WIDEST_PLAY: f64 = 0.25;
 
 /// Shortest time constant that is looked for, in blocks.
 const SHORTEST_BLOCKS: f64 = 0.5;
