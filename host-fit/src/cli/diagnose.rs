@@ -8,12 +8,11 @@ use clap::Args;
 use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
 use super::output::{
-    Failure, number, print_json, print_line, print_verdict, print_warning, spinner, table, with_flags,
+    Failure, number, percent, print_json, print_line, print_verdict, print_warning, spinner, table,
+    with_flags,
 };
 use super::refinement::{LogArguments, column_of, read_logs};
-use fos_diagnose::detect::{
-    Diagnosis, Finding, Question, Verdict, diagnose, rms_reduction, with_measured_reduction,
-};
+use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
 use fos_diagnose::effects::{Band, Library};
 use fos_diagnose::study::Study;
 
@@ -232,11 +231,6 @@ fn row(finding: &Finding) -> Vec<String> {
         fall,
         finding.measured_reduction.map_or_else(String::new, percent),
     ]
-}
-
-/// A reduction of a variance as that of the RMS.
-pub(super) fn percent(of_variance: f64) -> String {
-    format!("{:.1} %", 100.0 * rms_reduction(of_variance))
 }
 
 fn print_evidence(finding: &Finding) {

@@ -4,6 +4,7 @@
 //! terminal that would obey it. What is printed here is shown instead ([`visible_lines`]); colours are put around it
 //! afterwards.
 
+use fos_diagnose::detect::rms_reduction;
 use std::error::Error;
 use std::fmt::{Arguments, Display};
 use std::io::{ErrorKind, IsTerminal, Write as _};
@@ -254,6 +255,11 @@ pub(super) fn spinner(what: &str) -> Bar {
     }
     bar.enable_steady_tick(Duration::from_millis(120));
     bar
+}
+
+/// A reduction of a variance as that of the RMS.
+pub(super) fn percent(of_variance: f64) -> String {
+    format!("{:.1} %", 100.0 * rms_reduction(of_variance))
 }
 
 #[cfg(test)]

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::Reading;
-use super::diagnose::percent;
 use super::error_table::error_table;
-use super::output::{Failure, number, print_line, sparkline, table};
+use super::output::{Failure, number, percent, print_line, sparkline, table};
 use fos_data::recording::{Recording, Source};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, RefinementStep};
