@@ -1,7 +1,7 @@
 //! The formats that logs come in: what is known of each, and how each is told from the others.
 //!
 //! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is looked into, a
-//! table of text or Parquet gets its meaning by the names of its columns (`meaning`), anything else by its first bytes.
+//! table of text or Parquet gets its meaning by the names of its columns (`recognise`, `meaning`), anything else by its first bytes.
 //! Formats that give every sensor stamps of its own come out as [`Stream`](super::Stream)s.
 
 mod archive;
@@ -26,6 +26,7 @@ mod mcap_file;
 mod meaning;
 mod names;
 mod opened;
+mod recognise;
 #[cfg(any(feature = "bag", feature = "mcap"))]
 mod ros;
 #[cfg(any(feature = "dataflash", feature = "ulog"))]
@@ -41,6 +42,7 @@ pub(super) use container::open;
 pub(super) use header::is_unit;
 pub use identity::{ReadAs, UnknownFormat};
 pub use known::{FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, may_be_log};
-pub(super) use meaning::{Meaning, meaning};
+pub(super) use meaning::Meaning;
 pub use names::Format;
 pub(super) use opened::{Extent, Opened};
+pub(super) use recognise::meaning;
