@@ -69,8 +69,7 @@ fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, 
     if sizes.len() < FEWEST_CHANGES {
         return None;
     }
-    let low = sizes.len() / 10;
-    let step = *sizes.select_nth_unstable_by(low, f64::total_cmp).1;
+    let step = tenth(&mut sizes)?;
     let is_taken_back = |pair: &&[f64]| pair[0].abs() > 1.5 * step && pair[0] * pair[1] < 0.0;
     let two_steps = changes.iter().flat_map(|changes| changes.windows(2)).filter(is_taken_back).count();
     let pairs: usize = stretches.iter().map(|rows| rows.len().saturating_sub(1)).sum();
@@ -101,8 +100,13 @@ pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<
 pub(crate) fn least_change(values: &[f64]) -> Option<f64> {
     let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut changes: Vec<f64> = changes.filter(|change| *change > 0.0).collect();
-    let low = changes.len() / 10;
-    (!changes.is_empty()).then(|| *changes.select_nth_unstable_by(low, f64::total_cmp).1)
+    tenth(&mut changes)
+}
+
+/// The value that a tenth of them stay below; `None` of none.
+fn tenth(sizes: &mut [f64]) -> Option<f64> {
+    let low = sizes.len() / 10;
+    (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(low, f64::total_cmp).1)
 }
 
 /// For how many repeats nearly every value of a sensor that holds its values stays; 0 where most values stand alone.

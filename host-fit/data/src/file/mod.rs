@@ -11,5 +11,5 @@ pub mod process_reads;
 
 pub use error::FileError;
 pub use paths::{folder_of, followed, name_of, sync_folder};
-pub use read::{open, open_to_seek, read, standard_input};
+pub use read::{open, open_to_seek, read, read_up_to, standard_input};
 pub use replace::{TemporarySibling, check_output, make_folder, replace, write_atomically};

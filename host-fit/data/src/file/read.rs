@@ -30,7 +30,25 @@ pub fn open(path: &Path) -> Result<File, FileError> {
     Ok(file)
 }
 
-/// The same, and what comes through a pipe, which can be read but once and in order, copied to a file that has no name.
+/// Fills a buffer as far as the input goes; returns the number of bytes.
+///
+/// # Errors
+///
+/// The input cannot be read.
+pub fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match input.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(more) => filled += more,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
+/// Opens `path` as [`open`] does, and what comes through a pipe, which can be read but once and in order, copied to a file that has no name.
 ///
 /// # Errors
 ///

@@ -1,7 +1,7 @@
 //! Logs of Axivity AX3 and AX6 (`.cwa`): a header of 1024 bytes, then blocks of 512 bytes, each with its time, its
 //! temperature, a checksum, and 40 to 120 samples ("Open Movement AX Device: Technical Documentation").
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::Path;
 
 use super::super::error::RecordingError;
@@ -10,7 +10,7 @@ use super::super::provenance::{Frame, Provenance, Values};
 use super::Format;
 use super::opened::Opened;
 use super::wearable::{Blocks, is_rate, ns_since_1970};
-use crate::file::FileError;
+use crate::file::{FileError, read_up_to};
 use crate::interrupt;
 use crate::unit::STANDARD_GRAVITY;
 
@@ -20,7 +20,7 @@ pub(super) const SIGNATURE: &[u8] = b"MD\xfc\x03";
 const HEADER: usize = 1024;
 const BLOCK: usize = 512;
 
-/// Where the samples of a block begin, and where they end.
+/// Bytes of a block that hold its samples.
 const SAMPLES: std::ops::Range<usize> = 30..510;
 
 /// # Errors
@@ -35,14 +35,15 @@ pub(super) fn read(
     let mut blocks = Blocks::default();
     let mut device = "AX3";
     let mut other_axes = 0_u64;
-    if fill(path, &mut input, &mut header)? == HEADER {
+    let mut fill = |bytes: &mut [u8]| read_up_to(&mut input, bytes).map_err(FileError::reading(path));
+    if fill(&mut header)? == HEADER {
         if header[4] == 0x64 {
             device = "AX6";
         }
         let mut block = [0; BLOCK];
         let mut number = 0_u64;
         loop {
-            match fill(path, &mut input, &mut block)? {
+            match fill(&mut block)? {
                 0 => break,
                 BLOCK => {}
                 _ => {
@@ -72,21 +73,7 @@ pub(super) fn read(
     blocks.opened(path, Format::Axivity, options, &assumed, Provenance::of_both(Values::Raw, Frame::Sensor))
 }
 
-/// Fills `bytes` as far as the file goes; returns how far.
-fn fill(path: &Path, input: &mut impl Read, bytes: &mut [u8]) -> Result<usize, RecordingError> {
-    let mut filled = 0;
-    while filled < bytes.len() {
-        match input.read(&mut bytes[filled..]) {
-            Ok(0) => break,
-            Ok(n) => filled += n,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(FileError::reading(path)(error).into()),
-        }
-    }
-    Ok(filled)
-}
-
-/// What became of a block.
+/// Outcome of a block.
 enum Taken {
     Samples,
     Nothing,
@@ -94,7 +81,7 @@ enum Taken {
     Damaged,
 }
 
-/// How the samples of a block are stored.
+/// Storage of the samples of a block.
 #[derive(Clone, Copy)]
 enum Layout {
     /// Three numbers of 10 bits and a common exponent of two in 32 bits.

@@ -1,6 +1,6 @@
 //! From a path to what is in it: a container is looked into, the rest is told by its first bytes.
 
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{BufReader, Seek};
 use std::path::Path;
 
 use super::super::error::RecordingError;
@@ -46,7 +46,7 @@ pub(in super::super) fn open(
     let failed = || FileError::reading(path);
     let mut file = file::open_to_seek(path)?;
     let mut begin = [0; other_format::BEGIN];
-    let n = read_up_to(&mut file, &mut begin).map_err(failed())?;
+    let n = file::read_up_to(&mut file, &mut begin).map_err(failed())?;
     let begin = &begin[..n];
     file.rewind().map_err(failed())?;
     let mut hashing = Hashing::new(file.try_clone().map_err(failed())?, &mut digest);
@@ -84,17 +84,6 @@ pub(in super::super) fn open(
     };
     hashing.read_rest().map_err(failed())?;
     Ok((opened, digest.finish(path)))
-}
-
-fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut n = 0;
-    while n < buffer.len() {
-        match input.read(&mut buffer[n..])? {
-            0 => break,
-            more => n += more,
-        }
-    }
-    Ok(n)
 }
 
 #[cfg(all(test, feature = "gzip", feature = "parquet", feature = "zip"))]
