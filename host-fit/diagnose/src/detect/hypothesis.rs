@@ -62,12 +62,13 @@ pub(super) struct Hypotheses<'a> {
     blocks: &'a Blocks,
     target: &'a str,
     made: Memo<(String, u64), Hypothesis>,
+    means: Memo<String, Arc<[f64]>>,
 }
 
 impl<'a> Hypotheses<'a> {
     /// For the axis of column `target`.
     pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
-        Self { inputs, blocks, target, made: Memo::default() }
+        Self { inputs, blocks, target, made: Memo::default(), means: Memo::default() }
     }
 
     /// The values of the parameter to look at first; one `None` for an effect without one.
@@ -100,11 +101,14 @@ impl<'a> Hypotheses<'a> {
         self.blocks.len().div_ceil(MAX_PLACES).max(1)
     }
 
-    /// The temperature in block means, °C; `None` where it is not logged.
-    pub(super) fn temperature(&self) -> Option<Vec<f64>> {
-        let temperature = Regressor::parse("temp_c").ok()?;
-        self.inputs.logged(&temperature)?;
-        self.inputs.block_means(&temperature, self.blocks).ok().filter(|means| !means.is_empty())
+    /// A logged column in block means; `None` where it is not logged.
+    pub(super) fn logged_means(&self, column: &str) -> Option<Arc<[f64]>> {
+        if let Some(means) = self.means.get(column) {
+            return Some(means);
+        }
+        let logged = self.inputs.logged(&Regressor::parse(column).ok()?)?;
+        let means = self.inputs.block_means(&logged, self.blocks).ok().filter(|means| !means.is_empty())?;
+        Some(self.means.keep(column.to_owned(), means.into()))
     }
 
     /// Time of a step just before `block`, s after the first sample.
@@ -143,32 +147,13 @@ impl<'a> Hypotheses<'a> {
         Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
     }
 
-    /// The terms without the plays beyond the first that hardly move.
-    fn of_moving_plays(
-        &self,
-        terms: Vec<(usize, Regressor)>,
-    ) -> Result<Vec<(usize, Regressor)>, RecordingError> {
-        let mut moving = Vec::with_capacity(terms.len());
-        for (term, regressor) in terms {
-            let play = regressor.inputs().find_map(|input| match input.transform {
-                Transform::Backlash { half_width } => Some((input.column.clone(), half_width)),
-                _ => None,
-            });
-            if let Some((column, half_width)) = play
-                && !moving.is_empty()
-            {
-                let input =
-                    Regressor::parse(column.as_deref().unwrap_or_default()).unwrap_or(regressor.clone());
-                let means = self.inputs.block_means(&input, self.blocks)?;
-                let low = means.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                if half_width > WIDEST_PLAY * (high - low) {
-                    continue;
-                }
-            }
-            moving.push((term, regressor));
-        }
-        Ok(moving)
+    /// False for a play that hardly moves.
+    fn moves(&self, regressor: &Regressor) -> bool {
+        regressor.inputs().all(|input| {
+            let Transform::Backlash { half_width } = input.transform else { return true };
+            let means = input.column.as_deref().and_then(|column| self.logged_means(column));
+            means.is_none_or(|means| half_width <= WIDEST_PLAY * span(&means))
+        })
     }
 
     fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
@@ -177,7 +162,11 @@ impl<'a> Hypotheses<'a> {
             .iter()
             .filter_map(|(term, regressor)| Some((*term, self.inputs.logged(regressor)?)))
             .collect();
-        let logged = self.of_moving_plays(logged)?;
+        let first = logged.first().map(|(term, _)| *term);
+        let logged: Vec<(usize, Regressor)> = logged
+            .into_iter()
+            .filter(|(term, regressor)| Some(*term) == first || self.moves(regressor))
+            .collect();
         // all of them, for the error that names the column
         let used = if logged.is_empty() { all } else { logged };
         let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
@@ -187,6 +176,13 @@ impl<'a> Hypotheses<'a> {
             .collect::<Result<_, RecordingError>>()?;
         Ok(Hypothesis { effect: effect.clone(), value, columns: Arc::new(columns), terms, regressors })
     }
+}
+
+/// Largest less least value.
+pub(super) fn span(values: &[f64]) -> f64 {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+    high - low
 }
 
 /// A play beside another is no wider than this share of what its input spans: one that hardly moves is the input itself, and

@@ -22,7 +22,7 @@ pub(super) struct LeftOver {
 }
 
 /// A lead must be this much better than what it stands for: odds of 150 to 1.
-const INSTEAD: f64 = 10.0;
+pub(super) const INSTEAD: f64 = 10.0;
 
 pub(super) fn left_over(
     question: &Question<'_>,
@@ -65,11 +65,9 @@ pub(super) fn left_over(
         misshapes.extend(shape::level(question.field, &reduced.blocks, column, !slow.found.is_empty()));
     }
     // what follows nothing that is logged may stand for something that does
-    let is_backed = |found: &Found| !found.hypothesis.effect.follows_clock_alone();
-    let unbacked: f64 = slow.found.iter().filter(|found| !is_backed(found)).map(|found| found.score).sum();
-    let replaced = unbacked + slow.noise_score;
+    let replaced = slow.unbacked() + slow.noise_score;
     if replaced > 0.0 {
-        let backed = regressors(&is_backed);
+        let backed = regressors(&Found::is_backed);
         let regression = Regression {
             blocks: &reduced.blocks,
             y: &reduced.means,

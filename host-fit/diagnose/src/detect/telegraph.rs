@@ -7,13 +7,10 @@
 use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 use fos_fit::signal::{centred, mean, variance};
 
-use super::left_over::LeftOver;
+use super::left_over::{INSTEAD, LeftOver};
 use super::prepared::Prepared;
-use super::slow::{Found, SlowResult};
+use super::slow::{ACCEPT, Found, SlowResult};
 use crate::effects::Detector;
-
-/// Least score, as of any slow effect.
-const ACCEPT: f64 = 9.0;
 
 /// Fewest transitions in each direction: one up and one down may be a fault that was mended.
 const FEWEST_EACH_WAY: usize = 2;
@@ -26,9 +23,6 @@ const TURNS: usize = 8;
 
 /// Price of the moment of a transition inside its block.
 const MOMENT_PRICE: f64 = 2.0;
-
-/// The two levels must be this much better than what they replace: odds of 150 to 1.
-const INSTEAD: f64 = 10.0;
 
 /// Further noise that explains this share of what the two levels explain refutes them: they were a part of it.
 const NOISE_SHARE: f64 = 0.2;
@@ -53,9 +47,8 @@ pub(super) struct Telegraph {
 /// Random telegraph noise, if it explains what follows nothing logged better than steps, other effects of the clock,
 /// further noise and leads together.
 pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -> Option<Telegraph> {
-    let is_backed = |found: &&Found| !found.hypothesis.effect.follows_clock_alone();
     let mut regressors: Vec<&[f64]> = prepared.given.iter().map(Vec::as_slice).collect();
-    for found in slow.found.iter().filter(is_backed) {
+    for found in slow.found.iter().filter(|found| found.is_backed()) {
         regressors.extend(found.hypothesis.columns());
     }
     let reduced = &prepared.reduced;
@@ -66,14 +59,13 @@ pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -
         prior: &slow.quiet_prior,
     };
     let telegraph = residual.telegraph()?;
-    let unbacked: f64 = slow.found.iter().filter(|found| !is_backed(found)).map(|found| found.score).sum();
     let lead = left.leads.iter().map(|lead| lead.score).fold(0.0, f64::max);
-    let replaced = if left.instead { lead } else { unbacked + slow.noise_score.max(0.0) + lead };
+    let replaced = if left.instead { lead } else { slow.unbacked() + slow.noise_score.max(0.0) + lead };
     (telegraph.score > replaced + INSTEAD).then_some(telegraph)
 }
 
 impl Telegraph {
-    /// Whether what a search beside it finds leaves it standing: no steps and no further noise to speak of.
+    /// True if what a search beside it finds leaves it standing: no steps and no further noise to speak of.
     pub(super) fn leaves_noise(&self, beside: &SlowResult) -> bool {
         let is_step = |found: &Found| found.hypothesis.effect.search == Detector::Step;
         beside.noise_gain < NOISE_SHARE * self.gain && !beside.found.iter().any(is_step)

@@ -10,7 +10,6 @@ const OUTWEIGHS: f64 = 5.0;
 /// The outcome; `tested` says whether any slow effect was tested. Of the findings those are left that explain far more than anything of their band that follows no effect:
 /// what stands by itself is not withheld because something else is there too, which is described beside it.
 pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool) -> Verdict {
-    let is_wide = |band: Band| band == Band::Wide;
     let most = |finding: &Finding| {
         let against = leads.iter().filter(|lead| lead.decides && is_wide(lead.band) == is_wide(finding.band));
         let weight = |lead: &Lead| match lead.kind {
@@ -77,7 +76,9 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
             let claims: Vec<&Finding> = findings
                 .iter()
                 .filter(|other| {
-                    other.doubt.is_none() && other.band != Band::Data && !is_other_band(other, finding)
+                    other.doubt.is_none()
+                        && other.band != Band::Data
+                        && is_wide(other.band) == is_wide(finding.band)
                 })
                 .collect();
             let claims = if claims.is_empty() { vec![finding] } else { claims };
@@ -102,8 +103,9 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
     }
 }
 
-fn is_other_band(one: &Finding, other: &Finding) -> bool {
-    (one.band == Band::Wide) != (other.band == Band::Wide)
+/// True for what shows in the samples, and not in block means.
+fn is_wide(band: Band) -> bool {
+    band == Band::Wide
 }
 
 /// The reduction to expect from all of these findings together, in words; each is predicted with those before it in the
@@ -119,7 +121,7 @@ fn drop(claims: &[&Finding]) -> String {
         2 => "both",
         _ => "all of them",
     };
-    let of = if claims[0].band == Band::Wide { "of the samples" } else { "of the slow error" };
+    let of = if is_wide(claims[0].band) { "of the samples" } else { "of the slow error" };
     format!("; with {with} the RMS {of} should fall by {:.1} %", 100.0 * reduction)
 }
 

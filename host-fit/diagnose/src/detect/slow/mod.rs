@@ -27,6 +27,6 @@ mod selection;
 mod terms;
 
 pub(super) use estimate::Estimate;
-pub(super) use model::SlowSearch;
+pub(super) use model::{ACCEPT, SlowSearch};
 pub(super) use result::{ExtraNoise, Found, SlowResult};
 pub(super) use selection::MAX_FOUND;

@@ -11,7 +11,7 @@ use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 
 /// Least score of what is accepted. On simulated logs with nothing missing the best score of all passes 9 less often
 /// than once in a hundred (docs/calibration.md).
-pub(super) const ACCEPT: f64 = 9.0;
+pub(in crate::detect) const ACCEPT: f64 = 9.0;
 
 /// Price of a parameter that is searched for, beside that of its grid.
 const PARAMETER_PRICE: f64 = 1.5;

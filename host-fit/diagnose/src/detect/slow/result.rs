@@ -27,6 +27,13 @@ pub(crate) struct Found {
     pub(crate) alternatives: Vec<Alternative>,
 }
 
+impl Found {
+    /// True if the effect follows something that is logged.
+    pub(crate) fn is_backed(&self) -> bool {
+        !self.hypothesis.effect.follows_clock_alone()
+    }
+}
+
 /// What may be true instead of a finding.
 #[derive(Debug, Clone)]
 pub(crate) struct Alternative {
@@ -71,4 +78,11 @@ pub(crate) struct SlowResult {
     pub(crate) beside: Vec<(String, f64)>,
     /// Effects of which no regressor adds anything to what is given.
     pub(crate) silent: Vec<Arc<Effect>>,
+}
+
+impl SlowResult {
+    /// Score of all effects that follow nothing logged.
+    pub(crate) fn unbacked(&self) -> f64 {
+        self.found.iter().filter(|found| !found.is_backed()).map(|found| found.score).sum()
+    }
 }

@@ -6,6 +6,8 @@
 
 use super::candidates::Candidate;
 use super::model::{SlowSearch, State};
+use crate::detect::hypothesis::span;
+use crate::detect::shape::TEMPERATURE;
 use crate::effects::{Detector, Effect};
 
 /// The temperature has turned where it comes back by this share of its span.
@@ -24,7 +26,7 @@ const COOLING: f64 = 2.0;
 impl SlowSearch<'_> {
     /// Removes steps at reversals of the temperature unless they outweigh hysteresis, and warm-ups while it falls.
     pub(super) fn without_thermal_steps(&self, state: &State, candidates: &mut Vec<Candidate>) {
-        let Some(temperature) = self.hypotheses.temperature() else { return };
+        let Some(temperature) = self.hypotheses.logged_means(TEMPERATURE) else { return };
         let reversing = reversing(&temperature);
         let hysteresis = candidates.iter().filter(|candidate| is_hysteresis(&candidate.hypothesis.effect));
         let best = hysteresis.map(|candidate| candidate.score).fold(0.0, f64::max);
@@ -53,22 +55,19 @@ impl SlowSearch<'_> {
     }
 }
 
-/// Whether the bias follows the path of the temperature.
+/// True if the bias follows the path of the temperature.
 fn is_hysteresis(effect: &Effect) -> bool {
     effect.terms.iter().any(|term| term.regressor.contains(":backlash("))
 }
 
-/// Whether the bias settles after power-on.
+/// True if the bias settles after power-on.
 fn is_warm_up(effect: &Effect) -> bool {
     effect.terms.iter().any(|term| term.regressor.contains("clock:decay("))
 }
 
 /// The blocks in which the temperature, having turned, comes back by the first part of its span.
 fn reversing(temperature: &[f64]) -> Vec<bool> {
-    let (low, high) = temperature
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(*t), high.max(*t)));
-    let span = high - low;
+    let span = span(temperature);
     let mut reversing = vec![false; temperature.len()];
     let mut turn = |from: usize| {
         let until = temperature[from];
