@@ -51,18 +51,17 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     environment.add_filter("root", |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
     });
-    environment.add_filter("percent", |value: Option<f64>| {
-        value.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
-    });
-    environment.add_filter("rms_percent", |value: Option<f64>| {
-        let shown = |share| format!("{:.1} %", 100.0 * rms_reduction(share)).replace('-', "−");
-        value.map_or_else(|| "–".to_owned(), shown)
-    });
+    environment.add_filter("percent", percent);
+    environment.add_filter("rms_percent", |value: Option<f64>| percent(value.map(rms_reduction)));
     environment.add_filter("hundredths", |shares: Vec<f64>| {
         shares.iter().map(|share| format!("{:.0}", 100.0 * share)).collect::<Vec<_>>().join(" : ")
     });
     environment.add_filter("seconds", |value: f64| format!("{value:.1} s"));
     Ok(environment)
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share).replace('-', "−"))
 }
 
 fn shown(value: f64) -> String {

@@ -86,9 +86,12 @@ export function quantity(value, unit, digits = 3) {
   return suited.unit ? `${text}${NARROW}${suited.unit}` : text;
 }
 
-/** A share of a variance as the reduction of the RMS, in percent. @param {number | null | undefined} share */
+/** The reduction of the RMS that goes with this reduction of the variance. @param {number} share */
+export const rmsReduction = (share) => 1 - Math.sqrt(Math.max(1 - share, 0));
+
+/** The same in percent. @param {number | null | undefined} share */
 export function rmsPercent(share, digits = 1) {
-  return percent(isNumber(share) ? 1 - Math.sqrt(Math.max(1 - share, 0)) : share, digits);
+  return percent(isNumber(share) ? rmsReduction(share) : share, digits);
 }
 
 /** A share as percent. @param {number | null | undefined} share */

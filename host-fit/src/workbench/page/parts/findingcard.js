@@ -2,7 +2,7 @@
 // One missing effect: what it is, how large, how sure, what it costs, and the button that adds it.
 
 import { el } from "../dom.js";
-import { capitalised, count, firstSentence, interval, isNumber, number, quantity, rmsPercent, seconds } from "../format.js";
+import { capitalised, count, firstSentence, interval, isNumber, number, quantity, rmsPercent, rmsReduction, seconds } from "../format.js";
 import { figureElement } from "../figure.js";
 import { effectName } from "../library.js";
 
@@ -99,9 +99,8 @@ function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
     element.style.width = `${100 * (clamp(to) - clamp(from))}%`;
     bar.append(element);
   };
-  const ofRms = (/** @type {number} */ share) => 1 - Math.sqrt(Math.max(1 - share, 0));
-  piece("fall-expected", 0, ofRms(drop));
-  piece("fall-interval", ofRms(low), ofRms(high));
+  piece("fall-expected", 0, rmsReduction(drop));
+  piece("fall-interval", rmsReduction(low), rmsReduction(high));
   return el(
     "div",
     { class: "fall" },
