@@ -57,7 +57,7 @@ pub enum ClockProblem {
     Rounded {
         /// The column of the stamps.
         column: String,
-        /// What they are multiples of, s.
+        /// Step that they are multiples of, s.
         step_s: f64,
     },
     /// Many rows repeat the stamp before them.
@@ -70,7 +70,7 @@ pub enum ClockProblem {
 }
 
 impl ClockProblem {
-    /// Whether a stated rate is to be followed instead of such stamps, even where the two agree.
+    /// True if a stated rate replaces such stamps even where the two agree.
     pub(super) fn discredits_stamps(&self) -> bool {
         matches!(self, Self::TooFast { .. } | Self::Rounded { .. })
     }
@@ -105,7 +105,7 @@ impl fmt::Display for ClockProblem {
     }
 }
 
-/// What speaks against the stamps of a log. `column` is their column, `raw_step` what [`rounded`] found of it in s.
+/// Reasons against the stamps of a log. `column` is their column, `rounded_to_s` the step that [`rounded`] found, s.
 pub(super) fn problems(
     column: &str,
     time_s: &[f64],

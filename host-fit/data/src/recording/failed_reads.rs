@@ -33,7 +33,7 @@ pub struct FailedReads {
 }
 
 impl FailedReads {
-    /// Whether every reading of this column failed, so that the column is left out.
+    /// True if every reading of this column failed, so that the column is excluded.
     pub(super) fn is_of_all(&self, column: &str) -> bool {
         self.column == column && self.share >= 1.0
     }

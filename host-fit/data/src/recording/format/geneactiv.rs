@@ -23,7 +23,7 @@ const DIGITS: usize = 12;
 /// Longest line of a page that has its length by the format: 300 samples.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// Whether a file begins so.
+/// True if a file begins so.
 pub(super) fn is(begin: &[u8]) -> bool {
     let names = |word: &[u8]| begin.windows(word.len()).take(1024).any(|part| part == word);
     begin.starts_with(b"Device Identity") && names(b"GENEActiv")
@@ -35,7 +35,7 @@ struct Calibration {
     offset: [f64; 3],
 }
 
-/// What the lines above the samples of a page state.
+/// Facts that the lines above the samples of a page state.
 #[derive(Default)]
 struct Page {
     start_ns: Option<i64>,

@@ -71,7 +71,7 @@ pub(super) fn spelling(stated: &str, target: &str) -> Option<&'static str> {
     (unit == Unit::of_column(target)).then_some(known)
 }
 
-/// Whether a text is a unit of any quantity that a log has, in brackets or not.
+/// True for a unit of any quantity that a log has, in brackets or not.
 pub(in super::super) fn is_unit(text: &str) -> bool {
     let text = text.trim().trim_matches(['[', ']', '(', ')']);
     let targets = ["t_s", "ax_mps2", "gx_rads", "mag_x_ut", "temp_c", "supply_v", "load_pct"];

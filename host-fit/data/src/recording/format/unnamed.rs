@@ -183,7 +183,7 @@ fn at_rest(triad: [&[f64]; 3]) -> Option<&'static str> {
         .then_some(unit)
 }
 
-/// Whether a column counts the rows.
+/// True for a column that counts the rows.
 fn is_row_number(values: &[f64]) -> bool {
     values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }

@@ -38,7 +38,7 @@ impl Blocks {
         }
     }
 
-    /// Whether the blocks so far have a gyro; none before the first.
+    /// Presence of a gyro in the blocks so far; none before the first.
     pub(super) fn has_gyro(&self) -> Option<bool> {
         (!self.blocks.is_empty()).then(|| !self.rate[0].is_empty())
     }
@@ -101,7 +101,7 @@ impl Blocks {
     }
 }
 
-/// Whether a logger samples at such a rate.
+/// True for a rate at which a logger samples.
 pub(super) fn is_rate(rate_hz: f64) -> bool {
     RATES_HZ.contains(&rate_hz)
 }

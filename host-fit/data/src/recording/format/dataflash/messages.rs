@@ -182,7 +182,7 @@ impl Reader {
         &self.name
     }
 
-    /// Whether the message has a field of this label.
+    /// True if the message has a field of this label.
     pub(super) fn has(&self, label: &str) -> bool {
         self.fields.contains_key(label)
     }
