@@ -59,7 +59,7 @@ impl Bench {
         self.done(&["fit", "log.parquet", "--axis", "gx,gy,gz", "-o", "fitted.json"])?;
         fs::copy(self.folder.join("fitted.json"), self.folder.join("grown.json"))?;
         for axis in ["gx", "gy", "gz"] {
-            self.done(&["add", "grown.json", "thermal_lag", "--axis", axis, "--from", "field.parquet"])?;
+            self.done(&["add", "grown.json", "temp_linear", "--axis", axis, "--from", "field.parquet"])?;
         }
         self.done(&["export", "fitted.json", "--image", "fitted.fosm"])?;
         self.done(&["man", "pages"])?;
@@ -89,7 +89,7 @@ impl Bench {
             ),
             writer("simulate --case", "simulate --case case --effect bias_ramp", case, [0, 60]),
             writer("fit", "fit log.parquet --axis gx -o unit.json", unit.clone(), [0, 100]),
-            writer("add", "add unit.json thermal_lag --axis gx --from field.parquet", unit.clone(), [0, 80])
+            writer("add", "add unit.json temp_linear --axis gx --from field.parquet", unit.clone(), [0, 80])
                 .over("unit.json", self.read("fitted.json")?),
             writer("undo", "undo unit.json --axis gx", unit, [14, 200])
                 .over("unit.json", self.read("grown.json")?),

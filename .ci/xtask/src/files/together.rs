@@ -85,7 +85,7 @@ impl Bench {
         for _ in 0..12 {
             fs::write(self.shared(), self.read("fitted.json")?)?;
             let mut add = Command::new(&self.host_fit);
-            add.args(["add", "shared.json", "thermal_lag", "--from", "field.parquet", "--axis", "gx"]);
+            add.args(["add", "shared.json", "temp_linear", "--from", "field.parquet", "--axis", "gx"]);
             let slow = add.current_dir(&self.folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
             sleep(wait);
             fs::write(self.shared(), &grown)?;
