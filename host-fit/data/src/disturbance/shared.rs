@@ -100,8 +100,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         // what was found is not found again: a knock that is left in the mean of a second would take the seconds around
         // it along
         let found = runs(0..n, |row| moved[row]);
-        means = in_parallel(&means, |means| {
-            let mut means = means.clone();
+        means = in_parallel(means, |mut means| {
             found.iter().for_each(|rows| scale.forget(&mut means, rows));
             scale.doubled(means)
         });
