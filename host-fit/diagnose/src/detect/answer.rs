@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::open::Lead;
+use super::shared_signal::SharedSignal;
 use crate::effects::Band;
 use fos_fit::noise::NoiseLevels;
 
@@ -65,6 +66,9 @@ pub struct Diagnosis {
     /// When the unit was moved though it was meant to be at rest, in words.
     #[serde(default)]
     pub moved: Vec<String>,
+    /// A slow signal that the axis shares with others of the log, where several were diagnosed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared_signal: Option<SharedSignal>,
 }
 
 /// A missing effect.

@@ -48,17 +48,33 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let stairs = prepared.in_stairs();
     let hidden = stairs || prepared.is_short();
-    let effects = if hidden { &[][..] } else { &prepared.testable.effects };
+    let mut untested = prepared.testable.untested.clone();
+    let mut effects = Vec::new();
+    if !hidden {
+        let of_attitude = prepared.testable.of_attitude(&hypotheses, &inputs, column)?;
+        let tested = prepared.testable.effects.iter().filter(|effect| !is_among(&of_attitude, effect));
+        effects.extend(tested.cloned());
+        untested.extend(of_attitude);
+    }
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
-    let pass = |given: &[Vec<f64>]| -> Result<(SlowResult, LeftOver), DiagnoseError> {
-        let slow = SlowSearch { given, ..prepared.search(&hypotheses, effects) }.run()?;
-        let left = match hidden {
-            true => LeftOver::default(),
-            false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
+    let pass =
+        |given: &[Vec<f64>], effects: &[Arc<Effect>]| -> Result<(SlowResult, LeftOver), DiagnoseError> {
+            let slow = SlowSearch { given, ..prepared.search(&hypotheses, effects) }.run()?;
+            let left = match hidden {
+                true => LeftOver::default(),
+                false => left_over(question, column, reduced, given, &slow, (faults.is_empty(), *shaken)),
+            };
+            Ok((slow, left))
         };
-        Ok((slow, left))
+    let (mut slow, mut left) = loop {
+        let (slow, left) = pass(given, &effects)?;
+        let implausible = Power::of(&prepared, &hypotheses, &slow, &inputs).implausible()?;
+        if implausible.is_empty() {
+            break (slow, left);
+        }
+        effects.retain(|effect| !is_among(&implausible, effect));
+        untested.extend(implausible);
     };
-    let (mut slow, mut left) = pass(given)?;
     let mut given = given.clone();
     let mut telegraph = match hidden || *shaken {
         true => None,
@@ -66,13 +82,12 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     };
     if let Some(found) = &telegraph {
         let beside = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
-        let again = pass(&beside)?;
+        let again = pass(&beside, &effects)?;
         match found.leaves_noise(&again.0) {
             true => (given, (slow, left)) = (beside, again),
             false => telegraph = None,
         }
     }
-    let mut untested = prepared.testable.untested.clone();
     let silent = slow.silent.iter().map(|effect| Testable::adds_nothing(effect, &inputs, column));
     untested.extend(silent);
     let mut lacks = None;
@@ -89,7 +104,7 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     let was_tried = |effect: &&Arc<Effect>| slow.tried.iter().any(|(id, _)| *id == effect.id);
     let mut tested: Vec<&Arc<Effect>> = effects.iter().filter(was_tried).collect();
     let powerless = Power::of(&prepared, &hypotheses, &slow, &inputs).powerless(&tested)?;
-    tested.retain(|effect| !powerless.iter().any(|other| other.effect == effect.id));
+    tested.retain(|effect| !is_among(&powerless, effect));
     if tested.is_empty() && lacks.is_none() {
         let needs: BTreeSet<&str> = untested.iter().chain(&powerless).flat_map(Untested::needs).collect();
         lacks = Some(format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", ")));
@@ -106,6 +121,10 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     let tested = tested.iter().map(|effect| effect.id.clone()).collect();
     let of_log = OfLog { left, telegraph: telegraph.as_ref(), tested, untested, lacks };
     assembly((&prepared, &given), question, &lines, &slow, of_log).diagnosis()
+}
+
+fn is_among(untested: &[Untested], effect: &Effect) -> bool {
+    untested.iter().any(|other| other.effect == effect.id)
 }
 
 /// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall

@@ -271,7 +271,7 @@ impl Left<'_> {
 
 /// Block means of a device at rest scatter by less, in the unit of the axis: 1 °/s, and the gravity of 1°. What an axis
 /// shows then is its own error, and another axis that drifts with it does not follow it.
-fn least_motion(name: &str) -> f64 {
+pub(super) fn least_motion(name: &str) -> f64 {
     let column = Column::named(name);
     if !AXES.contains(&name) {
         0.0

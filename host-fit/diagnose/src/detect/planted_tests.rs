@@ -1,8 +1,9 @@
 //! Effects that the short calibration of the gate does not reach: found under their own names, and not in their rivals.
 
-use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, simulate_case};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, Simulation, simulate, simulate_case};
 
-use super::{Diagnosis, Verdict, diagnose};
+use super::{Diagnosis, Question, Verdict, diagnose};
 use crate::case::question_of_logs;
 use crate::effects::Library;
 
@@ -61,5 +62,41 @@ fn a_step_a_warm_up_and_other_noise_keep_their_names() {
         let found = answer(effect, parameter, Setup::Bench, 33);
         let wrong = ["random_telegraph", "log_creep", "dead_zone"].contains(&first(&found));
         assert!(!wrong, "{effect}: {}", found.sentence);
+    }
+}
+
+/// A dip of the supply shifts all axes at once, as motion does; the logged voltage explains it.
+#[test]
+fn finds_a_supply_sensitivity_of_all_axes_whether_or_not_motion_is_excluded() {
+    let simulation =
+        Simulation { duration_s: 900.0, rate_hz: 50.0, seed: 6, temperature: 0.0, motion: false };
+    let quiet = simulate(&simulation).columns;
+    let time = quiet[0].1.clone();
+    let dip = |time: &f64| 0.3 * f64::from(u8::from(time.rem_euclid(70.0) < 5.0 && *time > 30.0));
+    for shift in [0.007, 0.010, 0.017] {
+        let mut columns = quiet.clone();
+        for (name, values) in &mut columns {
+            let shift = if name.starts_with('g') { shift } else { 10.0 * shift };
+            if name.ends_with("_rads") || name.ends_with("_mps2") {
+                values.iter_mut().zip(&time).for_each(|(value, time)| *value -= shift * dip(time));
+            }
+        }
+        columns.push(("supply_v".to_owned(), time.iter().map(|time| 3.3 - dip(time)).collect()));
+        for keep_moved in [false, true] {
+            let options = LoadOptions { keep_moved, ..LoadOptions::default() };
+            let log =
+                Recording::from_columns(Source::made_by("test"), columns.clone(), &options).expect("a log");
+            let library = Library::built_in();
+            let answer = diagnose(&Question::new(&log, "gx", &library)).expect("an answer");
+            let found: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
+            assert_eq!(
+                (answer.verdict, &found[..]),
+                (Verdict::Missing, &["supply_sensitivity"][..]),
+                "{}",
+                answer.sentence
+            );
+            let size = answer.findings[0].correction[0].coefficient;
+            assert!((size / shift - 1.0).abs() < 0.1, "{size} rad/s/V of {shift}");
+        }
     }
 }

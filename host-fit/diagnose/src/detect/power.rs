@@ -7,13 +7,16 @@ use super::answer::Untested;
 use super::hypothesis::{Hypotheses, Hypothesis};
 use super::prepared::Prepared;
 use super::question::DiagnoseError;
-use super::slow::SlowResult;
-use super::testable::followed;
+use super::slow::{Estimate, SlowResult};
+use super::testable::{Testable, followed};
 use crate::effects::{Effect, Inputs};
 use fos_fit::noise::{Gls, dot};
 
 /// Standard errors of a coefficient that its largest typical value must exceed: those of a 95 % interval.
 const VISIBLE: f64 = 1.96;
+
+/// A size so many times the largest that is typical is another effect's where no typical size would show.
+const IMPLAUSIBLE: f64 = 5.0;
 
 /// A log with its noise, as far as the power of a test depends on them.
 pub(super) struct Power<'a> {
@@ -49,24 +52,37 @@ impl<'a> Power<'a> {
             Some(is_visible) => !is_visible,
             None => columns(effect).iter().any(|column| follows(false, column) && !follows(true, column)),
         };
-        let needs = |effect: &Effect| {
-            let mut columns = columns(effect);
-            columns.dedup();
-            match columns.is_empty() {
-                true => "a longer log at rest".to_owned(),
-                false => format!("more variation of {}", columns.join(" and ")),
-            }
-        };
         let powerless = shown.iter().filter(|(effect, is_visible)| is_powerless(effect, *is_visible));
-        let untested =
-            powerless.map(|(effect, _)| Untested { effect: effect.id.clone(), needs: vec![needs(effect)] });
-        Ok(untested.collect())
+        Ok(powerless.map(|(effect, _)| self.untested(effect)).collect())
+    }
+
+    fn untested(&self, effect: &Effect) -> Untested {
+        Testable::needs_variation(effect, self.inputs, &self.prepared.column)
+    }
+
+    /// Effects that were found with a size that no sensor has and that the log would not show at any typical size: their
+    /// inputs hardly change, and something else that drifts is alike by chance.
+    pub(super) fn implausible(&self) -> Result<Vec<Untested>, DiagnoseError> {
+        let gls = &self.slow.fitted.gls;
+        let mut implausible = Vec::new();
+        for found in &self.slow.found {
+            let effect = &found.hypothesis.effect;
+            let estimate = Estimate::of(gls, found.place.clone());
+            let is_beyond = found.hypothesis.terms.iter().enumerate().any(|(at, &term)| {
+                let typical = typical(effect, term, &self.prepared.column);
+                let half = VISIBLE * estimate.covariance[(at, at)].sqrt();
+                typical.is_some_and(|typical| estimate.coefficients[at].abs() - half > IMPLAUSIBLE * typical)
+            });
+            if is_beyond && self.is_visible(effect)? == Some(false) {
+                implausible.push(self.untested(effect));
+            }
+        }
+        Ok(implausible)
     }
 
     /// Whether one of its terms would stand out at its largest typical size; `None` if no typical size is known.
     fn is_visible(&self, effect: &Arc<Effect>) -> Result<Option<bool>, DiagnoseError> {
-        let target = self.prepared.column.as_str();
-        let typical = |term: usize| Some(effect.typical(term, target)? * effect.unit(term, target)?.si);
+        let typical = |term: usize| typical(effect, term, &self.prepared.column);
         if (0..effect.terms.len()).all(|term| typical(term).is_none()) {
             return Ok(None);
         }
@@ -93,4 +109,9 @@ impl<'a> Power<'a> {
         let gls = Gls::new(&self.prepared.reduced.blocks, &self.slow.fitted.levels, column, &given);
         dot(&gls.residual, &gls.residual)
     }
+}
+
+/// The largest typical coefficient of a term, SI.
+fn typical(effect: &Effect, term: usize, target: &str) -> Option<f64> {
+    Some(effect.typical(term, target)? * effect.unit(term, target)?.si)
 }

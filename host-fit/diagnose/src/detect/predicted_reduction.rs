@@ -8,10 +8,16 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::error_in_blocks::ErrorInBlocks;
 use fos_data::interrupt::{self, in_parallel};
+use fos_data::recording::{Recording, RecordingError};
+use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Fitted, Regression, UnknownLevels};
 
 /// Draws of noise and coefficients.
 const DRAWS: usize = 300;
+
+/// Most blocks of a draw: the error of a longer log is drawn in means of several seconds, and the white noise that such a
+/// mean takes out of the slow error is added to its variance. A slow effect is the same in both.
+const MAX_BLOCKS: f64 = 4096.0;
 
 /// Seed of the draws.
 const SEED: u64 = 0x0f05;
@@ -80,6 +86,16 @@ pub(super) struct PredictedReductions<'a> {
 }
 
 impl PredictedReductions<'_> {
+    /// The blocks that the error of a log is drawn in.
+    ///
+    /// # Errors
+    ///
+    /// There is no such column.
+    pub(super) fn blocks(log: &Recording, column: &str) -> Result<ErrorInBlocks, RecordingError> {
+        let seconds = (log.duration_s() / SLOW_BLOCK_S / MAX_BLOCKS).ceil().max(1.0);
+        ErrorInBlocks::in_blocks_of(log, column, &[], seconds * SLOW_BLOCK_S)
+    }
+
     /// The reduction that goes with `effect`, those of `later` findings still in the error.
     ///
     /// # Errors
@@ -118,9 +134,10 @@ impl PredictedReductions<'_> {
             let truth = sum(&drawn.columns, &coefficients, n);
             let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
             let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
+            let within = levels.white.powi(2) * (1.0 / SLOW_BLOCK_S - 1.0 / blocks.length_s).max(0.0);
             let error = |left: &[f64]| match effect.is_step {
-                true => left.iter().map(|value| value * value).sum::<f64>() / n as f64,
-                false => self.log.variance_in(left, 0..n),
+                true => within + left.iter().map(|value| value * value).sum::<f64>() / n as f64,
+                false => within + self.log.variance_in(left, 0..n),
             };
             1.0 - error(&after) / error(&before)
         });

@@ -3,9 +3,14 @@
 use std::sync::Arc;
 
 use super::answer::Untested;
+use super::hypothesis::{Hypotheses, Hypothesis};
+use super::open::least_motion;
 use super::question::{DiagnoseError, Question};
 use super::shape::TEMPERATURE;
 use crate::effects::{Detector, Effect, Inputs, Regressor};
+use fos_data::column::AXES;
+use fos_data::recording::RecordingError;
+use fos_fit::noise::dot;
 
 /// The slow effects that a log can be asked for.
 #[derive(Debug)]
@@ -51,6 +56,44 @@ impl Testable {
         columns.dedup();
         let known = inputs.known_rows(columns.iter().map(String::as_str))?;
         Ok(Self { effects, untested, known })
+    }
+
+    /// Effects of the attitude that an axis at rest in one attitude says nothing of: its slow changes are its own error.
+    ///
+    /// # Errors
+    ///
+    /// A column is missing.
+    pub(super) fn of_attitude(
+        &self,
+        hypotheses: &Hypotheses<'_>,
+        inputs: &Inputs<'_>,
+        target: &str,
+    ) -> Result<Vec<Untested>, RecordingError> {
+        let mut of_attitude = Vec::new();
+        for effect in self.effects.iter().filter(|effect| effect.parameter.is_none()) {
+            let Hypothesis { regressors, columns, .. } = hypotheses.make(effect, None)?;
+            let mut axes = regressors.iter().zip(columns.iter()).filter_map(|(regressor, means)| {
+                let axis = AXES.into_iter().find(|axis| regressor.to_string() == *axis)?;
+                Some(dot(means, means).sqrt() < least_motion(axis) * (means.len() as f64).sqrt())
+            });
+            let first = axes.next();
+            if first == Some(true) && axes.all(|is_at_rest| is_at_rest) {
+                of_attitude.push(Self::needs_variation(effect, inputs, target));
+            }
+        }
+        Ok(of_attitude)
+    }
+
+    /// An effect whose inputs change too little.
+    pub(super) fn needs_variation(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Untested {
+        let mut columns = followed(effect, inputs, target);
+        columns.sort_unstable();
+        columns.dedup();
+        let needs = match columns.is_empty() {
+            true => "a longer log at rest".to_owned(),
+            false => format!("more variation of {}", columns.join(" and ")),
+        };
+        Untested { effect: effect.id.clone(), needs: vec![needs] }
     }
 
     /// What keeps an effect from being tried though its columns are there: none of its regressors adds anything to what

@@ -59,7 +59,7 @@ impl Assembly<'_> {
             let gain = gains.iter().sum();
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead {
-                kind: LeadKind::Course,
+                kind: LeadKind::Jumps,
                 follows,
                 gain,
                 score: gain,
@@ -126,6 +126,7 @@ impl Assembly<'_> {
             cautions,
             notes: Vec::new(),
             moved: Vec::new(),
+            shared_signal: None,
         })
     }
 }

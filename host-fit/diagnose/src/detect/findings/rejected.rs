@@ -4,6 +4,7 @@ use super::assembly::Assembly;
 use crate::detect::answer::{Finding, Rejected};
 use crate::detect::open::Lead;
 use crate::detect::slow::MAX_FOUND;
+use crate::effects::Band;
 
 /// Effects whose score alone is at least this are worth a word on why they were not chosen.
 const WORTH_A_WORD: f64 = 9.0;
@@ -13,7 +14,8 @@ impl Assembly<'_> {
     /// against it.
     pub(super) fn rejected(&self, findings: &[Finding], stood: &[Finding], leads: &[Lead]) -> Vec<Rejected> {
         let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
-        let names: Vec<&str> = stood.iter().map(|finding| finding.name.as_str()).collect();
+        let effects = stood.iter().filter(|finding| finding.band != Band::Data);
+        let names: Vec<&str> = effects.map(|finding| finding.name.as_str()).collect();
         let beside = match names[..] {
             [] => "the further noise that was found".to_owned(),
             _ => names.join(" and "),

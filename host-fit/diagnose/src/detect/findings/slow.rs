@@ -8,7 +8,6 @@ use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use super::doubt::far;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::step_share;
-use crate::detect::error_in_blocks::ErrorInBlocks;
 use crate::detect::hypothesis::Hypothesis;
 use crate::detect::leverage;
 use crate::detect::limits;
@@ -136,7 +135,7 @@ impl Assembly<'_> {
             regressors.all(|regressor| is_logged(&inputs, regressor))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let mut in_blocks = ErrorInBlocks::in_slow_blocks(log, self.column)?;
+        let mut in_blocks = PredictedReductions::blocks(log, self.column)?;
         in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let blocks = &in_blocks.blocks;
         let inputs = Inputs::new(log);

@@ -19,8 +19,10 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
         };
         against.map(weight).fold(0.0, f64::max)
     };
-    let before = findings.len();
+    let gain = |findings: &[Finding]| -> f64 { findings.iter().filter_map(|finding| finding.gain).sum() };
+    let before = gain(findings);
     findings.retain(|finding| finding.gain.is_none_or(|gain| gain > most(finding)));
+    let withheld = before - gain(findings);
     let has_slow_lead = leads.iter().any(|lead| lead.decides && !is_wide(lead.band));
     // a fault of the data is a claim of its own only where no physical effect was found
     let is_fault = |finding: &Finding| finding.band == Band::Data;
@@ -28,7 +30,7 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
     let claims =
         || findings.iter().filter(|finding| finding.doubt.is_none() && (only_faults || !is_fault(finding)));
     let is_slow = |finding: &Finding| matches!(finding.band, Band::Slow | Band::Stochastic);
-    let slow_is_explained = !has_slow_lead || findings.len() == before && claims().any(is_slow);
+    let slow_is_explained = !has_slow_lead || claims().any(is_slow) && gain(findings) > OUTWEIGHS * withheld;
     match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
         (true, true) if tested => Verdict::NothingMissing,
         (true, true) => Verdict::NotEnoughData,
@@ -55,12 +57,13 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
         }
         Verdict::Unexplained => {
             let lead = leads.first().map(|lead| lead.follows.as_str()).unwrap_or("nothing that is logged");
-            let beside = match findings.first() {
+            let beside = match findings.first().filter(|finding| finding.band != Band::Data) {
                 Some(finding) => format!(" beside {}", finding.name),
                 None => String::new(),
             };
+            let faults = faults(findings);
             format!(
-                "Something is missing{beside}, and nothing in the library explains it. A lead: the residual follows {lead}."
+                "Something is missing{beside}, and nothing in the library explains it. A lead: the residual follows {lead}.{faults}"
             )
         }
         Verdict::NotEnoughData => "Not enough data to test any slow effect.".to_owned(),
@@ -69,7 +72,7 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 Some(lead) => format!("A trace in the residual follows {}", lead.follows),
                 None => "No physical effect was found".to_owned(),
             };
-            format!("{beside}. {}", faults(findings))
+            format!("{beside}.{}", faults(findings))
         }
         Verdict::Missing => {
             let finding = &findings[0];
@@ -92,10 +95,7 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
             let beside = leads
                 .first()
                 .map_or_else(String::new, |lead| format!(" A smaller residual follows {}.", lead.follows));
-            let faults = match findings.iter().any(|finding| finding.band == Band::Data) {
-                true => format!(" {}", faults(findings)),
-                false => String::new(),
-            };
+            let faults = faults(findings);
             let names = listed(claims.iter().map(|claim| with_params(claim)));
             let drop = drop(&claims);
             format!("Most likely missing: {names}{drop}.{rivals}{beside}{faults}")
@@ -137,10 +137,11 @@ fn listed(names: impl Iterator<Item = String>) -> String {
     if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
-/// The faults of the data among the findings, in a sentence.
+/// The faults of the data among the findings, in a sentence after others; empty without any.
 fn faults(findings: &[Finding]) -> String {
     let faults = findings.iter().filter(|finding| finding.band == Band::Data);
-    format!("Faults of the data: {}.", faults.map(with_params).collect::<Vec<_>>().join(", "))
+    let faults: Vec<String> = faults.map(with_params).collect();
+    if faults.is_empty() { String::new() } else { format!(" Faults of the data: {}.", faults.join(", ")) }
 }
 
 /// The name of a finding with its parameters.

@@ -1,0 +1,340 @@
+//! A slow signal that several axes share once everything that was found is subtracted: one cause that is not logged, as
+//! an unlogged temperature.
+//!
+//! Axes of independent noise are uncorrelated; so are the changes of their random walks from one mean to the next, while
+//! the walks themselves are not. Therefore changes are compared (Granger and Newbold 1974, spurious regressions).
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
+
+use super::answer::{Diagnosis, Finding, Verdict};
+use super::correction::correction;
+use super::error_in_blocks::ErrorInBlocks;
+use fos_data::column::{AXES, Column};
+use fos_data::disturbance;
+use fos_data::interrupt::in_parallel;
+use fos_data::recording::{Recording, RecordingError};
+use fos_fit::evaluate::SLOW_BLOCK_S;
+use fos_fit::noise::dot;
+
+/// Means that a log is divided into, from fine to coarse: a fast signal shows in many, a slow one under much white noise
+/// in few.
+const MEANS: [f64; 3] = [400.0, 200.0, 100.0];
+
+/// A correlation must exceed its standard error by this factor: noise alone does so once in 100,000 axes.
+const STANDARD_ERRORS: f64 = 4.5;
+
+/// Changes of white noise are correlated with their neighbours by −½, which increases the variance of a correlation.
+const VARIANCE_OF_WHITE: f64 = 1.5;
+
+/// Fewest axes that share a signal: two may be one axis seen twice, as under a tilt.
+const FEWEST: usize = 3;
+
+/// Changes beyond so many standard deviations count as this many: one shock in all axes is no slow signal.
+const MOST: f64 = 3.0;
+
+/// A slow signal that several axes of a log share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct SharedSignal {
+    /// The axes that share it, as columns.
+    pub axes: Vec<String>,
+    /// Correlation of each of these axes with the others, of changes from one mean to the next.
+    pub correlations: Vec<f64>,
+    /// Length of the means, s.
+    pub mean_s: f64,
+    /// Time of each mean, s after the first sample, and the signal there, in standard deviations.
+    pub course: Vec<[f64; 2]>,
+}
+
+/// Axes in the same blocks of a log.
+struct Together {
+    axes: Vec<String>,
+    /// Middle of each block, s.
+    time_s: Vec<f64>,
+    /// Mean of the remaining error of each axis in each block, about its level.
+    means: Vec<Vec<f64>>,
+    /// Blocks whose change from the block before is known.
+    changes: Vec<usize>,
+    mean_s: f64,
+}
+
+/// Adds to the answers of a log the slow signal that their axes share. Where nothing else explains an axis, the signal is
+/// the answer.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn with_shared_signal(
+    mut answers: Vec<Diagnosis>,
+    recording: &Recording,
+) -> Result<Vec<Diagnosis>, RecordingError> {
+    let axes: Vec<(&str, &[Finding])> =
+        answers.iter().map(|answer| (answer.target.as_str(), answer.findings.as_slice())).collect();
+    let Some(signal) = shared_signal(&axes, recording)? else { return Ok(answers) };
+    for answer in &mut answers {
+        if !signal.axes.contains(&answer.target) {
+            continue;
+        }
+        let is_open = matches!(answer.verdict, Verdict::NothingMissing | Verdict::Unexplained);
+        if is_open && answer.findings.iter().all(|finding| finding.doubt.is_some()) {
+            answer.verdict = Verdict::Unexplained;
+            answer.sentence = signal.sentence(&answer.target, recording);
+        }
+        answer.shared_signal = Some(signal.clone());
+    }
+    Ok(answers)
+}
+
+impl SharedSignal {
+    fn sentence(&self, target: &str, recording: &Recording) -> String {
+        let others: Vec<&str> = self.axes.iter().map(String::as_str).filter(|axis| *axis != target).collect();
+        format!(
+            "Something is missing that is not logged: a slow signal is common to this axis and {}. {}",
+            others.join(", "),
+            advice(recording)
+        )
+    }
+
+    /// What the axes share, in a sentence.
+    pub fn describe(&self, recording: &Recording) -> String {
+        let bounds = self
+            .correlations
+            .iter()
+            .fold([1.0_f64, 0.0_f64], |[low, high], one| [low.min(*one), high.max(*one)]);
+        format!(
+            "{} share one slow signal that no finding explains (correlation {:.2} … {:.2} of the changes of {:.0}-s means). {}",
+            self.axes.join(", "),
+            bounds[0],
+            bounds[1],
+            self.mean_s,
+            advice(recording)
+        )
+    }
+}
+
+/// The columns that would show a common cause.
+fn advice(recording: &Recording) -> String {
+    let missing: Vec<&str> =
+        ["temp_c", "supply_v"].into_iter().filter(|column| recording.channel(column).is_err()).collect();
+    match missing[..] {
+        [] => "Neither temp_c nor supply_v explains it.".to_owned(),
+        _ => format!("Probably temperature or supply voltage: log {}.", missing.join(" and ")),
+    }
+}
+
+/// Of axes with their findings.
+fn shared_signal(
+    axes: &[(&str, &[Finding])],
+    recording: &Recording,
+) -> Result<Option<SharedSignal>, RecordingError> {
+    let inertial: Vec<(&str, &[Finding])> =
+        axes.iter().copied().filter(|(axis, _)| AXES.contains(axis)).collect();
+    if inertial.len() < FEWEST {
+        return Ok(None);
+    }
+    let at_rest = &*disturbance::marked(recording).0;
+    let mut best: Option<SharedSignal> = None;
+    let strength = |signal: &SharedSignal| signal.correlations.iter().sum::<f64>();
+    for means in MEANS {
+        let mean_s = (at_rest.duration_s() / means).max(SLOW_BLOCK_S);
+        let signal = Together::new(&inertial, at_rest, mean_s)?.signal();
+        let signal =
+            signal.filter(|signal| best.as_ref().is_none_or(|best| strength(best) < strength(signal)));
+        best = signal.or(best);
+    }
+    Ok(best)
+}
+
+impl Together {
+    fn new(axes: &[(&str, &[Finding])], recording: &Recording, mean_s: f64) -> Result<Self, RecordingError> {
+        let of_axis =
+            |(axis, findings): &(&str, &[Finding])| -> Result<(ErrorInBlocks, Vec<f64>), RecordingError> {
+                let reduced = ErrorInBlocks::in_blocks_of(recording, axis, &[], mean_s)?;
+                let found = correction(findings, recording, recording)?;
+                let left: Vec<f64> =
+                    reduced.error.iter().zip(found).map(|(error, found)| error - found).collect();
+                let means = reduced.blocks.means(&left);
+                let means = reduced.blocks.about_levels(&means, 0..means.len());
+                Ok((reduced, means))
+            };
+        let reduced: Vec<(ErrorInBlocks, Vec<f64>)> =
+            in_parallel(axes, of_axis).into_iter().collect::<Result<_, _>>()?;
+        let place_of = |axis: &ErrorInBlocks, index: u64| {
+            let blocks = &axis.blocks.blocks;
+            blocks.binary_search_by_key(&index, |block| block.index).ok()
+        };
+        let first = reduced.first().map(|(first, _)| first);
+        let indices = first.into_iter().flat_map(|first| first.blocks.blocks.iter().map(|block| block.index));
+        let mut together = Self {
+            axes: axes.iter().map(|(axis, _)| (*axis).to_owned()).collect(),
+            time_s: Vec::new(),
+            means: vec![Vec::new(); axes.len()],
+            changes: Vec::new(),
+            mean_s,
+        };
+        let mut before = None;
+        for index in indices {
+            let places: Option<Vec<usize>> = reduced.iter().map(|(axis, _)| place_of(axis, index)).collect();
+            let Some(places) = places else { continue };
+            // a level of its own begins here
+            let restarts =
+                reduced.iter().zip(&places).any(|((axis, _), place)| axis.blocks.restarts().contains(place));
+            if before == Some(index.wrapping_sub(1)) && !restarts {
+                together.changes.push(together.time_s.len());
+            }
+            together.time_s.push((index as f64 + 0.5) * mean_s);
+            for ((means, (_, all)), place) in together.means.iter_mut().zip(&reduced).zip(&places) {
+                means.push(all[*place]);
+            }
+            before = Some(index);
+        }
+        Ok(together)
+    }
+
+    /// Changes of an axis in standard deviations, without outliers.
+    fn changes(&self, axis: usize) -> Vec<f64> {
+        let means = &self.means[axis];
+        let changes: Vec<f64> = self.changes.iter().map(|at| means[*at] - means[at - 1]).collect();
+        let deviation = |values: &[f64]| (dot(values, values) / values.len() as f64).sqrt();
+        let most = MOST * deviation(&changes);
+        let limited: Vec<f64> = changes.iter().map(|change| change.clamp(-most, most)).collect();
+        let deviation = deviation(&limited);
+        limited.iter().map(|change| change / deviation).collect()
+    }
+
+    /// The signal, if enough axes share one and a gyro among them: accelerometers alone may have been tilted.
+    fn signal(&self) -> Option<SharedSignal> {
+        let n = self.changes.len() as f64;
+        let changes: Vec<Vec<f64>> = (0..self.axes.len()).map(|axis| self.changes(axis)).collect();
+        let known: Vec<usize> = (0..changes.len())
+            .filter(|axis| changes[*axis].iter().all(|change| change.is_finite()))
+            .collect();
+        let least = STANDARD_ERRORS * (VARIANCE_OF_WHITE / n.max(1.0)).sqrt();
+        if known.len() < FEWEST || least >= 1.0 {
+            return None;
+        }
+        let correlation = |axis: &usize| -> f64 {
+            let others: Vec<usize> = known.iter().copied().filter(|other| other != axis).collect();
+            let common = combined(&changes, &weights(&changes, &others));
+            dot(&changes[*axis], &common).abs() / (n * dot(&common, &common)).sqrt()
+        };
+        let sharing: Vec<(usize, f64)> =
+            known.iter().map(|axis| (*axis, correlation(axis))).filter(|(_, one)| *one > least).collect();
+        let axes: Vec<usize> = sharing.iter().map(|(axis, _)| *axis).collect();
+        let has_gyro = axes.iter().any(|axis| Column::named(&self.axes[*axis]).is_angular_rate());
+        if axes.len() < FEWEST || !has_gyro {
+            return None;
+        }
+        let course = combined(&self.means, &self.scaled(&weights(&changes, &axes)));
+        let deviation = (dot(&course, &course) / course.len() as f64).sqrt();
+        Some(SharedSignal {
+            axes: axes.iter().map(|axis| self.axes[*axis].clone()).collect(),
+            correlations: sharing.iter().map(|(_, one)| *one).collect(),
+            mean_s: self.mean_s,
+            course: self.time_s.iter().zip(course).map(|(time, value)| [*time, value / deviation]).collect(),
+        })
+    }
+
+    /// Weights of the means, of weights of their changes in standard deviations.
+    fn scaled(&self, weights: &[f64]) -> Vec<f64> {
+        let scale = |axis: usize| {
+            let means = &self.means[axis];
+            let squares: f64 = self.changes.iter().map(|at| (means[*at] - means[at - 1]).powi(2)).sum();
+            (squares / self.changes.len() as f64).sqrt()
+        };
+        weights
+            .iter()
+            .enumerate()
+            .map(|(axis, weight)| if *weight == 0.0 { 0.0 } else { weight / scale(axis) })
+            .collect()
+    }
+}
+
+/// Weights of the first principal component of some of the columns; 0 for the others.
+fn weights(columns: &[Vec<f64>], of: &[usize]) -> Vec<f64> {
+    let products = DMatrix::from_fn(of.len(), of.len(), |i, j| dot(&columns[of[i]], &columns[of[j]]));
+    let eigen = SymmetricEigen::new(products);
+    let first = eigen.eigenvalues.imax();
+    let mut weights = vec![0.0; columns.len()];
+    for (place, axis) in of.iter().enumerate() {
+        weights[*axis] = eigen.eigenvectors[(place, first)];
+    }
+    weights
+}
+
+/// The sum of the columns that have a weight.
+fn combined(columns: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, weight) in columns.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += weight * value);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_data::recording::{LoadOptions, Source};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Half an hour of six axes at 10 Hz: white noise and a random walk of their own, and in the first axes one walk with
+    /// steps of this size in common.
+    fn log(seed: u64, common: f64, sharing: usize) -> Recording {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let n = 18_000;
+        let mut white = |size: f64| -> Vec<f64> {
+            (0..n)
+                .map(|_| {
+                    let unit: f64 = StandardNormal.sample(&mut random);
+                    size * unit
+                })
+                .collect()
+        };
+        let walk = |steps: Vec<f64>| -> Vec<f64> {
+            steps
+                .iter()
+                .scan(0.0, |level, step| {
+                    *level += step;
+                    Some(*level)
+                })
+                .collect()
+        };
+        let shared = walk(white(common));
+        let mut columns = vec![("t_s".to_owned(), (0..n).map(|row| row as f64 / 10.0).collect())];
+        for (place, axis) in AXES.into_iter().enumerate() {
+            let (mut values, own) = (white(1e-4), walk(white(3e-6)));
+            values.iter_mut().zip(&own).for_each(|(value, own)| *value += own);
+            if place < sharing {
+                values.iter_mut().zip(&shared).for_each(|(value, shared)| *value -= shared);
+            }
+            columns.push((axis.to_owned(), values));
+        }
+        Recording::from_columns(Source::made_by("shared"), columns, &LoadOptions::default()).expect("a log")
+    }
+
+    fn found(log: &Recording) -> Option<SharedSignal> {
+        shared_signal(&AXES.map(|axis| (axis, &[][..])), log).expect("its columns")
+    }
+
+    #[test]
+    fn independent_walks_share_nothing() {
+        for seed in 0..20 {
+            assert_eq!(found(&log(seed, 0.0, 0)), None, "{seed}");
+        }
+    }
+
+    #[test]
+    fn a_common_walk_is_found_in_the_axes_that_have_it() {
+        let signal = found(&log(1, 1e-5, 5)).expect("a common walk");
+        assert_eq!(signal.axes, AXES[..5]);
+        assert!(signal.correlations.iter().all(|correlation| *correlation > 0.5), "{signal:?}");
+    }
+
+    #[test]
+    fn accelerometers_alone_may_have_been_tilted() {
+        assert_eq!(found(&log(1, 1e-5, 3)), None);
+    }
+}
