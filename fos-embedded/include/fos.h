@@ -29,7 +29,7 @@
  * - Units are in the comment of every number: SI, but degrees Celsius. An interrupt that calls fos_hub_update() must
  *   save the registers of the floating-point unit, if there is one.
  *
- * Generated from fos-embedded/src/c_api; do not edit. FOS_WRITE_HEADER=1 cargo test -p fos-embedded --test c_header
+ * Generated from fos-embedded/src/c_api; do not edit. FOS_WRITE_HEADER=1 cargo test -p fos-embedded --test device c_header::
  */
 
 #ifndef FOS_H

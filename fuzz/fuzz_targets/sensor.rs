@@ -6,7 +6,7 @@
 #![no_main]
 #![allow(dead_code, reason = "the simulated parts have more for others")]
 
-#[path = "../../fos-embedded/tests/sample_source/simulated.rs"]
+#[path = "../../fos-embedded/tests/device/sample_source/simulated.rs"]
 mod simulated;
 
 use std::cell::RefCell;

@@ -4,10 +4,10 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
 use fos_embedded::c_api::{FOS_VALUES_RAW, fos_scales};
 
-#[path = "../../fos-core/tests/align/twin.rs"]
+#[path = "../../fos-core/tests/evaluator/align/twin.rs"]
 pub mod align_twin;
 pub mod drawn;
-#[path = "../../fos-core/tests/prediction/twin.rs"]
+#[path = "../../fos-core/tests/evaluator/prediction/twin.rs"]
 pub mod twin;
 
 #[cfg(feature = "logs")]

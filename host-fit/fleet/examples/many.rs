@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p fos-fleet --example many -- 100000
 
-#[path = "../tests/drawn/mod.rs"]
+#[path = "../tests/fleet/drawn/mod.rs"]
 mod drawn;
 
 use std::time::Instant;

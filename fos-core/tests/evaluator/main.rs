@@ -1,0 +1,15 @@
+//! The evaluator through its public interface.
+
+mod align;
+mod bounded;
+mod coasts;
+mod fixed_point;
+mod image;
+mod missing_cells;
+mod model;
+mod monitor;
+mod prediction;
+mod robustness;
+mod stillness;
+mod together;
+mod unit_image;

@@ -1,0 +1,13 @@
+//! The device side through its public interface: hub, sources of samples, streams, store.
+
+mod alarm;
+mod c_header;
+mod fault_matrix;
+mod fixed;
+mod hub;
+#[path = "../models/mod.rs"]
+mod models;
+mod page;
+mod sample_source;
+mod store;
+mod streams;

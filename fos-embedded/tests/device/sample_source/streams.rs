@@ -1,0 +1,230 @@
+//! Long streams: what must hold whatever happens.
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::i2c::{self, I2c};
+use embedded_hal::spi::{self, SpiDevice};
+use fos_embedded::blocking::{Blocking, poll_once};
+use fos_embedded::raw::{Faults, RawSample};
+use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES, SampleSource, SourceError};
+
+use super::simulated::{NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x, codes};
+
+/// Lets time pass up to the next multiple of `period_us`, and polls.
+fn poll<P: Simulated>(
+    chip: &Shared,
+    source: &mut SampleSource<P>,
+    period_us: f64,
+) -> Result<Vec<RawSample>, SourceError<NoAnswer>> {
+    let wait_us = period_us - chip.borrow().now_us % period_us;
+    chip.borrow_mut().pass(wait_us);
+    let now_us = chip.borrow().now_us as u64;
+    poll_once(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec)
+}
+
+/// Every sample of five minutes, in order.
+fn loses_nothing<P: Simulated>(fast: f64) {
+    let (chip, mut source) = P::source();
+    chip.borrow_mut().fast = fast;
+    let mut samples = Vec::new();
+    for _ in 0..3000 {
+        samples.extend(poll(&chip, &mut source, 100_000.0).expect("a poll"));
+    }
+    let given = samples.iter().map(|raw| (raw.accel, raw.gyro));
+    let first = (0..).find(|tick| codes(*tick) == (samples[0].accel, samples[0].gyro)).expect("a tick");
+    assert!(given.eq((first..).take(samples.len()).map(codes)));
+    // more came while the last were read
+    assert!(chip.borrow().tick - first - samples.len() as u64 <= 4);
+    // only the first temperature is a few samples late
+    assert!(samples.iter().skip(13).all(|raw| raw.faults.is_empty() && raw.skipped == 0));
+    let counts = source.counts();
+    assert_eq!((counts.bus, counts.torn, counts.overruns, counts.gaps, counts.resets), (0, 0, 0, 0, 0));
+}
+
+#[test]
+fn nothing_is_lost_in_five_minutes_whatever_the_clock() {
+    for fast in [0.97, 1.0, 1.03] {
+        loses_nothing::<SimulatedLsm6dsv16x>(fast);
+        loses_nothing::<SimulatedBmi323>(fast);
+    }
+}
+
+/// After naps of so many ms: ticks counted, ticks there were.
+fn naps<P: Simulated>(nap_ms: u32, fast: f64) -> (u64, u64) {
+    let (chip, mut source) = P::source();
+    chip.borrow_mut().fast = fast;
+    let mut samples = Vec::new();
+    for _ in 0..5 {
+        samples.extend(poll(&chip, &mut source, f64::from(nap_ms) * 1000.0).expect("a poll"));
+        while source.has_more() {
+            let now_us = chip.borrow().now_us as u64;
+            samples.extend(poll_once(source.poll(now_us)).expect("done at once").expect("a poll"));
+        }
+    }
+    let counted = samples.iter().skip(1).map(|raw| u64::from(raw.skipped) + 1).sum();
+    let tick = |raw: &RawSample| (0..).find(|tick| codes(*tick) == (raw.accel, raw.gyro));
+    let [first, .., last] = &samples[..] else { panic!("no samples") };
+    (counted, tick(last).expect("a tick") - tick(first).expect("a tick"))
+}
+
+#[test]
+fn a_nap_is_counted_by_the_sensor_s_own_clock() {
+    for nap_ms in [300, 700, 1300, 2500, 2600, 5000, 20_000] {
+        for fast in [0.97, 1.03] {
+            let (counted, ticks) = naps::<SimulatedLsm6dsv16x>(nap_ms, fast);
+            assert_eq!(counted, ticks, "{nap_ms} ms");
+            let (counted, ticks) = naps::<SimulatedBmi323>(nap_ms, fast);
+            assert_eq!(counted, ticks, "{nap_ms} ms");
+        }
+    }
+}
+
+/// Polls that came to the bus while nobody answers.
+fn attempts<P: Simulated>(n: usize) -> Vec<usize> {
+    let (chip, mut source) = P::source();
+    chip.borrow_mut().trouble.failing = u32::MAX;
+    let attempted = |poll_index: &usize| {
+        let before = chip.borrow().transfers;
+        assert!(poll(&chip, &mut source, 50_000.0).is_err(), "poll {poll_index}");
+        let transfers = chip.borrow().transfers - before;
+        assert!(transfers <= 3, "{transfers} transfers");
+        transfers > 0
+    };
+    (0..n).filter(attempted).collect()
+}
+
+#[test]
+fn a_dead_sensor_is_asked_less_and_less_often() {
+    let mut expected = vec![0, 1, 3, 7, 15, 31, 63];
+    expected.extend((1..6).map(|more| 63 + 64 * more));
+    assert_eq!(attempts::<SimulatedLsm6dsv16x>(400), expected);
+    assert_eq!(attempts::<SimulatedBmi323>(400), expected);
+}
+
+fn stuck<P: Simulated>() {
+    let (chip, mut source) = P::source();
+    for _ in 0..20 {
+        poll(&chip, &mut source, 50_000.0).expect("a poll");
+    }
+    chip.borrow_mut().trouble.stuck = true;
+    for _ in 0..2400 {
+        poll(&chip, &mut source, 50_000.0).expect("a poll");
+    }
+    // 2 min: after 1, 2, 4 … 64 polls with samples, then every 64
+    let resets = source.counts().resets;
+    assert!((30..=45).contains(&resets), "{resets}");
+    chip.borrow_mut().trouble.stuck = false;
+    let mut samples = Vec::new();
+    for _ in 0..20 {
+        samples.extend(poll(&chip, &mut source, 50_000.0).expect("a poll"));
+    }
+    let held = samples.iter().take_while(|raw| raw.faults.contains(Faults::STUCK)).count();
+    assert!(held <= 11 && !samples[held..].iter().any(|raw| raw.faults.contains(Faults::STUCK)));
+}
+
+#[test]
+fn a_stuck_sensor_is_set_up_anew_less_and_less_often() {
+    stuck::<SimulatedLsm6dsv16x>();
+    stuck::<SimulatedBmi323>();
+}
+
+/// A bus that answers anything, or not at all.
+struct Nonsense(u64);
+
+impl Nonsense {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn fill(&mut self, bytes: &mut [u8], address: u8) -> Result<(), NoAnswer> {
+        for byte in bytes.iter_mut() {
+            *byte = (self.next() >> 32) as u8;
+        }
+        // what gets past the set-up, most of the time
+        let known: &[u8] = match address {
+            0x07 => &[0, 0, 0x77, 0x66, 0, 0, 0, 0, 0x70, 0x17, 0x17, 0x44, 0x08, 0, 0x02, 0, 0x01, 0],
+            0x08 | 0x01 | 0x18 => &[0],
+            0x09 => &[0x77],
+            0x0a => &[0x66],
+            0x0f => &[0x70],
+            0x10 | 0x11 => &[0x17],
+            0x12 => &[0x44],
+            0x13 => &[0x08],
+            0x15 | 0x62 => &[0x02],
+            0x17 => &[0x01],
+            0x50 => &[0x40],
+            0x80 => &[0, 0x43, 0],
+            0x81 => &[0, 0, 0],
+            0xa0 => &[0, 0x19, 0x70],
+            0xa1 => &[0, 0x29, 0x70],
+            0xb5 => &[0, 0, 0],
+            0xb6 => &[0, 0, 0x0f],
+            _ => &[],
+        };
+        if !self.next().is_multiple_of(50) {
+            for (byte, known) in bytes.iter_mut().zip(known) {
+                *byte = *known;
+            }
+        }
+        if self.next().is_multiple_of(20) { Err(NoAnswer) } else { Ok(()) }
+    }
+}
+
+impl i2c::ErrorType for Nonsense {
+    type Error = NoAnswer;
+}
+
+impl I2c for Nonsense {
+    fn transaction(&mut self, _: u8, operations: &mut [i2c::Operation<'_>]) -> Result<(), NoAnswer> {
+        match operations {
+            [i2c::Operation::Write(address), i2c::Operation::Read(bytes)] => self.fill(bytes, address[0]),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl spi::ErrorType for Nonsense {
+    type Error = NoAnswer;
+}
+
+impl SpiDevice for Nonsense {
+    fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), NoAnswer> {
+        match operations {
+            [spi::Operation::Write(address), spi::Operation::Read(bytes)] => self.fill(bytes, address[0]),
+            _ => Ok(()),
+        }
+    }
+}
+
+struct NoTime;
+
+impl DelayNs for NoTime {
+    fn delay_ns(&mut self, _: u32) {}
+}
+
+fn takes_any<P: Imu>(part: P) {
+    let mut source = SampleSource::new(part);
+    let mut random = Nonsense(7);
+    let mut now_us = 0;
+    for _ in 0..20_000 {
+        now_us = match random.next() % 1000 {
+            0 => random.next(),
+            step => u64::wrapping_add(now_us, step * 200),
+        };
+        if let Ok(samples) = poll_once(source.poll(now_us)).expect("done at once") {
+            assert!(samples.len() <= MAX_SAMPLES);
+            let flagged = samples.iter().filter(|raw| raw.skipped > 0);
+            assert!(flagged.clone().all(|raw| raw.faults.contains(Faults::GAP)));
+        }
+    }
+    let counts = source.counts();
+    assert!(counts.samples > 100 && counts.torn > 100 && counts.resets > 100, "{counts:?}");
+}
+
+#[test]
+fn takes_any_bytes_and_any_clock() {
+    takes_any(Lsm6dsv16x::new(Blocking(Nonsense(1)), Address::Low, Blocking(NoTime)));
+    takes_any(Bmi323::new(Blocking(Nonsense(2)), Blocking(NoTime)));
+}

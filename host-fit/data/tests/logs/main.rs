@@ -1,0 +1,7 @@
+//! Reading logs of every format.
+
+mod candidates;
+mod damaged_formats;
+mod format_page;
+mod formats;
+mod provenance;

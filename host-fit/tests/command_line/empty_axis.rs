@@ -1,0 +1,61 @@
+//! A log in which one axis has no number is used for the others by every command.
+
+use std::fmt::Write as _;
+use std::fs;
+
+use crate::session::{done, fails, said};
+
+/// Two minutes at rest, `gy_rads` empty or not.
+fn log(seed: u64, with_gy: bool) -> String {
+    let mut state = seed;
+    let mut noise = move || {
+        // twelve uniform numbers are about normal
+        let one = |state: &mut u64| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 40) as f64 / (1_u64 << 24) as f64
+        };
+        (0..12).map(|_| one(&mut state)).sum::<f64>() - 6.0
+    };
+    let mut text = "t_s,ax_mps2,ay_mps2,az_mps2,gx_rads,gy_rads,gz_rads,temp_c\n".to_owned();
+    for row in 0..6000 {
+        let time_s = f64::from(row) * 0.02;
+        let [ax, ay, az] = [0.1, 0.2, 9.8].map(|level| level + 0.01 * noise());
+        let [gx, gy, gz] = [0.001, 0.002, 0.003].map(|level| level + 1e-3 * noise());
+        let gy = if with_gy { gy.to_string() } else { String::new() };
+        writeln!(text, "{time_s:.2},{ax},{ay},{az},{gx},{gy},{gz},{}", 25.0 + time_s / 60.0).expect("text");
+    }
+    text
+}
+
+#[test]
+fn every_command_uses_the_other_axes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("five.csv"), log(1, false)).expect("written");
+    fs::write(folder.join("six.csv"), log(2, true)).expect("written");
+    let small = ["--max-lag", "2", "--degree", "1", "--max-terms", "2", "--memory", "none"];
+    let fit = |log: &str, study: &str| done(folder, &[&["fit", log, "-o", study][..], &small].concat());
+    let told = fit("five.csv", "five.json");
+    assert!(told.contains("gy_rads: every cell is empty") && told.contains("\ngz_rads: "), "{told}");
+    fit("six.csv", "six.json");
+    done(folder, &["compare", "five.json"]);
+    done(folder, &["compare", "five.json", "six.csv"]);
+    let told = done(folder, &["compare", "six.json", "five.csv"]);
+    assert!(told.contains("\ngz_rads: ") && !told.contains("\ngy_rads: "), "{told}");
+    assert!(said(folder, &["diagnose", "five.csv"]).contains("left out: five.csv: gy_rads: every cell"));
+    let told = done(folder, &["noise", "five.csv"]);
+    assert!(told.contains("gx_rads") && told.contains("gz_rads"), "{told}");
+    fs::create_dir(folder.join("units")).expect("a folder");
+    for unit in 3..6 {
+        fs::write(folder.join(format!("units/{unit}.csv")), log(unit, false)).expect("written");
+    }
+    done(folder, &["fleet", "units", "-o", "population.json"]);
+    done(folder, &["convert", "five.csv", "-o", "converted.csv"]);
+    let header = fs::read_to_string(folder.join("converted.csv")).expect("written");
+    assert!(!header.lines().next().expect("a header").contains("gy_rads"));
+    // named, it is refused
+    for command in [&["noise", "five.csv", "--axis", "gy"][..], &["fit", "five.csv", "--axis", "gy"]] {
+        let told = fails(folder, 1, command);
+        assert!(told.contains("gy_rads: every cell of its 6000 rows is empty"), "{told}");
+    }
+}

@@ -1,0 +1,126 @@
+//! The logs of a study are found wherever the command is run and wherever study and logs were moved together; logs come
+//! through pipes too.
+
+use std::fs;
+use std::path::Path;
+
+use crate::session::{done, fails};
+use serde_json::Value;
+
+/// `work/logs/quiet.parquet`, and `work/studies/unit.json` of it, made in `work`.
+fn study(world: &Path) {
+    let work = world.join("work");
+    for folder in ["logs", "studies"] {
+        fs::create_dir_all(work.join(folder)).expect("made");
+    }
+    for (log, seed) in [("logs/quiet.parquet", "1"), ("logs/field.parquet", "2")] {
+        done(&work, &["simulate", log, "--minutes", "1", "--seed", seed, "--at-rest"]);
+    }
+    let fit = ["fit", "logs/quiet.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
+    done(&work, &[&fit[..], &["-o", "studies/unit.json"]].concat());
+}
+
+#[test]
+fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
+    let world = tempfile::tempdir().expect("a folder");
+    let world = world.path();
+    study(world);
+    let work = world.join("work");
+    let compared = done(&work, &["compare", "studies/unit.json"]);
+    let but_paths = |text: &str| text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    for (from, study) in
+        [("work/studies", "unit.json"), ("", "work/studies/unit.json"), ("work/logs", "../studies/unit.json")]
+    {
+        let again = done(&world.join(from), &["compare", study]);
+        assert_eq!(but_paths(&again), but_paths(&compared), "from {from:?}");
+    }
+    // what it was refined on, too
+    let added = ["add", "studies/unit.json", "temp_rate", "--from", "logs/field.parquet"];
+    done(&work, &added);
+    done(&work.join("studies"), &["diagnose", "unit.json"]);
+
+    // moved together
+    fs::rename(&work, world.join("moved")).expect("moved");
+    let again = done(world, &["compare", "moved/studies/unit.json", "moved/logs/quiet.parquet"]);
+    assert_eq!(again.lines().count(), done(world, &["compare", "moved/studies/unit.json"]).lines().count());
+    done(world, &["diagnose", "moved/studies/unit.json"]);
+
+    // into one folder, with a study that does not say where its logs lie
+    let flat = world.join("flat");
+    fs::create_dir(&flat).expect("made");
+    for log in ["quiet", "field"] {
+        fs::rename(world.join(format!("moved/logs/{log}.parquet")), flat.join(format!("{log}.parquet")))
+            .expect("moved");
+    }
+    let text = fs::read_to_string(world.join("moved/studies/unit.json")).expect("there");
+    let mut old: Value = serde_json::from_str(&text).expect("JSON");
+    for source in ["/data/sources/0", "/growth/0/logs/field", "/growth/0/logs/quiet"] {
+        let source = old.pointer_mut(source).and_then(Value::as_object_mut).expect(source);
+        let seen = source.remove("from_study").expect("noted");
+        assert!(seen.as_str().is_some_and(|path| path.starts_with("../logs/")), "{seen}");
+    }
+    fs::write(flat.join("unit.json"), old.to_string()).expect("written");
+    done(world, &["compare", "flat/unit.json"]);
+    done(world, &["diagnose", "flat/unit.json"]);
+}
+
+#[test]
+fn a_log_of_the_same_name_is_not_taken_for_it() {
+    let world = tempfile::tempdir().expect("a folder");
+    let world = world.path();
+    study(world);
+    let other = world.join("other");
+    fs::create_dir_all(other.join("logs")).expect("made");
+    done(&other, &["simulate", "logs/quiet.parquet", "--minutes", "1", "--seed", "9", "--at-rest"]);
+    // by the name it was given here lies another one
+    let compared = done(&other, &["compare", "../work/studies/unit.json"]);
+    assert!(compared.contains("studies/../logs/quiet.parquet"), "{compared}");
+    fs::remove_file(world.join("work/logs/quiet.parquet")).expect("it was there");
+    let said = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
+    assert!(
+        said.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
+        "{said}"
+    );
+    let said = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
+    for words in [
+        "logs/quiet.parquet: the log that studies/unit.json names is not there",
+        "looked for as logs/quiet.parquet, ",
+        "studies/../logs/quiet.parquet, ",
+        "studies/quiet.parquet\nhelp: put it back, or beside the study",
+    ] {
+        assert!(said.contains(words), "{words:?}: {said}");
+    }
+}
+
+/// They said "Illegal seek".
+#[cfg(unix)]
+#[test]
+fn a_log_may_come_through_a_pipe() {
+    use std::process::{Command, Stdio};
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for log in ["log.csv", "log.csv.gz", "log.parquet"] {
+        done(folder, &["simulate", log, "--minutes", "1", "--at-rest"]);
+        let fit = ["fit", log, "--axis", "gx", "--max-terms", "2", "--memory", "none"];
+        done(folder, &[&fit[..], &["-o", "file.json"]].concat());
+        let script = format!(
+            "cat {log} | {0} fit /dev/stdin --axis gx --max-terms 2 --memory none -o piped.json",
+            env!("CARGO_BIN_EXE_host-fit")
+        );
+        let piped =
+            Command::new("sh").args(["-c", &script]).current_dir(folder).stdin(Stdio::null()).output();
+        let piped = piped.expect("a shell");
+        assert!(piped.status.success(), "{log}: {}", String::from_utf8_lossy(&piped.stderr));
+        let read = |name: &str| -> Value {
+            serde_json::from_slice(&fs::read(folder.join(name)).expect("written")).expect("JSON")
+        };
+        let (file, piped) = (read("file.json"), read("piped.json"));
+        assert_eq!(file["model"], piped["model"], "{log}");
+        assert_eq!(file["data"]["sources"][0]["sha256"], piped["data"]["sources"][0]["sha256"], "{log}");
+        assert_eq!(piped["data"]["sources"][0]["path"], "/dev/stdin");
+        // it cannot be read again, and that is said
+        let said = fails(folder, 1, &["compare", "piped.json"]);
+        assert!(said.contains("help: "), "{said}");
+    }
+}

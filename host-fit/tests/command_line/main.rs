@@ -1,0 +1,24 @@
+//! The program on the command line: each test runs it in a folder of its own.
+
+mod cli;
+mod coming_from;
+mod empty_axis;
+mod escaping;
+mod fleet_report;
+mod hostile_numbers;
+mod interrupted;
+mod logs_of_a_study;
+mod missing_effect;
+mod noise;
+mod own_input;
+mod physical_units;
+mod random_tables;
+mod same_study;
+mod session;
+mod sources;
+mod strangers_file;
+mod study_file;
+mod subcommands;
+mod temperature_tables;
+mod unusual_files;
+mod versions;

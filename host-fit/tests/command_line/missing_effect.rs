@@ -1,0 +1,248 @@
+//! The user's path from a model that fails to one that does not, on the command line, on data with a hidden effect.
+
+use std::path::{Path, PathBuf};
+
+use crate::session::{done, fails};
+use fos_diagnose::batch::Answers;
+use fos_diagnose::detect::{Diagnosis, Verdict};
+use fos_diagnose::study::Refinement;
+use fos_diagnose::study::Study;
+
+/// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its quiet log.
+fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let simulate =
+        ["simulate", "--case", "unit", "--setup", setup, "--effect", effect, "--size", "100", "--seed", seed];
+    done(folder.path(), &simulate);
+    done(folder.path(), &["fit", "unit/baseline.parquet", "--axis", "gx", "-o", "unit.json"]);
+    folder
+}
+
+const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
+const LATER: [&str; 2] = ["--judge", "unit/eval.parquet"];
+
+fn refinement(folder: &Path) -> Refinement {
+    Study::read(&folder.join("unit.json"))
+        .expect("a study")
+        .refinement_of("gx_rads")
+        .expect("a refinement")
+        .clone()
+}
+
+#[test]
+fn a_hidden_effect_is_named_added_and_taken_back() {
+    let folder = with_hidden("thermal_lag:tau_s=60", "bench", "3");
+    let folder = folder.path();
+
+    let diagnose = [&["diagnose", "unit.json", "--json"][..], &FIELD, &LATER].concat();
+    let answers: Vec<Diagnosis> = serde_json::from_str(&done(folder, &diagnose)).expect("answers");
+    assert_eq!(answers[0].verdict, Verdict::Missing);
+    assert_eq!(answers[0].findings[0].effect, "thermal_lag");
+
+    // what is not worth it can be added, and taken back
+    let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
+    let printed = done(folder, &add);
+    assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
+    let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
+    assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
+    let before = refinement(folder).steps[0].clone();
+    assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
+    assert_eq!(refinement(folder).steps, std::slice::from_ref(&before));
+    let study = Study::read(&folder.join("unit.json")).expect("a study");
+    assert_eq!(study.model, before.model, "the model is what it was");
+    assert!(fails(folder, 1, &["undo", "unit.json"]).contains("nothing was added"));
+
+    let best = done(folder, &["add", "unit.json", "--best", "--figures", "figures"]);
+    assert!(best.contains("Nothing is missing"), "{best}");
+    let refined = refinement(folder);
+    let [added] = refined.added().collect::<Vec<_>>()[..] else { panic!("one effect: {best}") };
+    assert_eq!(added.effect.id, "thermal_lag");
+    let tau_s = added.finding.params["tau_s"];
+    assert!((tau_s / 60.0 - 1.0).abs() < 0.1, "{tau_s}");
+    let [low, high] = added.finding.predicted_reduction_interval;
+    assert!(added.measured_reduction > 0.9 && low > 0.9 && high <= 1.0, "{}", added.measured_reduction);
+    let [before, after] = &refined.steps[..] else { panic!("two steps") };
+    assert!(after.errors.slow_error_coast < before.errors.slow_error_coast.map(|error| 0.2 * error));
+    assert!(
+        after.cost.instructions > before.cost.instructions && after.cost.ram_bytes > before.cost.ram_bytes
+    );
+    for format in ["svg", "png"] {
+        let figure = folder.join(format!("figures/gx_rads_staircase.{format}"));
+        assert!(figure.metadata().is_ok_and(|file| file.len() > 1000), "{}", figure.display());
+    }
+    assert!(done(folder, &["history", "unit.json"]).contains("+ thermal_lag"));
+
+    // the refined model runs on fos-core and takes out there what it takes out here
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    assert!(done(folder, &["inspect", "unit.fosm"]).contains("temp_c"));
+    let replay = ["replay", "unit.fosm", "unit/eval.parquet", "--json"];
+    let summary: serde_json::Value = serde_json::from_str(&done(folder, &replay)).expect("a summary");
+    let axis = &summary["axes"][0];
+    let (single, own) = (axis["innovation_rms_f32"].as_f64(), after.errors.one_step_mse.sqrt());
+    // the rows of warming up count here and not there
+    assert!((single.expect("a number") / own - 1.0).abs() < 1e-3, "{single:?} for {own}");
+    assert!(axis["largest_difference"].as_f64().expect("a number") < 1e-3 * own);
+}
+
+#[test]
+fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
+    let folder = with_hidden("temp_linear", "bench", "4");
+    let folder = folder.path();
+    done(folder, &[&["add", "unit.json", "--best"][..], &FIELD].concat());
+    let refined = refinement(folder);
+    assert!(refined.logs.judged.is_none());
+    assert!(
+        (290_000 * 3 / 5..310_000 * 3 / 5).contains(&refined.logs.fitted_rows),
+        "{}",
+        refined.logs.fitted_rows
+    );
+    assert!(refined.added().next().is_some_and(|added| added.effect.id.starts_with("temp")));
+    // another log is another staircase
+    let other = [&["add", "unit.json", "bias_ramp"][..], &["--from", "unit/eval.parquet"]].concat();
+    assert!(fails(folder, 1, &other).contains("cannot be compared"));
+}
+
+#[test]
+fn an_effect_of_ones_own_goes_through_the_same_door() {
+    let folder = with_hidden("outside:temp_times_supply", "desk", "5");
+    let folder = folder.path();
+    let diagnose = [&["diagnose", "unit.json", "--json"][..], &FIELD].concat();
+    let answers: Vec<Diagnosis> = serde_json::from_str(&done(folder, &diagnose)).expect("answers");
+    assert_eq!(answers[0].verdict, Verdict::Unexplained, "{}", answers[0].sentence);
+    assert!(answers[0].leads[0].follows.contains("product of"), "{:?}", answers[0].leads);
+
+    let text = r#"
+        id = "temp_times_supply"
+        name = "supply sensitivity that warms up"
+        band = "slow"
+        any_terms = true
+        mechanism = "the regulator's reference moves with temperature"
+        equation = "p(n) = c · T(n) · V(n) + …"
+        experiment = "two supplies at two temperatures"
+        [[terms]]
+        regressor = "temp_c * supply_v"
+        [[terms]]
+        regressor = "temp_c"
+        [[terms]]
+        regressor = "supply_v"
+    "#;
+    std::fs::write(folder.join("own.toml"), text).expect("written");
+    let own = ["add", "unit.json", "temp_times_supply", "--effect", "own.toml"];
+    done(folder, &[&own[..], &FIELD, &LATER].concat());
+    let refined = refinement(folder);
+    let added = refined.added().next().expect("added");
+    assert!(added.measured_reduction > 0.5, "{}", added.measured_reduction);
+    // the study holds the effect: what was added is known without the file
+    std::fs::remove_file(folder.join("own.toml")).expect("removed");
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    assert!(done(folder, &["history", "unit.json"]).contains("temp_times_supply"));
+}
+
+#[test]
+fn what_cannot_be_added_says_why() {
+    let folder = with_hidden("temp_linear", "bench", "6");
+    let folder = folder.path();
+    for (effect, reason) in [
+        ("gauss_markov", "fit the stochastic part again"),
+        ("saturation", "full scale"),
+        ("sf_error", "ref_gx_rads"),
+        ("lever_arm", "does not strike"),
+        ("temp_lineer", "did you mean \"temp_linear\""),
+    ] {
+        let said = fails(folder, 1, &[&["add", "unit.json", effect][..], &FIELD].concat());
+        assert!(said.contains(reason), "{effect}: {said}");
+    }
+    assert!(fails(folder, 1, &["add", "unit.json", "temp_linear"]).contains("--from"));
+    let study = Study::read(&folder.join("unit.json")).expect("a study");
+    assert!(study.refinements.is_empty(), "nothing is half-added");
+}
+
+/// One orientation does not determine an effect of gravity; the bias of the gyro went from 2e-4 to -2.6e-3 rad/s.
+#[test]
+fn an_effect_that_the_log_does_not_determine_leaves_the_study_as_it_was() {
+    let folder = with_hidden("thermal_lag", "desk", "5");
+    let folder = folder.path();
+    let before = std::fs::read(folder.join("unit.json")).expect("a study");
+    let said = fails(folder, 1, &[&["add", "unit.json", "g_sensitivity"][..], &FIELD, &LATER].concat());
+    assert!(said.contains("not identifiable from this log") && said.contains("help: record"), "{said}");
+    assert_eq!(std::fs::read(folder.join("unit.json")).expect("a study"), before);
+}
+
+#[test]
+fn a_batch_answers_every_case_and_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for (name, effect) in [("one", "mag_sensitivity"), ("two", "bias_ramp")] {
+        let case = format!("cases/{name}");
+        let simulate =
+            ["simulate", "--case", &case, "--setup", "pose-rig", "--effect", effect, "--size", "60"];
+        done(folder, &simulate);
+    }
+    std::fs::create_dir(folder.join("cases/three")).expect("made");
+    std::fs::write(folder.join("cases/three/meta.json"), "{}").expect("written");
+    let batch = ["batch", "cases", "-o", "answers"];
+    assert!(fails(folder, 1, &batch).contains("could not be diagnosed"));
+    let read = || -> Answers {
+        let text = std::fs::read(folder.join("answers/answers.json")).expect("answers");
+        serde_json::from_slice(&text).expect("answers")
+    };
+    let answers = read();
+    assert_eq!(answers.schema, "fos-answers/1");
+    let first = |case: &str| -> (Option<String>, Option<String>) {
+        let answer = answers.cases.iter().find(|answer| answer.case == case).expect("an answer");
+        let named = answer.diagnosis.as_ref().and_then(|diagnosis| diagnosis.findings.first());
+        (named.map(|finding| finding.effect.clone()), answer.error.clone())
+    };
+    assert_eq!(first("one").0.as_deref(), Some("mag_sensitivity"));
+    assert_eq!(first("two").0.as_deref(), Some("bias_ramp"));
+    assert!(
+        first("three").1.is_some_and(|error| error.contains("meta.json")),
+        "one broken case stops no other"
+    );
+    let corrections: Vec<PathBuf> = ["one_eval", "one_field", "two_eval", "two_field"]
+        .map(|name| folder.join(format!("answers/corr/{name}.csv")))
+        .to_vec();
+    for path in &corrections {
+        let text = std::fs::read_to_string(path).expect("a correction");
+        assert!(text.starts_with("t_s,corr\n"), "{}", path.display());
+    }
+    // nothing has changed: the same answers, seconds included
+    fails(folder, 1, &batch);
+    assert_eq!(read(), answers);
+    // a correction that is gone is made again
+    std::fs::remove_file(&corrections[0]).expect("removed");
+    fails(folder, 1, &batch);
+    assert!(corrections[0].exists());
+}
+
+/// Without line breaks.
+fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn every_effect_explains_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let listed = done(folder, &["effects"]);
+    for effect in fos_diagnose::effects::Library::built_in().effects() {
+        assert!(listed.contains(&effect.id), "{}", effect.id);
+        let explained = words(&done(folder, &["effects", &effect.id]));
+        for part in [&effect.equation, &effect.mechanism, &effect.experiment, &effect.source] {
+            assert!(explained.contains(&words(part)), "{}: {explained}", effect.id);
+        }
+    }
+    assert!(done(folder, &["effects", "--example"]).contains("[[terms]]"));
+    assert!(fails(folder, 1, &["effects", "thermal_lagg"]).contains("thermal_lag"));
+}
+
+#[test]
+fn a_calibration_counts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let printed =
+        done(folder.path(), &["calibrate", "--cases", "8", "--seed", "77", "--outcomes", "out.json"]);
+    assert!(printed.contains("false alarm with nothing missing"), "{printed}");
+    let text = std::fs::read(folder.path().join("out.json")).expect("outcomes");
+    let outcomes: Vec<serde_json::Value> = serde_json::from_slice(&text).expect("outcomes");
+    assert_eq!(outcomes.len(), 8);
+}

@@ -1,0 +1,506 @@
+//! Nothing that a command writes takes the place of what it reads: every subcommand, every input, every output, however
+//! it is called.
+#![cfg(unix)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::Mutex;
+use std::thread;
+
+use crate::session::{done, fails};
+use crate::sources::sources;
+use host_fit::cli::files::{Role, role_of};
+use host_fit::cli::subcommands;
+
+/// A command line that writes to `at` for its argument `output`. Words in braces are arguments that are read, with a
+/// file for each; what has no name is read besides.
+struct Line {
+    output: &'static str,
+    at: &'static str,
+    words: &'static str,
+    inputs: &'static [(&'static str, &'static str)],
+}
+
+const UNIT: (&str, &str) = ("study", "unit.json");
+const REFINED: (&str, &str) = ("study", "refined.json");
+const LOG: (&str, &str) = ("log", "log.parquet");
+const MAP: (&str, &str) = ("map_file", "map.toml");
+const IMAGE: (&str, &str) = ("image", "unit.fosm");
+const EFFECTS: (&str, &str) = ("effects", "effect.toml");
+const FROM: (&str, &str) = ("from", "field.parquet");
+const QUIET: (&str, &str) = ("quiet", "log.parquet");
+const JUDGE: (&str, &str) = ("judge", "later.parquet");
+/// Read since the study names it.
+const FITTED: (&str, &str) = ("", "log.parquet");
+
+const LINES: [Line; 29] = [
+    Line {
+        output: "output",
+        at: "out.csv",
+        words: "convert {log} --map-file {map_file} -o out.csv",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "figures",
+        at: "figures/gx_rads_autocorrelation.svg",
+        words: "table {log} --map-file {map_file} --axis gx --train 10 --evaluate 5 --max-order 1 --degree 1 --repeats 1 --figures figures",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "output",
+        at: "out.json",
+        words: "fit {log} --map-file {map_file} --axis gx --max-terms 2 --memory none -o out.json",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "figures",
+        at: "figures/gx_rads_1_over_time.svg",
+        words: "compare {study} {log} --map-file {map_file} --figures figures",
+        inputs: &[UNIT, LOG, MAP],
+    },
+    Line {
+        output: "figures",
+        at: "figures/gx_rads_1_over_time.svg",
+        words: "compare {study} --figures figures",
+        inputs: &[UNIT, FITTED],
+    },
+    Line {
+        output: "figures",
+        at: "figures/gx_rads_staircase.svg",
+        words: "add {study} temp_rate --from {from} --quiet {quiet} --judge {judge} --effect {effect_files} --map-file {map_file} --figures figures",
+        inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
+    },
+    Line {
+        output: "figures",
+        at: "figures/gx_rads_staircase.svg",
+        words: "history {study} --figures figures",
+        inputs: &[REFINED],
+    },
+    Line {
+        output: "output",
+        at: "answers/answers.json",
+        words: "batch cases --effect {effects} -o answers",
+        inputs: &[EFFECTS, ("folder", "cases/one/field.parquet"), ("folder", "cases/one/meta.json")],
+    },
+    Line {
+        output: "output",
+        at: "out.json",
+        words: "fleet cases --effect {effects} --map-file {map_file} -o out.json",
+        inputs: &[EFFECTS, MAP, ("folder", "cases/one/field.parquet")],
+    },
+    Line {
+        output: "output",
+        at: "shipment/part.fosm",
+        words: "fleet export {population} -o shipment",
+        inputs: &[("population", "population.json"), ("", "population.json.rows")],
+    },
+    Line {
+        output: "output",
+        at: "out.html",
+        words: "fleet report {population} -o out.html",
+        inputs: &[("population", "population.json"), ("", "population.json.rows")],
+    },
+    Line {
+        output: "outcomes",
+        at: "out.json",
+        words: "calibrate --cases 1 --effect {effects} --outcomes out.json",
+        inputs: &[EFFECTS],
+    },
+    Line {
+        output: "image",
+        at: "out",
+        words: "export {study} --image out --instance 0 --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "rust",
+        at: "out",
+        words: "export {study} --rust out --instance 0 --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "c",
+        at: "out.h",
+        words: "export {study} --c out.h --instance 0 --px4 table --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "px4",
+        at: "out",
+        words: "export {study} --instance 0 --px4 out --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "ardupilot",
+        at: "out",
+        words: "export {study} --instance 0 --ardupilot out --judge {judge}",
+        inputs: &[UNIT, JUDGE],
+    },
+    Line {
+        output: "csv",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --axis gx --csv out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "svg",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --axis gx --svg out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "imu_yaml",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --imu-yaml out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "orb_slam3",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --orb-slam3 out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "vins",
+        at: "out",
+        words: "noise {log} --map-file {map_file} --vins out",
+        inputs: &[LOG, MAP],
+    },
+    Line {
+        output: "output",
+        at: "out.csv",
+        words: "replay {image} {log} --map-file {map_file} -o out.csv",
+        inputs: &[IMAGE, LOG, MAP],
+    },
+    Line {
+        output: "device_log",
+        at: "out",
+        words: "replay {image} {log} --map-file {map_file} --device-log out",
+        inputs: &[IMAGE, LOG, MAP],
+    },
+    Line {
+        output: "hub_log",
+        at: "out",
+        words: "replay {image} {log} --map-file {map_file} --hub-log out",
+        inputs: &[IMAGE, LOG, MAP],
+    },
+    Line {
+        output: "output",
+        at: "out.csv",
+        words: "record {stream} -o out.csv",
+        inputs: &[("stream", "device.stream")],
+    },
+    Line {
+        output: "output",
+        at: "out.md",
+        words: "report {study} --from {from} --quiet {quiet} --judge {judge} --effect {effects} --map-file {map_file} -o out.md",
+        inputs: &[UNIT, FROM, QUIET, JUDGE, EFFECTS, MAP],
+    },
+    Line {
+        output: "output",
+        at: "out.md",
+        words: "report {study} --from {from} -o out.md",
+        inputs: &[UNIT, FROM, FITTED],
+    },
+    Line {
+        output: "output",
+        at: "out.md",
+        words: "report {study} -o out.md",
+        inputs: &[REFINED, ("", "field.parquet")],
+    },
+];
+
+impl Line {
+    /// The longest that its words begin with: `fleet report`, not `fleet`.
+    fn subcommand(&self) -> String {
+        let is_of = |name: &String| format!("{} ", self.words).starts_with(&format!("{name} "));
+        let of_line = subcommands().into_iter().map(|(name, _)| name).filter(is_of);
+        of_line.max_by_key(String::len).expect("a subcommand")
+    }
+
+    /// With the argument `given` naming a file in this way.
+    fn arguments(&self, given: (&str, &str)) -> Vec<String> {
+        let inputs = |word: &str| {
+            let name = word.strip_prefix('{')?.strip_suffix('}')?;
+            let file = self.inputs.iter().find(|(id, _)| *id == name).expect("in the table").1;
+            Some(if given.0 == name { given.1 } else { file }.to_owned())
+        };
+        self.words.split(' ').map(|word| inputs(word).unwrap_or_else(|| word.to_owned())).collect()
+    }
+}
+
+/// How a file comes to be called as what is written.
+const SPELLINGS: [&str; 4] = ["as it is", "by another way", "by a symbolic link", "by a hard link"];
+
+/// Makes `output` lead to the file `input` in `folder`; how the input is to be called then. A file that no argument
+/// names cannot have another name.
+fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool) -> Option<String> {
+    let (from, to) = (folder.join(input), folder.join(output));
+    fs::create_dir_all(to.parent()?).expect("made");
+    match spelling {
+        "as it is" if is_named => {
+            fs::rename(&from, &to).expect("moved");
+            // others may read it too
+            fs::copy(&to, &from).expect("copied");
+            Some(output.to_owned())
+        }
+        "by another way" if is_named => {
+            fs::rename(&from, &to).expect("moved");
+            fs::copy(&to, &from).expect("copied");
+            Some(format!("./cases/../{output}"))
+        }
+        "by a symbolic link" => {
+            symlink(&from, &to).expect("linked");
+            Some(input.to_owned())
+        }
+        "by a hard link" => {
+            fs::hard_link(&from, &to).expect("linked");
+            Some(input.to_owned())
+        }
+        _ => None,
+    }
+}
+
+fn run(folder: &Path, arguments: &[String]) -> Output {
+    let host_fit = Command::new(env!("CARGO_BIN_EXE_host-fit")).current_dir(folder).args(arguments).output();
+    host_fit.expect("it starts")
+}
+
+/// Everything that the lines read.
+fn prepare(folder: &Path) {
+    let write = |name: &str, text: &[u8]| fs::write(folder.join(name), text).expect("written");
+    for (log, seed) in [("log.parquet", "1"), ("field.parquet", "2"), ("later.parquet", "3")] {
+        done(folder, &["simulate", log, "--minutes", "1", "--seed", seed, "--at-rest"]);
+    }
+    let fit = ["fit", "log.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
+    done(folder, &[&fit[..], &["-o", "unit.json"]].concat());
+    fs::copy(folder.join("unit.json"), folder.join("refined.json")).expect("copied");
+    done(folder, &["add", "refined.json", "temp_rate", "--from", "field.parquet"]);
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    write("map.toml", b"[columns]\ngx_rads = \"gx_rads\"\n");
+    write("effect.toml", done(folder, &["effects", "--example"]).as_bytes());
+    let stream = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/telemetry_v1.stream");
+    fs::copy(stream, folder.join("device.stream")).expect("copied");
+    fs::create_dir_all(folder.join("cases/one")).expect("made");
+    fs::copy(folder.join("field.parquet"), folder.join("cases/one/field.parquet")).expect("copied");
+    let meta = r#"{"case": "one", "target": "gx_rads", "nominal_rate_hz": 200, "files": {"field": "field"}}"#;
+    write("cases/one/meta.json", meta.as_bytes());
+    fs::create_dir_all(folder.join("line")).expect("made");
+    for log in ["log.parquet", "field.parquet", "later.parquet"] {
+        fs::copy(folder.join(log), folder.join("line").join(log)).expect("copied");
+    }
+    done(folder, &["fleet", "line", "-o", "population.json"]);
+}
+
+fn copy_all(from: &Path, to: &Path) {
+    for entry in fs::read_dir(from).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let copy = to.join(path.file_name().expect("a name"));
+        match path.is_dir() {
+            true => {
+                fs::create_dir_all(&copy).expect("made");
+                copy_all(&path, &copy);
+            }
+            false => drop(fs::copy(&path, &copy).expect("copied")),
+        }
+    }
+}
+
+/// Whether the file at `output` still holds `before` after a command that `ended` so; else what is wrong.
+fn kept(folder: &Path, output: &str, before: &[u8], ended: &Output) -> Result<(), String> {
+    let said = String::from_utf8_lossy(&ended.stderr);
+    let now = fs::read(folder.join(output)).unwrap_or_default();
+    match ended.status.code() {
+        _ if now != before => Err(format!("the input is lost, exit code {:?}", ended.status.code())),
+        Some(1) if said.contains("help: ") && said.contains("another file") => Ok(()),
+        code => Err(format!("exit code {code:?}: {said}")),
+    }
+}
+
+/// The arguments of a subcommand that have one of these roles, by their names in the program.
+fn arguments_of(subcommand: &clap::Command, roles: &[Role]) -> BTreeSet<String> {
+    let of_role = |argument: &&clap::Arg| role_of(argument).is_some_and(|role| roles.contains(&role));
+    subcommand.get_arguments().filter(of_role).map(|argument| argument.get_id().to_string()).collect()
+}
+
+/// A new argument that is a path has to come into the table.
+#[test]
+fn the_table_has_every_input_and_every_output() {
+    let mut outputs = 0;
+    for (name, subcommand) in subcommands() {
+        let read = arguments_of(&subcommand, &[Role::Input]);
+        let written = arguments_of(&subcommand, &[Role::OutputFile, Role::OutputFolder]);
+        outputs += written.len();
+        // a server goes on for ever; what it writes has names of its own (workbench/folders.rs)
+        if name == "serve" || read.is_empty() {
+            assert!(!LINES.iter().any(|line| line.subcommand() == name), "{name}");
+            continue;
+        }
+        for output in &written {
+            let lines = LINES.iter().filter(|line| line.subcommand() == name && line.output == output);
+            let inputs = lines.flat_map(|line| line.inputs).map(|(id, _)| (*id).to_owned());
+            let inputs: BTreeSet<String> = inputs.filter(|id| !id.is_empty()).collect();
+            assert_eq!(inputs, read, "inputs of {name} in the table of its output {output}");
+        }
+        let in_table = LINES.iter().filter(|line| line.subcommand() == name);
+        let in_table: BTreeSet<String> = in_table.map(|line| line.output.to_owned()).collect();
+        assert_eq!(in_table, written, "outputs of {name} in the table");
+    }
+    assert!(outputs >= 18, "{outputs}");
+}
+
+#[test]
+fn no_output_replaces_an_input() {
+    let source = tempfile::tempdir().expect("a folder");
+    prepare(source.path());
+    let mut cases = Vec::new();
+    for line in &LINES {
+        for input in line.inputs {
+            cases.extend(SPELLINGS.map(|spelling| (line, input, spelling)));
+        }
+    }
+    let (next, wrong, tried, of_names) =
+        (Mutex::new(cases.iter()), Mutex::new(Vec::new()), Mutex::new(0), Mutex::new(0));
+    thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let taken = next.lock().expect("whole").next();
+                    let Some((line, (id, file), spelling)) = taken else { break };
+                    let folder = tempfile::tempdir().expect("a folder");
+                    let folder = folder.path();
+                    copy_all(source.path(), folder);
+                    let is_named = line.words.contains(&format!("{{{id}}}"));
+                    let Some(given) = lead(folder, spelling, file, line.at, is_named) else { continue };
+                    let before = fs::read(folder.join(line.at)).expect("there");
+                    let ended = run(folder, &line.arguments((id, &given)));
+                    *tried.lock().expect("whole") += 1;
+                    // what a comparison of names would have let through
+                    *of_names.lock().expect("whole") += usize::from(given != line.at);
+                    if let Err(what) = kept(folder, line.at, &before, &ended) {
+                        let case = format!("{} ({id} {spelling}): {what}", line.words);
+                        wrong.lock().expect("whole").push(case);
+                    }
+                }
+            });
+        }
+    });
+    let (wrong, tried) = (wrong.into_inner().expect("whole"), tried.into_inner().expect("whole"));
+    assert!(wrong.is_empty(), "{} of {tried}:\n{}", wrong.len(), wrong.join("\n"));
+    let of_names = of_names.into_inner().expect("whole");
+    assert!(of_names > tried / 2);
+
+    // another file with the same content is no input
+    let mut replaced = 0;
+    for (words, output) in [
+        ("fit log.parquet --axis gx --max-terms 2 --memory none -o out.json", "out.json"),
+        ("export unit.json --image out.json", "out.json"),
+        ("replay unit.fosm log.parquet -o out.csv", "out.csv"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        copy_all(source.path(), folder.path());
+        fs::copy(folder.path().join("log.parquet"), folder.path().join(output)).expect("copied");
+        done(folder.path(), &words.split(' ').collect::<Vec<_>>());
+        assert_ne!(
+            fs::read(folder.path().join(output)).expect("there"),
+            fs::read(source.path().join("log.parquet")).expect("there")
+        );
+        replaced += 1;
+    }
+
+    // a writer that does not ask is found out
+    let mut found_out = 0;
+    for spelling in SPELLINGS {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        copy_all(source.path(), folder);
+        let given = lead(folder, spelling, "log.parquet", "out.json", true).expect("named");
+        let before = fs::read(folder.join("out.json")).expect("there");
+        let script = format!(
+            "{} fit {given} --axis gx --max-terms 2 --memory none -o new && cat new > out.json",
+            env!("CARGO_BIN_EXE_host-fit")
+        );
+        let ended = Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell");
+        found_out += usize::from(kept(folder, "out.json", &before, &ended).is_err());
+    }
+    assert_eq!(found_out, SPELLINGS.len());
+    println!(
+        "attack: own input | {tried} command lines whose output is what they read ({} subcommands, {} outputs; as it is, by another way, \
+         by a symbolic and by a hard link): all refused with exit code 1, every input unchanged; {replaced} copies that are other files replaced \
+         | negative control: a comparison of names would let {of_names} of {tried} through; a writer that does not ask was found out {found_out} of {} times",
+        LINES.iter().map(Line::subcommand).collect::<BTreeSet<_>>().len(),
+        LINES.iter().map(|line| (line.subcommand(), line.output)).collect::<BTreeSet<_>>().len(),
+        SPELLINGS.len()
+    );
+}
+
+#[test]
+fn two_outputs_are_two_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    prepare(folder);
+    fs::create_dir(folder.join("real")).expect("made");
+    symlink(folder.join("real"), folder.join("linked")).expect("linked");
+    fs::write(folder.join("old"), "old").expect("written");
+    fs::hard_link(folder.join("old"), folder.join("hard")).expect("linked");
+    for (first, second) in
+        [("new", "new"), ("new", "./real/../new"), ("real/new", "linked/new"), ("old", "hard")]
+    {
+        for [one, other] in [["--image", "--rust"], ["--rust", "--c"], ["--image", "--c"]] {
+            let said = fails(folder, 1, &["export", "unit.json", one, first, other, second]);
+            assert!(
+                said.contains(&format!("{one} and {other} are one file")) && said.contains("help: "),
+                "{said}"
+            );
+        }
+        for [one, other] in [["--output", "--device-log"], ["--device-log", "--hub-log"]] {
+            let said = fails(folder, 1, &["replay", "unit.fosm", "log.parquet", one, first, other, second]);
+            assert!(said.contains(&format!("{one} and {other} are one file")), "{said}");
+        }
+    }
+    assert!(!folder.join("new").exists() && !folder.join("real/new").exists(), "nothing was written");
+    assert_eq!(fs::read(folder.join("old")).expect("there"), b"old");
+    let written: Vec<PathBuf> = ["a", "b", "c.h"].map(|name| folder.join(name)).to_vec();
+    done(folder, &["export", "unit.json", "--image", "a", "--rust", "b", "--c", "c.h"]);
+    assert!(written.iter().all(|path| path.exists()));
+}
+
+/// Where files are read apart from the door that notes what was read: none of them reads what a user measured.
+const OTHER_DOORS: [&str; 10] = [
+    "data/src/file/read.rs",             // the door
+    "data/src/file/paths.rs",            // a folder, to bring its names to the disk
+    "data/src/file/replace.rs",          // what it is about to replace, and what killed writers left
+    "data/src/file/compare_and_swap.rs", // whether a study still is what was read
+    "diagnose/src/batch.rs",             // its own answers of before
+    "fleet/src/fleet.rs",                // its own rows of before
+    "src/bench/commands.rs",             // what the commands wrote that it ran
+    "src/calibration/kept.rs",           // its own outcomes of before
+    "src/record/kept.rs",                // whether another recording runs
+    "src/record/end.rs",                 // what the system says of this process
+];
+
+fn opens_a_file(source: &str) -> bool {
+    let program = source.split("\nmod tests {").next().unwrap_or_default();
+    ["File::open(", "fs::read(", "fs::read_to_string(", ".read(true)"]
+        .iter()
+        .any(|call| program.contains(call))
+}
+
+#[test]
+fn files_come_in_through_one_door() {
+    let all = sources(&["src", "data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]);
+    let mut seen = 0;
+    for (name, text) in all.iter().filter(|(name, _)| !name.ends_with("tests.rs")) {
+        assert_eq!(
+            opens_a_file(text),
+            OTHER_DOORS.contains(&name.as_str()),
+            "{name} opens a file: fos_data::file::open notes which"
+        );
+        seen += 1;
+    }
+    assert!(seen > 150, "{seen}");
+    assert!(opens_a_file("let log = File::open(path)?;"));
+}

@@ -1,0 +1,36 @@
+//! Runs the command line in a folder.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn host_fit(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-fit"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("it starts")
+}
+
+/// Runs what must succeed; what it printed.
+pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{arguments:?}\n{out}\n{err}");
+    out.into_owned()
+}
+
+/// Runs what must succeed; what it said beside what it printed.
+pub(crate) fn said(folder: &Path, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    let err = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}\n{err}");
+    err
+}
+
+/// Runs what must fail with exit code `code`; what it said.
+pub(crate) fn fails(folder: &Path, code: i32, arguments: &[&str]) -> String {
+    let output = host_fit(folder, arguments);
+    let out = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {out}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}

@@ -1,0 +1,72 @@
+//! From a file that somebody else's program wrote to a diagnosis of all its axes: one command, no option.
+
+use std::fs;
+
+use crate::session::{done, fails, said};
+use fos_data::recording::KNOWN_FORMATS;
+use fos_testkit::foreign::{
+    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
+};
+use serde_json::Value;
+
+#[test]
+fn every_format_is_diagnosed_by_one_command_without_an_option() {
+    let flight = Flight::new(3000, 5000, 4);
+    let mut files = vec![
+        ("log", "log.csv", flight.csv().into_bytes()),
+        ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
+        ("dataflash", "A.BIN", dataflash(&flight, &[], false)),
+        ("mcap", "a.mcap", mcap(&flight)),
+        ("bag", "a.bag", bag(&flight, Chunks::Some)),
+        ("geneactiv", "wrist.bin", geneactiv(&flight)),
+        ("axivity", "ankle.cwa", axivity(&flight, Axivity::WithGyro)),
+    ];
+    for (id, name, write) in TEXTS {
+        if !files.iter().any(|(known, ..)| known == id) {
+            files.push((id, name, write(&flight)));
+        }
+    }
+    for known in KNOWN_FORMATS {
+        assert!(files.iter().any(|(id, ..)| *id == known.id), "{}: no file of it", known.id);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for (id, name, bytes) in files {
+        fs::write(folder.path().join(name), bytes).expect("written");
+        let said = done(folder.path(), &["diagnose", name, "--json"]);
+        let answers: Value =
+            serde_json::from_str(&said).unwrap_or_else(|error| panic!("{id}: {error}: {said}"));
+        let of = |answer: &Value| answer["target"].as_str().expect("a name").to_owned();
+        let targets: Vec<String> = answers.as_array().expect("one for each axis").iter().map(of).collect();
+        // whole degrees a second round the noise of this gyro away: an axis that stands still is left out
+        let all = &fos_data::column::AXES;
+        let expected = if ["betaflight", "geneactiv"].contains(&id) { &all[..3] } else { &all[..] };
+        assert_eq!(targets, expected, "{id}");
+        for answer in answers.as_array().expect("one for each axis") {
+            assert!(
+                answer["sentence"].as_str().is_some_and(|sentence| !sentence.is_empty()),
+                "{id}: {answer}"
+            );
+        }
+    }
+    let said = done(folder.path(), &["diagnose", "a.ulg"]);
+    assert!(fos_data::column::AXES.iter().all(|axis| said.contains(axis)), "{said}");
+    assert!(said.starts_with("a.ulg: read as PX4 ULog: sensor_accel 0"), "{said}");
+    assert!(said.contains("rows are the samples of "), "{said}");
+}
+
+#[test]
+fn an_axis_that_stands_still_is_left_out_unless_it_is_asked_for() {
+    let mut flight = Flight::new(3000, 5000, 4);
+    flight.rate.iter_mut().for_each(|rate| rate[0] = 0.0);
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");
+    let told = said(folder.path(), &["diagnose", "a.csv", "--json"]);
+    assert!(told.contains("left out: gx_rads repeats one value, 0.0"), "{told}");
+    let refused = fails(folder.path(), 1, &["diagnose", "a.csv", "--axis", "gx"]);
+    assert!(refused.contains("gx_rads repeats one value, 0.0"), "{refused}");
+    flight.rate.iter_mut().for_each(|rate| *rate = [0.0; 3]);
+    flight.acceleration.iter_mut().for_each(|force| *force = [0.0; 3]);
+    fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");
+    let refused = fails(folder.path(), 1, &["diagnose", "a.csv"]);
+    assert!(refused.contains("ax_mps2 repeats one value, 0.0"), "{refused}");
+}

@@ -1,0 +1,103 @@
+//! What a study file must hold, and what it remembers of its logs.
+
+use std::fs;
+use std::path::Path;
+
+use crate::session::{done, fails};
+use fos_diagnose::study::Study;
+use serde_json::{Value, json};
+
+#[test]
+fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("study.json");
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/study_v1.json");
+    let good: Value = serde_json::from_slice(&fs::read(fixture).expect("there")).expect("JSON");
+    let read = |study: &Value| {
+        fs::write(&path, study.to_string()).expect("written");
+        Study::read(&path).map_err(|error| error.to_string())
+    };
+    read(&good).expect("sound");
+    let step = "/growth/0/stairs/1";
+    for (place, value, says) in [
+        ("/model/axes", json!([]), "model: there is no axis"),
+        ("/model/period_s", json!(0), "the sample period"),
+        ("/model/inputs", json!([]), "an input that is not there"),
+        ("/model/axes/0/physical/0/factors", json!([]), "1 to 3 factors"),
+        ("/axes", json!([]), "those of the model"),
+        ("/steps/0/errors", json!([]), "the errors of 0 axes"),
+        ("/data/trained_rows", json!(u32::MAX), "more rows than there are"),
+        ("/data/columns", json!(["gx_rads=gyro:furlong"]), "furlong"),
+        ("/growth/0/column", json!("gy_rads"), "no axis of the model"),
+        ("/growth/0/stairs", json!([]), "there is no step"),
+        ("/growth/0/stairs/0/model/axes", json!([]), "step 0: there is no axis"),
+        (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
+        (&format!("{step}/added"), Value::Null, "each step but the first"),
+        (&format!("{step}/added/effect/id"), json!("Thermal Lag"), "small letters"),
+        (&format!("{step}/added/finding/effect"), json!("bias_ramp"), "what was found is"),
+        (&format!("{step}/added/finding/correction/0/regressor"), json!("temp_c:lowpas(3)"), "lowpas"),
+        (&format!("{step}/added/finding/limits"), json!({ "temp_c": [2, 1] }), "the wrong way round"),
+    ] {
+        let mut study = good.clone();
+        *study.pointer_mut(place).unwrap_or_else(|| panic!("{place}: not there")) = value;
+        let error = read(&study).expect_err(place);
+        assert!(
+            error.contains(says) && error.contains("study.json") && error.contains("help: "),
+            "{place}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_study_remembers_how_its_logs_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "plain.csv", "--minutes", "5", "--seed", "3", "--at-rest"]);
+    let plain = fs::read_to_string(folder.join("plain.csv")).expect("written");
+    // no stamps, and a name that only quotes can say
+    let without_stamps: String =
+        plain.lines().filter_map(|line| line.split_once(',')).fold(String::new(), |mut text, (_, rest)| {
+            text.push_str(&rest.replace("gx_rads", "gyro:x"));
+            text.push('\n');
+            text
+        });
+    fs::write(folder.join("log.csv"), without_stamps).expect("written");
+    fs::write(folder.join("map.toml"), "[columns]\ngx_rads = { column = \"gyro:x\" }\n").expect("written");
+    fs::create_dir(folder.join("below")).expect("made");
+    let fit = [
+        "fit",
+        "log.csv",
+        "--axis",
+        "gx",
+        "--max-terms",
+        "2",
+        "--map-file",
+        "map.toml",
+        "--rate",
+        "200",
+        "--strict",
+    ];
+    done(folder, &[&fit[..], &["-o", "unit.json"]].concat());
+    fs::remove_file(folder.join("map.toml")).expect("it was there");
+
+    assert!(done(folder, &["compare", "unit.json"]).contains("gx_rads"));
+    // the same log by another path, twice
+    done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
+    done(folder, &["undo", "unit.json"]);
+    done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
+    let added = done(folder, &["add", "unit.json", "temp_rate", "--from", "below/../log.csv"]);
+    assert!(added.contains("temp_linear") && added.contains("temp_rate"), "{added}");
+    let study = Study::read(&folder.join("unit.json")).expect("a study");
+    assert_eq!(study.data.read.columns.specs(), ["gx_rads=\"gyro:x\""]);
+    assert_eq!(study.refinements[0].logs.read, study.data.read);
+    assert_eq!((study.data.read.rate_hz, study.data.read.strict), (Some(200.0), false));
+}
+
+#[test]
+fn flags_of_a_log_need_a_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = fails(folder.path(), 1, &["serve", "--strict"]);
+    assert!(said.contains("there is no log") && said.contains("help: "), "{said}");
+    let said = fails(folder.path(), 1, &["serve", "absent/log.csv"]);
+    assert!(said.contains("absent: cannot read it"), "{said}");
+}

@@ -1,0 +1,151 @@
+//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal
+//! is.
+
+use crate::session::{done, fails};
+use crate::sources::sources;
+
+/// The subcommands that the help lists, and those of them.
+fn subcommands() -> Vec<String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let help = done(folder.path(), &["--help"]);
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let listed = listed.take_while(|line| line.starts_with("  "));
+    let names =
+        listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+    let names: Vec<String> = names.filter(|name| *name != "help").map(str::to_owned).collect();
+    assert!(names.len() >= 20, "{names:?}");
+    let all: Vec<String> = host_fit::cli::subcommands().into_iter().map(|(words, _)| words).collect();
+    assert_eq!(
+        all.iter().filter(|words| !words.contains(' ')).collect::<Vec<_>>(),
+        names.iter().collect::<Vec<_>>()
+    );
+    all
+}
+
+#[test]
+fn every_subcommand_has_an_example_and_speaks_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in subcommands() {
+        let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
+        assert!(help.contains("Example: ") && help.contains(&format!("host-fit {name}")), "{name}: {help}");
+        // a script for a shell and a server have nothing to say in JSON
+        let has_none = ["completions", "serve"].contains(&name.as_str());
+        assert_eq!(help.contains("--json"), !has_none, "{name}");
+    }
+    let told = done(folder.path(), &["simulate", "unit.csv", "--minutes", "0.1", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
+    assert_eq!(told[0]["path"], "unit.csv");
+}
+
+#[test]
+fn every_subcommand_has_a_manual_page_and_is_completed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    done(folder.path(), &["man", "pages"]);
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = done(folder.path(), &["completions", shell]);
+        for name in subcommands() {
+            assert!(name.split(' ').all(|word| script.contains(word)), "{shell}: {name}");
+        }
+    }
+    for name in subcommands() {
+        let page = folder.path().join(format!("pages/host-fit-{}.1", name.replace(' ', "-")));
+        let page = std::fs::read_to_string(page).expect("written");
+        assert!(page.contains("Example: host\\-fit"), "{name}: {page}");
+    }
+}
+
+#[test]
+fn nothing_is_coloured_where_no_terminal_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = fails(folder.path(), 1, &["diagnose", "none.csv", "--axis", "gx"]);
+    assert!(said.starts_with("error: none.csv: cannot open it"), "{said:?}");
+    assert!(!said.contains('\u{1b}'), "{said:?}");
+}
+
+/// Words in backticks in the messages of the libraries: an option of the program, which shows it by its flag, or what
+/// stands in a log.
+fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
+    const IN_LOGS: [&str; 4] = ["still", "segment", "ref_…", "t_s"];
+    if !line.contains("help: ") && !line.contains("#[error(") {
+        return Vec::new();
+    }
+    let quoted = line.split('`').skip(1).step_by(2);
+    let is_name = |word: &&str| word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    let unknown = |word: &&str| {
+        is_name(word) && !options.iter().any(|option| option == word) && !IN_LOGS.contains(word)
+    };
+    let mut unknown: Vec<String> = quoted.filter(unknown).map(str::to_owned).collect();
+    // fields of the libraries that are options, outside backticks
+    let bare = options.iter().filter(|option| option.contains('_')).filter(|option| {
+        line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '`' && c != '{' && c != '.')
+            .any(|word| word == option.as_str())
+    });
+    unknown.extend(bare.cloned());
+    if line.contains("(!") && !line.contains("`columns`") {
+        unknown.push("!column".to_owned());
+    }
+    unknown
+}
+
+#[test]
+fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
+    let all = host_fit::cli::subcommands();
+    let arguments = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
+    let mut options: Vec<String> = arguments
+        .filter(|option| option.get_long().is_some())
+        .map(|option| option.get_id().to_string())
+        .collect();
+    options.sort();
+    options.dedup();
+    let mut found = Vec::new();
+    for (path, text) in &sources(&["data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]) {
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        found.extend(
+            code.flat_map(|line| unknown_words(line, &options)).map(|word| format!("{path}: {word}")),
+        );
+    }
+    assert_eq!(found, [""; 0]);
+    // negative control: messages of before
+    for before in [
+        "\"help: or give the sample rate (rate_hz) if there is none\"",
+        "\"help: leave the column out (!t_s)\"",
+        "\"help: a larger `trian`\"",
+    ] {
+        assert_eq!(unknown_words(before, &options).len(), 1, "{before}");
+    }
+    println!(
+        "attack: options in messages | every message of the libraries: an option in it is one of the program's {}, shown by its flag | negative control: 3 messages in words of a library are noticed",
+        options.len(),
+    );
+}
+
+#[test]
+fn a_log_without_times_is_answered_with_flags() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("log.csv"), "gx_rads\n0.1\n0.2\n0.3\n").expect("written");
+    let said = fails(folder.path(), 1, &["diagnose", "log.csv"]);
+    assert!(said.contains("--rate") && said.contains("with --map, as in t_s=time:ms"), "{said}");
+    assert!(!said.contains("rate_hz") && !said.contains('`'), "{said}");
+}
+
+/// The crates under the program are used without it, from a page or from another program: what to do is said in their
+/// own words, options by the names of their fields.
+#[test]
+fn no_library_names_a_flag_or_a_subcommand() {
+    let all = host_fit::cli::subcommands();
+    let flags = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
+    let mut said: Vec<String> =
+        flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
+    said.extend(all.iter().map(|(words, _)| format!("host-fit {words}")));
+    let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
+    assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
+
+    let libraries = sources(&["data/src", "fit/src", "simulate/src", "diagnose/src"]);
+    assert!(libraries.len() > 100, "{}", libraries.len());
+    let mut found = Vec::new();
+    for (path, text) in &libraries {
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        found.extend(code.filter_map(named).map(|said| format!("{path}: {said}")));
+    }
+    assert_eq!(found, [""; 0]);
+}

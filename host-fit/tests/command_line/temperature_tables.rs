@@ -1,0 +1,380 @@
+//! Temperature tables for autopilots: a log corrected by the written file, with the autopilot's own formula, keeps the error
+//! that was told.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::session::{done, fails, said};
+
+const RATE_HZ: usize = 20;
+const ROWS: usize = 20 * 1200;
+
+/// Twenty minutes at rest while the temperature goes through `turns` of a cycle of ±`swing` K about 30 °C: cubics, and in
+/// gyro y more than a cubic. Rows are time, six axes, temperature.
+fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
+    let mut state = seed;
+    let mut noise = || {
+        // the sum of four even ones is nearly normal
+        (0..4).fold(-2.0, |sum, _| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            sum + f64::from(state >> 8) / f64::from(1 << 24)
+        })
+    };
+    let row = |n: usize| {
+        let t = n as f64 / RATE_HZ as f64;
+        let celsius = 30.0 - swing * (TAU * turns * n as f64 / ROWS as f64).cos();
+        let d = celsius - 28.0;
+        let cubic = |c: [f64; 4]| c[0] + d * (c[1] + d * (c[2] + d * c[3]));
+        let mut cells = [
+            t,
+            cubic([0.05, 2e-3, 0.0, 1e-6]),
+            cubic([-0.1, -1e-3, 2e-5, 0.0]),
+            cubic([9.8, 3e-3, 0.0, 0.0]),
+            cubic([0.01, 2e-4, 3e-6, 1e-7]),
+            cubic([-0.004, -1e-4, 1e-6, 0.0]) + 2e-3 * (d / 3.0).sin(),
+            cubic([0.002, 5e-5, 0.0, -5e-8]),
+            celsius,
+        ];
+        cells[1..4].iter_mut().for_each(|value| *value += 0.01 * noise());
+        cells[4..7].iter_mut().for_each(|value| *value += 0.001 * noise());
+        cells
+    };
+    (0..ROWS).map(row).collect()
+}
+
+const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+fn write(path: &Path, rows: &[[f64; 8]]) {
+    let mut text = format!("t_s,{},temp_c,still\n", COLUMNS.join(","));
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+        writeln!(text, "{},1", cells.join(",")).expect("a string");
+    }
+    std::fs::write(path, text).expect("written");
+}
+
+/// A study of a log that warms and cools by 18 K, and another log of the unit that goes a little further.
+fn study(folder: &Path) -> Vec<[f64; 8]> {
+    write(&folder.join("warm.csv"), &rows(1.5, 18.0, 1));
+    let later = rows(1.3, 20.0, 2);
+    write(&folder.join("later.csv"), &later);
+    done(folder, &["fit", "warm.csv", "--axis", "gx,gy", "--physical", "temp_c", "-o", "unit.json"]);
+    later
+}
+
+/// Root mean square of 1-s means less their mean.
+fn left(rows: &[[f64; 8]], column: usize, correction: impl Fn(f64) -> f64) -> f64 {
+    let corrected: Vec<f64> = rows.iter().map(|row| row[column + 1] - correction(row[7])).collect();
+    let means: Vec<f64> =
+        corrected.chunks_exact(RATE_HZ).map(|s| s.iter().sum::<f64>() / RATE_HZ as f64).collect();
+    let mean = means.iter().sum::<f64>() / means.len() as f64;
+    (means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / means.len() as f64).sqrt()
+}
+
+/// As `src/modules/temperature_compensation/TemperatureCompensation.cpp` of PX4-Autopilot, `calc_thermal_offsets_3D`: the
+/// difference to TREF clipped, X0 to X3 in its powers; what comes out is subtracted from the sensor.
+fn px4(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
+    let (sensor, axis) = (["A0", "G0"][column / 3], column % 3);
+    let of = |name: &str| parameters[&format!("TC_{sensor}_{name}")];
+    let d = celsius.min(of("TMAX")).max(of("TMIN")) - of("TREF");
+    (0..4).map(|power| of(&format!("X{power}_{axis}")) * d.powi(power)).sum()
+}
+
+/// As `libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp` of ardupilot, `correct_sensor` and `polynomial_eval`:
+/// three orders about 35 °C, times 10⁻⁶, less the same at the temperature of the calibration.
+fn ardupilot(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
+    let (sensor, axis) = (["ACC", "GYR"][column / 3], ["X", "Y", "Z"][column % 3]);
+    let of = |name: &str| parameters[&format!("INS_TCAL1_{name}")];
+    let polynomial = |celsius: f64| -> f64 {
+        let d = celsius.min(of("TMAX")).max(of("TMIN")) - 35.0;
+        (1..4).map(|order| 1e-6 * of(&format!("{sensor}{order}_{axis}")) * d.powi(order)).sum()
+    };
+    polynomial(celsius) - polynomial(21.5)
+}
+
+/// Lines of five columns as QGroundControl reads them, or of a name and a value.
+fn parameters(text: &str) -> BTreeMap<String, f64> {
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(['\t', ' ']).collect();
+            let (name, value) = match cells[..] {
+                ["1", "1", name, value, kind] => {
+                    assert_eq!(kind == "6", name.ends_with("ENABLE") || name.ends_with("ID"), "{line}");
+                    (name, value)
+                }
+                [name, value] => (name, value),
+                _ => panic!("{line}"),
+            };
+            assert!(name.len() <= 16, "{name}: longer than a MAVLink parameter may be");
+            (name.to_owned(), value.parse().expect(line))
+        })
+        .collect()
+}
+
+#[test]
+fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let later = study(folder);
+    let export =
+        ["export", "unit.json", "--px4", "u.params", "--device-id", "77,88", "--ardupilot", "u.parm"];
+    let rest = ["--instance", "0", "--judge", "later.csv", "--json"];
+    let told = done(folder, &[&export[..], &rest].concat());
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
+    let told = &told["temperature"];
+    assert_eq!(told["corrected_by"], serde_json::json!(["PX4", "ArduPilot"]));
+    let read = |name: &str| parameters(&std::fs::read_to_string(folder.join(name)).expect("written"));
+    let (for_px4, for_ardupilot) = (read("u.params"), read("u.parm"));
+    assert_eq!((for_px4["TC_A0_ID"], for_px4["TC_G0_ID"]), (77.0, 88.0));
+    assert_eq!((for_px4["TC_G_ENABLE"], for_ardupilot["INS_TCAL1_ENABLE"]), (1.0, 1.0));
+    assert!(for_ardupilot["INS_TCAL1_TMAX"] >= for_ardupilot["INS_TCAL1_TMIN"] + 10.0);
+    for (column, name) in COLUMNS.iter().enumerate() {
+        let axis = &told["axes"][column];
+        assert_eq!(axis["column"], *name);
+        // offsets are single: 6e-8 of up to 0.1 m/s² or 0.02 rad/s, against errors of 1e-3 and 1e-4
+        let same = |told: &serde_json::Value, found: f64| {
+            let told = told.as_f64().expect("a number");
+            assert!((told / found - 1.0).abs() < 1e-4, "{name}: {told} told, {found} found");
+        };
+        same(&axis["nothing"], left(&later, column, |_| 0.0));
+        same(&axis["corrected"][0], left(&later, column, |celsius| px4(&for_px4, column, celsius)));
+        same(
+            &axis["corrected"][1],
+            left(&later, column, |celsius| ardupilot(&for_ardupilot, column, celsius)),
+        );
+        assert_eq!(axis["study"].is_null(), !["gx_rads", "gy_rads"].contains(name));
+        let (nothing, corrected) =
+            (axis["nothing"].as_f64().unwrap(), axis["corrected"][0].as_f64().unwrap());
+        assert!(corrected < 0.8 * nothing, "{name}: {corrected} of {nothing}");
+    }
+    // what is a cubic is taken out down to the noise, 0.001·0.577/√20 and what the clipped ends leave
+    assert!(told["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{told}");
+}
+
+#[test]
+fn who_has_no_device_id_is_told_that_px4_ignores_the_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    study(folder);
+    let warned = said(folder, &["export", "unit.json", "--instance", "0", "--px4", "u.params"]);
+    assert!(warned.contains("PX4 ignores these tables") && warned.contains("--device-id"), "{warned}");
+    let told = done(folder, &["export", "unit.json", "--instance", "0", "--ardupilot", "u.parm"]);
+    for part in ["nothing corrected", "ArduPilot's cubic", "the study", "warm.csv that were not fitted"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
+#[test]
+fn a_log_without_warmth_or_thermometer_is_refused_with_what_to_record() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    write(&folder.join("steady.csv"), &rows(1.5, 4.0, 3));
+    done(folder, &["fit", "steady.csv", "--axis", "gx", "-o", "steady.json"]);
+    let export = ["export", "steady.json", "--instance", "0", "--ardupilot", "u.parm", "--image", "u.fosm"];
+    let narrow = fails(folder, 1, &export);
+    assert!(
+        narrow.contains("the temperature goes from 26.0") && narrow.contains("help: cool the unit"),
+        "{narrow}"
+    );
+    assert!(!folder.join("u.parm").exists() && !folder.join("u.fosm").exists());
+
+    let text = std::fs::read_to_string(folder.join("steady.csv")).expect("written");
+    std::fs::write(folder.join("blind.csv"), text.replacen("temp_c", "other", 1)).expect("written");
+    done(folder, &["fit", "blind.csv", "--axis", "gx", "-o", "blind.json"]);
+    let blind = fails(folder, 1, &["export", "blind.json", "--instance", "0", "--px4", "u.params"]);
+    assert!(blind.contains("blind.csv: it has no temperature") && blind.contains("help: log"), "{blind}");
+}
+
+/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, the other way.
+fn two_imus() -> Vec<u8> {
+    let mut log = Vec::new();
+    let padded = |text: &str, length: usize| {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize(length, 0);
+        bytes
+    };
+    for (kind, length, name, format, labels) in [
+        (128_u8, 89_u8, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns"),
+        (32, 3 + 8 + 16 + 4, "PARM", "QNf", "TimeUS,Name,Value"),
+        (162, 3 + 8 + 1 + 7 * 4, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T"),
+    ] {
+        log.extend([0xa3, 0x95, 128, kind, length]);
+        for (text, length) in [(name, 4), (format, 16), (labels, 64)] {
+            log.extend(padded(text, length));
+        }
+    }
+    log.extend([0xa3, 0x95, 32]);
+    log.extend(1000_u64.to_le_bytes());
+    log.extend(padded("AHRS_ORIENTATION", 16));
+    log.extend(0.0_f32.to_le_bytes());
+    for row in rows(0.5, 12.0, 4) {
+        let us = (row[0] * 1e6).round() as u64 + 1_000_000;
+        for (instance, factor) in [(0_u8, 1.0), (1, -3.0)] {
+            let gyro = [row[4], row[5], row[6]].map(|value| value * factor);
+            let force = [row[1] * 1e-2, row[2] * 1e-2, row[3]];
+            log.extend([0xa3, 0x95, 162]);
+            log.extend(us.to_le_bytes());
+            log.push(instance);
+            for value in gyro.into_iter().chain(force).chain([row[7]]) {
+                log.extend((value as f32).to_le_bytes());
+            }
+        }
+    }
+    log
+}
+
+#[test]
+fn the_table_of_an_imu_is_written_for_that_imu() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("two.bin"), two_imus()).expect("written");
+    let mut slopes = Vec::new();
+    for (topic, group) in [("0", "INS_TCAL1"), ("1", "INS_TCAL2")] {
+        let fit =
+            ["fit", "two.bin", "--topic", topic, "--axis", "gx", "--physical", "temp_c", "-o", "unit.json"];
+        done(folder, &fit);
+        done(folder, &["export", "unit.json", "--ardupilot", "u.parm"]);
+        let written = parameters(&std::fs::read_to_string(folder.join("u.parm")).expect("written"));
+        assert!(written.keys().all(|name| name.starts_with(group)), "{topic}: {written:?}");
+        slopes.push(written[&format!("{group}_GYR1_X")]);
+        // negative control: another IMU is stated
+        let other = if topic == "0" { "1" } else { "0" };
+        let refused =
+            fails(folder, 1, &["export", "unit.json", "--instance", other, "--ardupilot", "other.parm"]);
+        assert!(refused.contains(&format!("it is of IMU {topic}, and IMU {other} was stated")), "{refused}");
+        // numbers of ArduPilot's IMUs are not those of PX4's
+        let refused = fails(folder, 1, &["export", "unit.json", "--px4", "other.params"]);
+        assert!(refused.contains("which of its IMUs the log is of is not known"), "{refused}");
+        assert!(!folder.join("other.parm").exists() && !folder.join("other.params").exists());
+    }
+    // the second gyro of this log has -3 times the values of the first
+    assert!((slopes[1] / slopes[0] + 3.0).abs() < 0.05, "{slopes:?}");
+}
+
+#[test]
+fn a_table_needs_a_sensor_that_the_autopilot_has() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    study(folder);
+    let unknown = fails(folder, 1, &["export", "unit.json", "--ardupilot", "u.parm"]);
+    assert!(unknown.contains("help: state it with --instance"), "{unknown}");
+    for (option, last) in [("--px4", "3"), ("--ardupilot", "4")] {
+        done(folder, &["export", "unit.json", "--instance", last, option, "u.txt"]);
+        let names = parameters(&std::fs::read_to_string(folder.join("u.txt")).expect("written"));
+        let group = if option == "--px4" { "TC_G3_TMIN" } else { "INS5_TCAL_TMIN" };
+        assert!(names.contains_key(group), "{names:?}");
+        let beyond = fails(folder, 1, &["export", "unit.json", "--instance", "5", option, "u.txt"]);
+        assert!(beyond.contains(&format!("it has tables for 0 to {last} only")), "{beyond}");
+    }
+}
+
+/// A log of PX4 with the integrated topic alone, at 25 Hz for 20 minutes while the temperature rises by 24 K.
+fn px4_log(is_combined: bool) -> Vec<u8> {
+    let mut log = b"ULog\x01\x12\x35\x01".to_vec();
+    log.extend(1_000_000_u64.to_le_bytes());
+    let mut message = |kind: u8, parts: &[&[u8]]| {
+        let length: usize = parts.iter().map(|part| part.len()).sum();
+        log.extend((length as u16).to_le_bytes());
+        log.push(kind);
+        parts.iter().for_each(|part| log.extend(*part));
+    };
+    message(b'B', &[&[0; 40]]);
+    let raw = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;";
+    for name in ["sensor_accel", "sensor_gyro"] {
+        message(b'F', &[name.as_bytes(), b":", raw.as_bytes()]);
+    }
+    message(b'F', &[b"sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;float[3] accelerometer_m_s2;uint32_t accelerometer_integral_dt;"]);
+    // of the raw topics the second instance
+    for (id, instance, name) in [
+        (0_u16, 1_u8, "sensor_accel"),
+        (1, 1, "sensor_gyro"),
+        (2, 0, "sensor_combined"),
+        (3, 0, "sensor_accel"),
+    ] {
+        message(b'A', &[&[instance], &id.to_le_bytes(), name.as_bytes()]);
+    }
+    for (n, row) in rows(0.5, 12.0, 5).into_iter().enumerate() {
+        // a little faster than the slowest topic that is read
+        let us = 1_000_000 + 40_000 * n as u64;
+        let bytes = |values: &[f64]| -> Vec<u8> {
+            values.iter().flat_map(|value| (*value as f32).to_le_bytes()).collect()
+        };
+        let (force, rate) = (bytes(&[row[1] * 1e-2, row[2] * 1e-2, -row[3]]), bytes(&row[4..7]));
+        let (stamp, warmth) = (us.to_le_bytes(), bytes(&row[7..8]));
+        if is_combined {
+            let dt = 40_000_u32.to_le_bytes();
+            message(b'D', &[&2_u16.to_le_bytes(), &stamp, &rate, &dt, &0_i32.to_le_bytes(), &force, &dt]);
+            if n % 25 == 0 {
+                let id = 111_u32.to_le_bytes();
+                message(b'D', &[&3_u16.to_le_bytes(), &stamp, &stamp, &id, &force, &warmth]);
+            }
+        } else {
+            for (topic, id, values) in [(0_u16, 333_u32, &force), (1, 444, &rate)] {
+                message(b'D', &[&topic.to_le_bytes(), &stamp, &stamp, &id.to_le_bytes(), values, &warmth]);
+            }
+        }
+    }
+    log
+}
+
+#[test]
+fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("combined.ulg"), px4_log(true)).expect("written");
+    std::fs::write(folder.join("raw.ulg"), px4_log(false)).expect("written");
+    let fit = |log: &str, topic: &str| {
+        let fit = ["fit", log, "--topic", topic, "--axis", "gx", "--physical", "temp_c", "-o", "unit.json"];
+        done(folder, &fit);
+        done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+        let image = done(folder, &["inspect", "unit.fosm", "--json"]);
+        serde_json::from_str::<serde_json::Value>(&image).expect("JSON")
+    };
+    let image = fit("combined.ulg", "0");
+    assert_eq!(image["fitted_on"], "FactoryCorrected", "{image}");
+    let told = image["provenance"].as_str().expect("a text");
+    assert!(told.contains("corrected by PX4"), "{told}");
+    let refused = fails(
+        folder,
+        1,
+        &["export", "unit.json", "--px4", "u.params", "--device-id", "111,222", "--instance", "0"],
+    );
+    assert!(
+        refused.contains("corrected before they were logged, by PX4")
+            && refused.contains("help: record sensor_accel"),
+        "{refused}"
+    );
+    assert!(!folder.join("u.params").exists());
+    // negative control: a study that says otherwise than its log was not written by this program
+    let study = std::fs::read_to_string(folder.join("unit.json")).expect("written");
+    let doctored = study.replacen("\"fitted_on\": \"FactoryCorrected\"", "\"fitted_on\": \"Raw\"", 2);
+    std::fs::write(folder.join("doctored.json"), &doctored).expect("written");
+    assert_ne!(doctored, study);
+    let refused = fails(folder, 1, &["export", "doctored.json", "--image", "other.fosm"]);
+    assert!(refused.contains("was corrected by PX4"), "{refused}");
+
+    // and one whose provenance was cut, as of an earlier version, is read and warned of
+    let mut cut: serde_json::Value = serde_json::from_str(&doctored).expect("JSON");
+    let source = cut["data"]["sources"][0]["read_as"].as_object_mut().expect("another format");
+    assert!(source.remove("provenance").is_some());
+    std::fs::write(folder.join("cut.json"), cut.to_string()).expect("written");
+    let warned = said(folder, &["export", "cut.json", "--image", "cut.fosm"]);
+    assert!(warned.contains("help: fit the log again"), "{warned}");
+    let refused = fails(folder, 1, &["export", "cut.json", "--instance", "0", "--px4", "u.params"]);
+    assert!(refused.contains("corrected before they were logged"), "{refused}");
+
+    // the second IMU, raw: its number and its device_id come from the log
+    let image = fit("raw.ulg", "1");
+    assert_eq!(image["fitted_on"], "Raw", "{image}");
+    assert!(image["provenance"].as_str().expect("a text").contains("IMU 1, device_id 333, raw"), "{image}");
+    done(folder, &["export", "unit.json", "--px4", "u.params"]);
+    let written = parameters(&std::fs::read_to_string(folder.join("u.params")).expect("written"));
+    assert_eq!((written["TC_A1_ID"], written["TC_G1_ID"]), (333.0, 444.0));
+    assert!(written.keys().all(|name| name.ends_with("_ENABLE") || name.contains('1')), "{written:?}");
+    let refused =
+        fails(folder, 1, &["export", "unit.json", "--px4", "other.params", "--device-id", "111,222"]);
+    assert!(refused.contains("it is of device_id 333, and device_id 111 was stated"), "{refused}");
+}

@@ -1,0 +1,55 @@
+//! A file of another version is refused by name: the file, its version, and what this program reads.
+
+use std::fs;
+use std::path::Path;
+
+use crate::session::{done, fails};
+use fos_embedded::telemetry::{Borrowed, Frame, HUB_AXES, StartFrame, encode};
+
+fn fixture(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures").join(name);
+    fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn refused(folder: &Path, arguments: &[&str], words: [&str; 3]) {
+    let said = fails(folder, 1, arguments);
+    for word in words {
+        assert!(said.contains(word), "{arguments:?}: {word:?} is not in: {said}");
+    }
+}
+
+#[test]
+fn a_file_of_another_version_is_refused_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).expect("written");
+
+    for version in [1, 2] {
+        write("read.fosm", &fixture(&format!("model_v{version}.fosm")));
+        let said = done(folder, &["inspect", "read.fosm"]);
+        assert!(
+            said.contains(&format!("format version {version}")),
+            "what is refused is the version: {said}"
+        );
+    }
+    let mut image = fixture("model_v2.fosm");
+    image[4] = 3;
+    write("later.fosm", &image);
+    refused(folder, &["inspect", "later.fosm"], ["later.fosm", "version 3", "reads version 2"]);
+    refused(folder, &["replay", "later.fosm", "no.csv"], ["later.fosm", "version 3", "reads version 2"]);
+    // one of the first version that was damaged is no image of the second
+    let mut image = fixture("model_v1.fosm");
+    image[40] ^= 1;
+    write("damaged.fosm", &image);
+    refused(folder, &["inspect", "damaged.fosm"], ["damaged.fosm", "damaged", "checksum"]);
+
+    write("later.json", br#"{ "schema": "fos-study/2" }"#);
+    refused(folder, &["compare", "later.json"], ["later.json", "fos-study/2", r#"reads "fos-study/1""#]);
+
+    let start = StartFrame { version: 2, period_s: 0.005, axes: HUB_AXES, quantities: "" };
+    let start: Borrowed<'_> = Frame::Start(start);
+    write("later.stream", encode(&start, &mut [0; 128]).expect("room"));
+    let record = ["record", "later.stream", "-o", "log.csv"];
+    refused(folder, &record, ["later.stream", "version 2", "reads version 1"]);
+    assert!(!folder.join("log.csv").exists(), "nothing is written of it");
+}

@@ -1,0 +1,432 @@
+//! Every format that is stored or sent: its version today, and what a file of it comes to.
+
+use std::fmt::Write;
+use std::fs;
+use std::io::BufReader;
+use std::path::Path;
+
+use fos_core::Image;
+use fos_data::case::{self, CaseMeta};
+use fos_diagnose::study::{self, Study};
+use fos_embedded::hub::{Hub, HubError};
+use fos_embedded::telemetry;
+use fos_embedded::test_log::{
+    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
+};
+use fos_fit::evaluate::ModelErrors;
+use fos_fit::export::current;
+use host_fit::record::record;
+
+use super::digest::Digest;
+use super::flash::{Flash, images, images_of_version_1, store};
+use super::{folder, kinds, make};
+
+/// Makes of a file one that says it is of that version.
+pub(crate) type AsVersion = fn(&[u8], u32) -> Vec<u8>;
+
+/// A format of files or streams.
+pub(crate) struct Format {
+    /// As in a sentence.
+    pub(crate) title: &'static str,
+    /// Names of its fixtures: NAME_vVERSION.EXTENSION.
+    pub(crate) name: &'static str,
+    pub(crate) extension: &'static str,
+    /// That is written today.
+    pub(crate) version: u32,
+    /// What a file comes to, to the last bit, in words of its own that no later version changes; or why it is refused.
+    pub(crate) outputs: fn(&[u8]) -> Result<String, String>,
+    /// The same file as if it were of another version; none where there is no number to refuse.
+    pub(crate) as_version: Option<AsVersion>,
+    /// Places of the bytes that must not change unnoticed.
+    pub(crate) payload: fn(&[u8]) -> Vec<usize>,
+    /// A new file, from our own simulator.
+    pub(crate) make: fn() -> Vec<u8>,
+}
+
+/// In the order in which they are made: one may be made of those before it.
+pub(crate) const FORMATS: &[Format] = &[
+    Format {
+        title: "model image",
+        name: "model",
+        extension: "fosm",
+        version: fos_core::image::VERSION as u32,
+        outputs: of_image,
+        as_version: Some(with_version_in_header),
+        payload: every_byte,
+        make: make::image,
+    },
+    Format {
+        title: "model image, every kind of input",
+        name: "kinds",
+        extension: "fosm",
+        version: fos_core::image::VERSION as u32,
+        outputs: kinds::outputs,
+        as_version: Some(with_version_in_header),
+        payload: every_byte,
+        make: kinds::image,
+    },
+    Format {
+        title: "hub log",
+        name: "hub_log",
+        extension: "fosh",
+        version: HubLogHeader::VERSION as u32,
+        outputs: of_hub_log,
+        as_version: Some(with_version_in_header),
+        payload: all_but_absent_temperatures,
+        make: make::hub_log,
+    },
+    Format {
+        title: "log for replay",
+        name: "replay_log",
+        extension: "fosr",
+        version: PredictorLogHeader::VERSION as u32,
+        outputs: of_replay_log,
+        as_version: Some(with_version_in_header),
+        payload: all_but_absent_values,
+        make: make::replay_log,
+    },
+    Format {
+        title: "store of images in flash",
+        name: "flash",
+        extension: "bin",
+        // it has no number of its own: sequential-storage's layout, four bytes before the image, and the version of that
+        version: fos_core::image::VERSION as u32,
+        outputs: of_flash,
+        as_version: None,
+        payload: images_in_flash,
+        make: make::flash,
+    },
+    Format {
+        title: "telemetry",
+        name: "telemetry",
+        extension: "stream",
+        version: telemetry::VERSION as u32,
+        outputs: of_telemetry,
+        as_version: Some(make::telemetry_as_version),
+        payload: all_but_the_last,
+        make: make::telemetry,
+    },
+    Format {
+        title: "study",
+        name: "study",
+        extension: "json",
+        version: number_of(study::SCHEMA),
+        outputs: of_study,
+        as_version: Some(with_version_in_schema),
+        payload: digits_of_results,
+        make: make::study,
+    },
+    Format {
+        title: "description of a case",
+        name: "case",
+        extension: "json",
+        version: number_of(case::SCHEMA),
+        outputs: of_case,
+        as_version: Some(with_version_in_schema),
+        payload: digits_of_results,
+        make: make::case,
+    },
+];
+
+/// The number behind the `/` of a schema.
+const fn number_of(schema: &str) -> u32 {
+    let bytes = schema.as_bytes();
+    let (mut number, mut place, mut behind) = (0, 0, false);
+    while place < bytes.len() {
+        if behind {
+            number = 10 * number + (bytes[place] - b'0') as u32;
+        }
+        behind |= bytes[place] == b'/';
+        place += 1;
+    }
+    number
+}
+
+// ---- what a file comes to ----
+
+/// The hub of a device.
+type Device = Hub<16, 128, 256>;
+
+/// What `load` makes of a hub says of the samples of the oldest hub log, as `fos_embedded`'s firmware prints it.
+fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result<String, String> {
+    let log = fs::read(folder().join("hub_log_v1.fosh")).map_err(|error| error.to_string())?;
+    let header = HubLogHeader::decode(&log).map_err(|error| error.to_string())?;
+    let mut hub = Device::new(header.scales);
+    load(&mut hub).map_err(|error| error.to_string())?;
+    let mut given = vec![0.0; usize::from(header.n_given)];
+    let mut digest = HubDigest::default();
+    let records = log[HubLogHeader::LENGTH..].chunks(header.record_length());
+    let n_records = records.len();
+    for bytes in records {
+        let record = HubLogRecord::decode(bytes, &mut given).map_err(|error| error.to_string())?;
+        digest.update(record.step(&mut hub));
+    }
+    Ok(format!("samples {n_records}\noutputs {:016x}\n", digest.outputs()))
+}
+
+pub(crate) fn of_image(bytes: &[u8]) -> Result<String, String> {
+    let today = current(bytes).map_err(|error| error.to_string())?;
+    let image = Image::parse(&today).map_err(|error| error.to_string())?;
+    let info = image.info();
+    let lines = |text: &str| text.lines().collect::<Vec<_>>().join(", ");
+    let (quantities, effects) = (lines(info.quantities), lines(info.effects));
+    let corrections = corrections(|hub| hub.load(&today))?;
+    Ok(format!("{corrections}sensor {}\nquantities {quantities}\neffects {effects}\n", info.sensor))
+}
+
+fn of_flash(bytes: &[u8]) -> Result<String, String> {
+    let mut outputs = String::new();
+    let mut held = images(&mut store(Flash(bytes.to_vec())))?;
+    if held == [None, None] {
+        // a device of today passes them over
+        held = images_of_version_1(bytes);
+    }
+    for (name, image) in ["newest", "previous"].into_iter().zip(held) {
+        let said = match image {
+            Some(image) => {
+                let today = current(&image).map_err(|error| error.to_string())?;
+                corrections(|hub| hub.load(&today))?
+            }
+            None => "none\n".to_owned(),
+        };
+        let _ = write!(outputs, "{name}\n{said}");
+    }
+    Ok(outputs)
+}
+
+fn of_telemetry(bytes: &[u8]) -> Result<String, String> {
+    let recorded = record(BufReader::new(bytes)).map_err(|error| error.to_string())?;
+    let report = recorded.report;
+    let mut outputs = format!(
+        "samples {} lost {} damaged {} unknown {} restarts {}\n",
+        report.samples, report.lost, report.damaged, report.unknown, report.restarts
+    );
+    for (name, values) in recorded.columns {
+        let mut digest = Digest::new();
+        digest.numbers(values);
+        let _ = writeln!(outputs, "{name} {digest}");
+    }
+    Ok(outputs)
+}
+
+fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
+    let header = HubLogHeader::decode(bytes).map_err(|error| error.to_string())?;
+    let mut digest = Digest::new();
+    let scales = header.scales;
+    digest.numbers([scales.accel_mps2, scales.gyro_rads, scales.temperature_k, scales.temperature_zero_c]);
+    digest.number(scales.period_s);
+    digest.bytes(format!("{:?}", scales.values).as_bytes());
+    let mut given = vec![0.0; usize::from(header.n_given)];
+    let mut records = 0;
+    for bytes in bytes[HubLogHeader::LENGTH..].chunks(header.record_length()) {
+        let record = HubLogRecord::decode(bytes, &mut given).map_err(|error| error.to_string())?;
+        let raw = record.raw;
+        digest.number(f64::from(raw.skipped));
+        digest.numbers(raw.accel.into_iter().chain(raw.gyro));
+        digest.number(raw.temperature.map_or(f64::NAN, f64::from));
+        digest.number(f64::from(raw.faults.bits()));
+        digest.bytes(format!("{:?}", record.motion).as_bytes());
+        digest.bytes(&record.clock_us.to_le_bytes());
+        digest.numbers(record.given.iter().copied());
+        records += 1;
+    }
+    Ok(format!("records {records}\ncontent {digest}\n"))
+}
+
+/// Through the axes of the oldest image.
+fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
+    let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
+    let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
+    let model = current(&model).map_err(|error| error.to_string())?;
+    let image = Image::parse(&model).map_err(|error| error.to_string())?;
+    let mut predictor = image.predictor::<f32, 6, 16, 128, 256>().map_err(|error| error.to_string())?;
+    let n_quantities = image.quantities().count() as u8;
+    header
+        .check(PredictorLogHeader { n_axes: predictor.n_axes() as u8, n_quantities })
+        .map_err(|error| error.to_string())?;
+    let (mut measured, mut quantities) =
+        (vec![0.0; header.n_axes.into()], vec![0.0; header.n_quantities.into()]);
+    let (mut said, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
+    for bytes in bytes[PredictorLogHeader::LENGTH..].chunks(header.record_length()) {
+        let record = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities)
+            .map_err(|error| error.to_string())?;
+        content.number(f64::from(record.skipped));
+        content.bytes(format!("{:?}", record.motion).as_bytes());
+        content.numbers(record.measured.iter().chain(record.quantities).copied());
+        said.update(record.step(&mut predictor));
+        records += 1;
+    }
+    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", said.corrections()))
+}
+
+/// A file of this content, for what reads files; in a folder that the second part keeps.
+fn as_file(name: &str, bytes: &[u8]) -> Result<(std::path::PathBuf, tempfile::TempDir), String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).map_err(|error| error.to_string())?;
+    Ok((path, folder))
+}
+
+fn errors(outputs: &mut String, step: &str, column: &str, errors: &ModelErrors) {
+    let coast: Vec<f64> = errors.coast.iter().map(|at| at.mse).collect();
+    let _ = writeln!(
+        outputs,
+        "{step}, {column}: one_step_mse {:?}, coast mse {coast:?}, slow_error_coast {:?}",
+        errors.one_step_mse, errors.slow_error_coast
+    );
+}
+
+fn of_study(bytes: &[u8]) -> Result<String, String> {
+    let (path, _folder) = as_file("study.json", bytes)?;
+    let study = Study::read(&path).map_err(|error| error.to_string())?;
+    let mut outputs = corrections(|hub| study.model.with::<f32, _>(|model| hub.load_model(model)))?;
+    for axis in &study.model.axes {
+        for term in axis.physical.iter().chain(&axis.stochastic) {
+            let _ = writeln!(outputs, "{}: coefficient {:?}", axis.column, term.coefficient);
+        }
+    }
+    for step in &study.steps {
+        for (axis, left) in study.axes.iter().zip(&step.errors) {
+            errors(&mut outputs, &step.name, &axis.column, left);
+        }
+    }
+    for growth in &study.refinements {
+        for stair in &growth.steps {
+            let added = stair.added.as_ref();
+            let name = added.map_or("before", |added| &added.finding.effect);
+            errors(&mut outputs, name, &growth.column, &stair.errors);
+            for term in stair.model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic))
+            {
+                let _ = writeln!(outputs, "{name}: coefficient {:?}", term.coefficient);
+            }
+            if let Some(added) = added {
+                let _ = writeln!(outputs, "{name}: measured reduction {:?}", added.measured_reduction);
+                for part in &added.finding.correction {
+                    let _ = writeln!(outputs, "{name}: {} times {:?}", part.regressor, part.coefficient);
+                }
+            }
+        }
+    }
+    let _ = writeln!(outputs, "{}", study.provenance());
+    Ok(outputs)
+}
+
+fn of_case(bytes: &[u8]) -> Result<String, String> {
+    let (path, _folder) = as_file("meta.json", bytes)?;
+    let meta = CaseMeta::read(path.parent().unwrap_or(Path::new("."))).map_err(|error| error.to_string())?;
+    let mut outputs = format!("{}, target {}, {:?} Hz\n", meta.case, meta.target, meta.nominal_rate_hz);
+    // the target decides which numbers are asked for
+    for target in ["ax_mps2", "gx_rads"] {
+        let meta = CaseMeta { target: target.to_owned(), ..meta.clone() };
+        let sheet = meta.data_sheet().map(|sheet| (sheet.noise_density, sheet.bias_instability));
+        let _ = writeln!(outputs, "{target}: {:?} {:?} {sheet:?}", meta.full_scale(), meta.lsb());
+    }
+    let sheet = &meta.datasheet;
+    let _ = writeln!(outputs, "{:?} {:?}", sheet.gyro_tco_dps_per_k, sheet.accel_tco_mg_per_k);
+    let _ = writeln!(outputs, "{:?} {:?} {:?}", meta.files.baseline, meta.files.field, meta.files.eval);
+    Ok(outputs)
+}
+
+// ---- as if of another version ----
+
+/// The u16 behind the four letters of a header.
+fn with_version_in_header(bytes: &[u8], version: u32) -> Vec<u8> {
+    let mut other = bytes.to_vec();
+    other[4..6].copy_from_slice(&(version as u16).to_le_bytes());
+    other
+}
+
+/// Nothing but its schema, as the rest of another version is not known.
+fn with_version_in_schema(bytes: &[u8], version: u32) -> Vec<u8> {
+    let text = std::str::from_utf8(bytes).expect("UTF-8");
+    let (before, after) = text.split_once("\"schema\": \"").expect("a schema");
+    assert_eq!(before.trim(), "{");
+    let name = after.split('/').next().expect("a name");
+    format!("{{ \"schema\": \"{name}/{version}\" }}").into_bytes()
+}
+
+// ---- what must not change unnoticed ----
+
+fn every_byte(bytes: &[u8]) -> Vec<usize> {
+    (0..bytes.len()).collect()
+}
+
+/// Where a stream ends, its last frame ends, with a delimiter or without.
+fn all_but_the_last(bytes: &[u8]) -> Vec<usize> {
+    (0..bytes.len() - 1).collect()
+}
+
+/// Of a hub log's sample without a temperature, the code of one is not looked at.
+fn all_but_absent_temperatures(bytes: &[u8]) -> Vec<usize> {
+    let header = HubLogHeader::decode(bytes).expect("a header");
+    let is_absent = |place: usize| {
+        let Some(place) = place.checked_sub(HubLogHeader::LENGTH) else { return false };
+        let (record, field) = (place / header.record_length(), place % header.record_length());
+        let has_temperature = bytes[HubLogHeader::LENGTH + record * header.record_length() + 7];
+        has_temperature == 0 && (28..30).contains(&field)
+    };
+    every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
+}
+
+/// Of a value that is not there, written as not a number, the bits are not looked at.
+fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
+    let is_absent = |place: usize| {
+        let word = place / 4 * 4;
+        bytes
+            .get(word..word + 4)
+            .and_then(<[u8]>::first_chunk)
+            .is_some_and(|word| f32::from_le_bytes(*word).is_nan())
+    };
+    every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
+}
+
+/// The images in a flash: what stands around them may be repaired.
+fn images_in_flash(bytes: &[u8]) -> Vec<usize> {
+    let images = match images(&mut store(Flash(bytes.to_vec()))).expect("images") {
+        [None, None] => images_of_version_1(bytes),
+        images => images,
+    };
+    let place = |image: &Vec<u8>| {
+        let place =
+            bytes.windows(image.len()).position(|window| window == image).expect("it lies in one piece");
+        place..place + image.len()
+    };
+    images.iter().flatten().flat_map(place).collect()
+}
+
+/// Digits of numbers that are results, but for the last two: of seventeen digits they may mean the same number.
+fn digits_of_results(bytes: &[u8]) -> Vec<usize> {
+    const RESULTS: [&str; 7] = [
+        "coefficient",
+        "one_step_mse",
+        "mse",
+        "slow_error_coast",
+        "realised_fall",
+        "full_scale_",
+        "density_",
+    ];
+    let text = std::str::from_utf8(bytes).expect("UTF-8");
+    // how the model was found is not what it comes to
+    let skipped = match (text.find("\n  \"axes\": ["), text.find("\n  \"steps\": [")) {
+        (Some(from), Some(to)) => from..to,
+        _ => 0..0,
+    };
+    let mut places = Vec::new();
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let (name, value) = line.trim().split_once(':').unwrap_or(("", ""));
+        let name = name.trim_matches('"');
+        let is_result =
+            RESULTS.iter().any(|result| name == *result || name.contains(result) && result.ends_with('_'));
+        if is_result && !skipped.contains(&start) && value.trim_end_matches(',').trim().parse::<f64>().is_ok()
+        {
+            let number = line.rfind(':').map_or(0, |colon| colon + 1)..line.len();
+            let digit = |place: usize| line.as_bytes().get(place).is_some_and(u8::is_ascii_digit);
+            places.extend(
+                number.filter(|place| (0..3).all(|ahead| digit(place + ahead))).map(|place| start + place),
+            );
+        }
+        start += line.len();
+    }
+    places
+}

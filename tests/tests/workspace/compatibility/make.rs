@@ -1,0 +1,236 @@
+//! Makes the fixtures of versions that have none yet, from our own simulator.
+
+use std::fs;
+
+use embedded_io::{ErrorType, Write};
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_data::stillness;
+use fos_diagnose::compare::study_of;
+use fos_diagnose::effects::Library;
+use fos_diagnose::refine::Refiner;
+use fos_diagnose::study::LogSources;
+use fos_diagnose::study::Study;
+use fos_embedded::blocking::poll_once;
+use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
+use fos_embedded::raw::{Faults, RawSample, Scales};
+use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
+use fos_fit::export::current;
+use fos_fit::fit::{FitOptions, fit_axis};
+use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
+
+use super::flash::{BYTES, Flash, store};
+use super::formats::FORMATS;
+use super::{declarations, file_of, folder, read, recorded};
+
+/// Files that are there stay as they are: what was released was released.
+#[test]
+#[ignore = "writes files: tests/fixtures/README.md"]
+fn write_the_fixtures_of_new_versions() {
+    let new: Vec<_> =
+        FORMATS.iter().filter(|format| !recorded(&file_of(format, format.version)).exists()).collect();
+    for format in &new {
+        let path = file_of(format, format.version);
+        if !path.exists() {
+            fs::write(&path, (format.make)()).expect("written");
+        }
+    }
+    for format in &new {
+        let path = file_of(format, format.version);
+        let outputs = (format.outputs)(&read(&path)).expect("it is read");
+        fs::write(recorded(&path), outputs).expect("written");
+    }
+    let header = String::from_utf8(read(&folder().join("../../fos-embedded/include/fos.h"))).expect("UTF-8");
+    let declarations = declarations(&header);
+    let version = declarations.iter().find_map(|line| line.strip_prefix("#define FOS_API_VERSION "));
+    let path = folder().join(format!("c_api_v{}.h", version.expect("a version").trim()));
+    if !path.exists() {
+        // the head is a comment of its own form
+        let (_, code) = header.split_once("*/").expect("the head ends");
+        let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        fs::write(path, code.map(|line| format!("{line}\n")).collect::<String>().trim_start())
+            .expect("written");
+    }
+}
+
+const SCALES: Scales = Scales {
+    accel_mps2: 0.001_197,
+    gyro_rads: 0.000_305,
+    temperature_k: 1.0 / 256.0,
+    temperature_zero_c: 25.0,
+    period_s: 0.005,
+    values: fos_core::FittedOn::Raw,
+};
+
+/// A second of a simulated unit: six axes, and degrees Celsius.
+fn simulated() -> Vec<([f64; 6], f64)> {
+    let log = fos_simulate::simulate(&Simulation { duration_s: 2.0, seed: 21, ..Simulation::default() });
+    let column = |name: &str| &log.columns.iter().find(|(column, _)| column == name).expect("a column").1;
+    let axes = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"].map(column);
+    let celsius = column("temp_c");
+    (0..120).map(|row| (axes.map(|axis| axis[row]), celsius[row])).collect()
+}
+
+/// Still, then moving, then still; with a gap, a fault, and a sample without a temperature.
+pub(crate) fn hub_log() -> Vec<u8> {
+    let header = HubLogHeader { scales: SCALES, n_given: 1 };
+    let mut bytes = header.encode().to_vec();
+    for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
+        let code = |value: f64, scale: f32| (value / f64::from(scale)).round() as i16;
+        let [ax, ay, az, gx, gy, gz] = axes;
+        let celsius = (tick != 70).then(|| code(celsius - 25.0, SCALES.temperature_k));
+        let raw = RawSample {
+            skipped: if tick == 60 { 3 } else { 0 },
+            accel: [ax, ay, az].map(|value| code(value, SCALES.accel_mps2)),
+            gyro: [gx, gy, gz].map(|value| code(value, SCALES.gyro_rads)),
+            temperature: celsius,
+            faults: if tick == 30 { Faults::BUS } else { Faults::empty() },
+        };
+        let motion = match tick {
+            0 => None,
+            80..100 => Some(Motion::Moving),
+            _ => Some(Motion::Still),
+        };
+        let clock_us = if tick % 10 == 9 { 5000 * (tick as u64 + 1) } else { 0 };
+        let supply = [3.3 + 0.01 * (tick as f32 / 8.0)];
+        bytes.extend(HubLogRecord { raw, motion, clock_us, given: &supply }.encode());
+    }
+    bytes
+}
+
+/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: what the oldest image takes.
+pub(crate) fn replay_log() -> Vec<u8> {
+    let mut bytes = PredictorLogHeader { n_axes: 2, n_quantities: 2 }.encode().to_vec();
+    for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
+        let skipped = if tick == 60 { 3 } else { 0 };
+        let motion = if (80..100).contains(&tick) { Motion::Moving } else { Motion::Still };
+        let measured = [axes[2] as f32, if tick == 40 { f32::NAN } else { axes[3] as f32 }];
+        let quantities = [celsius as f32, 3.3];
+        bytes.extend(
+            PredictorLogRecord { skipped, motion, measured: &measured, quantities: &quantities }.encode(),
+        );
+    }
+    bytes
+}
+
+/// The model of the study.
+pub(crate) fn image() -> Vec<u8> {
+    let model = written_study().model;
+    host_fit::export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
+}
+
+/// As an image of today.
+fn oldest_image() -> Vec<u8> {
+    current(&read(&folder().join("model_v1.fosm"))).expect("it is read").into_owned()
+}
+
+/// The oldest image, then the model of the study.
+pub(crate) fn flash() -> Vec<u8> {
+    let mut store = store(Flash(vec![0xff; BYTES]));
+    for bytes in [oldest_image(), image()] {
+        poll_once(store.store(&bytes)).expect("done at once").unwrap_or_else(|error| panic!("{error:?}"));
+    }
+    store.release().0.0
+}
+
+/// What is sent.
+struct Line(Vec<u8>);
+
+impl ErrorType for Line {
+    type Error = core::convert::Infallible;
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+/// What a hub with the oldest image sends of the first samples of the oldest hub log; one frame is lost.
+pub(crate) fn telemetry() -> Vec<u8> {
+    let log = read(&folder().join("hub_log_v1.fosh"));
+    let header = HubLogHeader::decode(&log).expect("a header");
+    let mut hub: Hub<16, 128, 256> = Hub::new(header.scales);
+    hub.load(&oldest_image()).expect("loaded");
+    let start =
+        StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c\nsupply_v" };
+    let mut recorder: Recorder<_, 320> = Recorder::new(Line(Vec::new()));
+    let mut given = [0.0];
+    for (place, bytes) in log[HubLogHeader::LENGTH..].chunks(header.record_length()).take(40).enumerate() {
+        let record = HubLogRecord::decode(bytes, &mut given).expect("a record");
+        let output = *record.step(&mut hub);
+        if place != 20 {
+            recorder
+                .sample(&start, Snapshot::<MAX_LOGGED>::new(&output, &hub.logged()).frame())
+                .expect("sent");
+        }
+    }
+    recorder.release().0
+}
+
+/// A stream whose start frame has another version.
+pub(crate) fn telemetry_as_version(bytes: &[u8], version: u32) -> Vec<u8> {
+    let start = StartFrame {
+        version: version as u16,
+        period_s: 0.005,
+        axes: HUB_AXES,
+        quantities: "temp_c\nsupply_v",
+    };
+    let mut buffer = [0; 320];
+    let mut other = encode(&Frame::Start(start), &mut buffer).expect("room").to_vec();
+    let after_start = bytes.iter().position(|byte| *byte == 0).map_or(0, |end| end + 1);
+    other.extend_from_slice(&bytes[after_start..]);
+    other
+}
+
+fn simulated_case() -> SimulatedCase {
+    let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
+    plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
+    fos_simulate::simulate_case(&plan).expect("a case")
+}
+
+pub(crate) fn case() -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path().join("thermal_lag");
+    simulated_case().write(&folder).expect("written");
+    read(&folder.join("meta.json"))
+}
+
+/// A gyro's axis with a thermal lag added to it.
+fn written_study() -> Study {
+    let case = simulated_case();
+    let recording = |name: &str, columns| {
+        let options = LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() };
+        Recording::from_columns(Source::made_by(name), columns, &options).expect("a log")
+    };
+    let (quiet, field) =
+        (recording("simulated quiet log", case.baseline), recording("simulated field log", case.field));
+    let stillness = stillness::find(&quiet);
+    let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
+    let fit = fit_axis(&quiet, &stillness, "gx", &options).expect("fits");
+    let mut study =
+        study_of(&quiet, &stillness, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
+    let library = Library::built_in();
+    let refiner = Refiner::new(&field, Some(&quiet), None, &library);
+    let logs = LogSources {
+        field: field.sources[0].clone(),
+        quiet: Some(quiet.sources[0].clone()),
+        judged: None,
+        fitted_rows: refiner.fitted_rows(),
+        read: LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() },
+    };
+    let mut growth = refiner.begin(&study, "gx_rads", logs).expect("begun");
+    let stair = refiner.add(&growth, library.get("thermal_lag").expect("an effect")).expect("added");
+    growth.steps.push(stair);
+    study.keep(growth);
+    study
+}
+
+pub(crate) fn study() -> Vec<u8> {
+    written_study().to_bytes()
+}

@@ -1,0 +1,93 @@
+//! What `export` says of the hubs is what the hubs do.
+
+use crate::exported_model::model;
+use fos_core::{Axis, Model};
+use fos_embedded::hub::{CHub, HubError};
+use fos_embedded::raw::Scales;
+use fos_fit::model::UnitModel;
+use host_fit::export::{ExportError, Refusal, Room, c_source, image};
+
+/// The hub of the C interface, for the sensor that the model was fitted to, and its answer to the image.
+fn c_hub_takes(model: &UnitModel) -> Result<(), HubError> {
+    let scales = Scales {
+        accel_mps2: 0.0012,
+        gyro_rads: 0.0003,
+        temperature_k: 1.0 / 256.0,
+        temperature_zero_c: 25.0,
+        period_s: model.period_s,
+        values: model.fitted_on,
+    };
+    CHub::new(scales).load(&image(model, "", "").expect("an image"))
+}
+
+#[test]
+fn a_model_that_is_said_to_fit_is_loaded_and_one_term_more_is_not() {
+    let mut model = model();
+    let spare = 128 - model.n_terms();
+    let term = model.axes[0].physical[0].clone();
+    model.axes[0].physical.extend(vec![term.clone(); spare]);
+    assert_eq!((Refusal::of(&model), c_hub_takes(&model)), (None, Ok(())));
+
+    model.axes[0].physical.push(term);
+    let refusal = Refusal::of(&model).expect("too large");
+    assert!(matches!(refusal, Refusal::TooLargeForC(Room { terms: 129, .. })), "{refusal:?}");
+    assert!(c_hub_takes(&model).is_err());
+    let said = refusal.to_string();
+    assert!(!said.contains("history"), "{said}");
+    for part in ["fos.h", "129 terms (room for 128)", "\nhelp:", "--max-terms", "Hub<13, 129, 64>"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    // a header that no library of ours could load is not written
+    let refused = c_source(&model, "unit", "", "").expect_err("too large");
+    assert!(matches!(refused, ExportError::Refused(Refusal::TooLargeForC(_))), "{refused:?}");
+}
+
+#[test]
+fn too_long_a_history_and_too_many_inputs_are_said_each_with_its_remedy() {
+    let mut deep = model();
+    let longest = |model: &mut UnitModel, lag| model.axes[0].stochastic[0].factors[0].lag = lag;
+    // so many lags of 13 inputs and 2 axes: 255 values are there, 270 are not
+    longest(&mut deep, 17);
+    assert_eq!((Refusal::of(&deep), c_hub_takes(&deep)), (None, Ok(())));
+    let header = c_source(&deep, "unit", "", "").expect("it fits");
+    assert!(header.contains("FOS_MAX_HISTORY < 256"), "a header that compiles");
+    longest(&mut deep, 18);
+    let said = Refusal::of(&deep).expect("too deep").to_string();
+    assert!(said.contains("512 values of history (room for 256)") && said.contains("--max-lag"), "{said}");
+    assert!(c_hub_takes(&deep).is_err());
+
+    let mut many = model();
+    let clock = many.inputs[6].clone();
+    many.inputs.resize(17, clock);
+    let said = Refusal::of(&many).expect("too many").to_string();
+    assert!(said.contains("17 inputs (room for 16)") && said.contains("--memory"), "{said}");
+    assert!(c_hub_takes(&many).is_err());
+}
+
+#[test]
+fn what_no_sensor_measures_is_named_by_its_column() {
+    let mut other = model();
+    other.axes[1].parameters.axis = Axis::Other;
+    other.axes[1].column = "pressure_pa".to_owned();
+    let said = Refusal::of(&other).expect("no axis of a sensor").to_string();
+    assert!(said.contains("no hub") && said.contains("pressure_pa") && said.contains("\nhelp:"), "{said}");
+    assert_eq!(c_hub_takes(&other), Err(HubError::Axis(1)));
+}
+
+/// Neither the period nor the values are a matter of the model alone: for the sensor of the fit no hub refuses them.
+#[test]
+fn the_sensor_of_the_fit_is_assumed() {
+    let slow = UnitModel { period_s: 0.02, ..model() };
+    assert_eq!(Refusal::of(&slow), None);
+    let at_200_hz = Scales {
+        accel_mps2: 0.0012,
+        gyro_rads: 0.0003,
+        temperature_k: 0.01,
+        temperature_zero_c: 25.0,
+        period_s: 0.005,
+        values: slow.fitted_on,
+    };
+    let mut hub = CHub::new(at_200_hz);
+    let refused = slow.with::<f32, _>(|slow: &Model<'_, f32>| hub.load_model(slow));
+    assert!(matches!(refused, Err(HubError::Period { .. })), "{refused:?}");
+}
