@@ -52,7 +52,7 @@ fn every_command_of_the_page_does_what_it_says() {
     // logs are written as tables here, under the same names: what opens other formats has tests of its own
     let mut logs: BTreeMap<String, String> = BTreeMap::new();
     for (at, command) in commands.iter().enumerate() {
-        assert_eq!(command[0], "host-fit");
+        assert_eq!(command[0], "fos");
         let named: Vec<String> = command[1..]
             .iter()
             .enumerate()

@@ -30,7 +30,7 @@ fn every_subcommand_has_an_example_and_speaks_json() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in subcommands() {
         let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
-        assert!(help.contains("Example: ") && help.contains(&format!("host-fit {name}")), "{name}: {help}");
+        assert!(help.contains("Example: ") && help.contains(&format!("fos {name}")), "{name}: {help}");
         // a script for a shell and a server have nothing to say in JSON
         let has_none = ["completions", "serve"].contains(&name.as_str());
         assert_eq!(help.contains("--json"), !has_none, "{name}");
@@ -51,9 +51,9 @@ fn every_subcommand_has_a_manual_page_and_is_completed() {
         }
     }
     for name in subcommands() {
-        let page = folder.path().join(format!("pages/host-fit-{}.1", name.replace(' ', "-")));
+        let page = folder.path().join(format!("pages/fos-{}.1", name.replace(' ', "-")));
         let page = std::fs::read_to_string(page).expect("written");
-        assert!(page.contains("Example: host\\-fit"), "{name}: {page}");
+        assert!(page.contains("Example: fos"), "{name}: {page}");
     }
 }
 
@@ -139,7 +139,7 @@ fn no_library_names_a_flag_or_a_subcommand() {
     let flags = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
     let mut said: Vec<String> =
         flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
-    said.extend(all.iter().map(|(words, _)| format!("host-fit {words}")));
+    said.extend(all.iter().map(|(words, _)| format!("fos {words}")));
     let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 

@@ -186,7 +186,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
 #[test]
 #[cfg(unix)]
 fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
-    let program = env!("CARGO_BIN_EXE_host-fit");
+    let program = env!("CARGO_BIN_EXE_fos");
     let folder = tempfile::tempdir().expect("a folder");
     let prepare = |line: &str| {
         let words: Vec<String> = line.split(' ').map(str::to_owned).collect();

@@ -268,7 +268,7 @@ fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool
 }
 
 fn run(folder: &Path, arguments: &[String]) -> Output {
-    let host_fit = Command::new(env!("CARGO_BIN_EXE_host-fit")).current_dir(folder).args(arguments).output();
+    let host_fit = Command::new(env!("CARGO_BIN_EXE_fos")).current_dir(folder).args(arguments).output();
     host_fit.expect("it starts")
 }
 
@@ -424,7 +424,7 @@ fn no_output_replaces_an_input() {
         let before = fs::read(folder.join("out.json")).expect("there");
         let script = format!(
             "{} fit {given} --axis gx --max-terms 2 --memory none -o new && cat new > out.json",
-            env!("CARGO_BIN_EXE_host-fit")
+            env!("CARGO_BIN_EXE_fos")
         );
         let ended = Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell");
         found_out += usize::from(kept(folder, "out.json", &before, &ended).is_err());

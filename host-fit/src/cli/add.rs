@@ -15,7 +15,7 @@ use fos_diagnose::study::Study;
 /// Add a missing effect to the model of a study, and show the error after every step on data that were not fitted
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit add unit.json thermal_lag --from field.parquet --judge later.parquet\nExample: host-fit add unit.json --best"
+    after_help = "Example: fos add unit.json thermal_lag --from field.parquet --judge later.parquet\nExample: fos add unit.json --best"
 )]
 pub(super) struct Add {
     /// The study

@@ -58,7 +58,7 @@ pub(super) struct Reading {
     /// The same, from a TOML file
     #[arg(long, value_name = "FILE")]
     pub(super) map_file: Option<PathBuf>,
-    /// The format of the log, where it is not found by the content; `host-fit formats` lists them
+    /// The format of the log, where it is not found by the content; `fos formats` lists them
     #[arg(long)]
     pub(super) format: Option<Format>,
     /// Which sensor, where a log has several: the number of an instance, the name of a topic
@@ -130,7 +130,7 @@ impl Reading {
 pub(super) fn library(files: &[PathBuf]) -> Result<Library, Failure> {
     Library::with_files(files).map_err(|error| match error {
         EffectError::NotAnEffect { place, reason } => format!(
-            "{place}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
+            "{place}: not an effect: {reason}\nhelp: `fos effects --example` prints a complete file to start from"
         )
         .into(),
         _ => error.into(),

@@ -11,7 +11,7 @@ use fos_diagnose::batch;
 
 /// Diagnose and correct every case in a folder; what is done is kept, and a broken run goes on where it was
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit batch cases -o answers")]
+#[command(after_help = "Example: fos batch cases -o answers")]
 pub(super) struct Batch {
     /// The folder: one folder per case, with meta.json and its logs
     folder: PathBuf,

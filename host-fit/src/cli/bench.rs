@@ -17,7 +17,7 @@ const SAMPLES: [usize; 2] = [36_000, 720_000];
 /// machine's peak rate of multiply-adds, as ratios in one run; or with --commands whole commands, as one waits for them
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit bench\nExample: host-fit bench --commands --against ../before/target/release/host-fit"
+    after_help = "Example: fos bench\nExample: fos bench --commands --against ../before/target/release/fos"
 )]
 pub(super) struct Bench {
     /// Largest output lag L

@@ -16,7 +16,7 @@ use fos_simulate::Disturbance;
 
 /// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit calibrate --cases 450 --seed 1")]
+#[command(after_help = "Example: fos calibrate --cases 450 --seed 1")]
 pub(super) struct Calibrate {
     /// Cases: a third with nothing missing
     #[arg(long, default_value_t = 450, value_parser = count(0..=100_000))]

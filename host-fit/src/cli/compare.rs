@@ -20,7 +20,7 @@ use fos_diagnose::study::{Study, load_again};
 
 /// Compare the model of a study with measurements and with plain rivals, and show where it fails
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit compare unit.json field.parquet --figures figures")]
+#[command(after_help = "Example: fos compare unit.json field.parquet --figures figures")]
 pub(super) struct Compare {
     /// The study
     study: PathBuf,

@@ -14,7 +14,7 @@ use fos_data::stillness::find;
 ///
 /// Channels are named as in the log format and in SI units, sensors with stamps of their own joined onto one grid.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit convert flight.ulg -o flight.parquet")]
+#[command(after_help = "Example: fos convert flight.ulg -o flight.parquet")]
 pub(super) struct Convert {
     /// The log
     log: PathBuf,

@@ -29,7 +29,7 @@ use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
 /// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit demo --folder fos-demo")]
+#[command(after_help = "Example: fos demo --folder fos-demo")]
 pub(super) struct Demo {
     /// Folder for everything that is written; made if it is not there
     #[arg(long, default_value = "fos-demo")]

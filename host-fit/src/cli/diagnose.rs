@@ -19,7 +19,7 @@ use fos_diagnose::study::Study;
 /// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit diagnose flight.ulg\nExample: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: host-fit diagnose unit.json --from field.parquet --axis gx"
+    after_help = "Example: fos diagnose flight.ulg\nExample: fos diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: fos diagnose unit.json --from field.parquet --axis gx"
 )]
 pub(super) struct Diagnose {
     /// The log to explain; or a study (.json), whose model is taken off first
@@ -64,8 +64,7 @@ impl Diagnose {
     fn of_log(&self, library: &Library) -> Result<(Vec<Diagnosis>, Vec<String>), Failure> {
         if self.logs.from.is_some() {
             return Err(
-                "--from goes with a study\nhelp: `host-fit diagnose STUDY --from LOG`, or the log alone"
-                    .into(),
+                "--from goes with a study\nhelp: `fos diagnose STUDY --from LOG`, or the log alone".into()
             );
         }
         let field = self.reading.read(&self.of)?;

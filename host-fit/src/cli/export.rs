@@ -25,8 +25,8 @@ use fos_fit::model::UnitModel;
 /// of the study anew, and judged beside the study itself.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
-    host-fit export unit.json --instance 0 --px4 unit.params --ardupilot unit.parm --judge later.parquet"
+    after_help = "Example: fos export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
+    fos export unit.json --instance 0 --px4 unit.params --ardupilot unit.parm --judge later.parquet"
 )]
 pub(super) struct Export {
     /// The study

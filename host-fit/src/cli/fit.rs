@@ -22,9 +22,9 @@ use fos_fit::signal::wavelet::Denoising;
 
 /// Fit nonlinear autoregressive models of the error of one or more axes
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit fit quiet.csv.gz --axis all -o unit.json")]
+#[command(after_help = "Example: fos fit quiet.csv.gz --axis all -o unit.json")]
 pub(super) struct Fit {
-    /// The log, in any format that `host-fit formats` lists. Several of one unit are taken one after the other and never spliced
+    /// The log, in any format that `fos formats` lists. Several of one unit are taken one after the other and never spliced
     #[arg(required = true)]
     log: Vec<PathBuf>,
     /// gx, a column, several with commas, or all

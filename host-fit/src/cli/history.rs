@@ -12,7 +12,7 @@ use fos_diagnose::study::Study;
 
 /// Show which effects were added to a study, and the error after each
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit history unit.json --figures figures")]
+#[command(after_help = "Example: fos history unit.json --figures figures")]
 pub(super) struct History {
     /// The study
     study: PathBuf,
@@ -36,7 +36,7 @@ impl History {
             return print_json(&study.refinements);
         }
         if study.refinements.is_empty() {
-            print_line!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
+            print_line!("nothing was added\nhelp: `fos add STUDY EFFECT --from LOG` adds an effect");
         }
         study.refinements.iter().for_each(print_refinement);
         Ok(())

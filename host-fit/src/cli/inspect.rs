@@ -13,7 +13,7 @@ use fos_data::file;
 
 /// Show what is in a model image
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit inspect unit.fosm")]
+#[command(after_help = "Example: fos inspect unit.fosm")]
 pub(super) struct Inspect {
     /// The image
     image: PathBuf,

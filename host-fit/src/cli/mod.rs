@@ -49,7 +49,7 @@ use output::Failure;
 /// Fits models of inertial sensor error with Fast Orthogonal Search, compares them with the measurements, exports them
 /// to the device.
 #[derive(Debug, Parser)]
-#[command(name = "host-fit", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "fos", version, arg_required_else_help = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

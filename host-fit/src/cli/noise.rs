@@ -25,11 +25,9 @@ const STEADY_K: f64 = 2.0;
 /// What a log is too short to tell is said, with how long one would have to be. N and K are those that Kalibr, OpenVINS
 /// and ORB-SLAM3 ask for.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: host-fit noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml"
-)]
+#[command(after_help = "Example: fos noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml")]
 pub(super) struct Noise {
-    /// The log of a unit lying still, in any format that `host-fit formats` lists
+    /// The log of a unit lying still, in any format that `fos formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
@@ -134,7 +132,7 @@ fn warn(recording: &Recording, stillness: &Stillness) {
         print_warning(&format!(
             "the temperature moves from {low:.1} to {high:.1} °C: what it does to the bias counts as B and K here\nhelp: \
              record at a steady temperature, after a warm-up; or fit the temperature and take the noise of what \
-             `host-fit replay` leaves"
+             `fos replay` leaves"
         ));
     }
 }

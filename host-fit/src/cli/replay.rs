@@ -17,7 +17,7 @@ use fos_fit::export::model_of;
 
 /// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit replay unit.fosm field.parquet -o corrected.parquet")]
+#[command(after_help = "Example: fos replay unit.fosm field.parquet -o corrected.parquet")]
 pub(super) struct Replay {
     /// The image
     image: PathBuf,

@@ -13,7 +13,7 @@ use fos_diagnose::study::Study;
 
 /// Write what a study says into one file: model against measurement, what is missing, how the error fell
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit report unit.json --from field.parquet --axis gx -o report.html")]
+#[command(after_help = "Example: fos report unit.json --from field.parquet --axis gx -o report.html")]
 pub(super) struct Report {
     /// The study
     study: PathBuf,

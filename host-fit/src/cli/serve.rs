@@ -15,9 +15,7 @@ use fos_data::recording::LoadOptions;
 /// The page is on this machine only and needs no network. Logs may be read below the current folder, below the folders
 /// that are given, and beside the log that is given.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: host-fit serve field.parquet --quiet quiet.parquet\nExample: host-fit serve logs"
-)]
+#[command(after_help = "Example: fos serve field.parquet --quiet quiet.parquet\nExample: fos serve logs")]
 pub(super) struct Serve {
     /// A log to open, or folders with logs
     #[arg(value_name = "LOG|FOLDER")]

@@ -17,10 +17,10 @@ use fos_fit::signal::wavelet::Denoising;
 /// Compare FOS with Yule-Walker, covariance and Burg as in the paper, and on fair terms: tables and figures
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit simulate hour.parquet --band-limited --minutes 60 && host-fit table hour.parquet --axis ay,gy"
+    after_help = "Example: fos simulate hour.parquet --band-limited --minutes 60 && fos table hour.parquet --axis ay,gy"
 )]
 pub(super) struct Table {
-    /// The log, in any format that `host-fit formats` lists
+    /// The log, in any format that `fos formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]

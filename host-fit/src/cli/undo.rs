@@ -10,7 +10,7 @@ use fos_diagnose::study::Study;
 
 /// Take back the effect that was added last
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit undo unit.json")]
+#[command(after_help = "Example: fos undo unit.json")]
 pub(super) struct Undo {
     /// The study
     study: PathBuf,

@@ -294,7 +294,7 @@ class Study:
 
     @classmethod
     def load(cls, path: Path) -> Study:
-        """Reads a study that this package or the program (`host-fit fit`) wrote.
+        """Reads a study that this package or the program (`fos fit`) wrote.
 
         Raises:
             FileError: It cannot be read.
@@ -303,7 +303,7 @@ class Study:
         return cls(_engine.load_study(os.fspath(path)))
 
     def save(self, path: Path | None = None, *, replace: bool = False) -> None:
-        """Writes it, whole or not at all, where `host-fit` reads it.
+        """Writes it, whole or not at all, where `fos` reads it.
 
         Args:
             path: The file; where it was loaded from or saved to before if not given. That file is written only if nobody

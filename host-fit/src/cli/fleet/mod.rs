@@ -15,7 +15,7 @@ use super::output::Failure;
 /// was. A unit that cannot be read is told and left out.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit fleet line3 -o population.json --regressor temp_c",
+    after_help = "Example: fos fleet line3 -o population.json --regressor temp_c",
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     disable_help_subcommand = true
