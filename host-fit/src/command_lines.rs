@@ -22,8 +22,8 @@ pub(crate) fn command_lines<'a>(
     let read = format!("{maps}{format}{topic}{rate}{moved}");
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
-    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
-    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
+    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --reference {}", path(log)));
+    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
     let mut lines = vec![
         format!("fos fit {} --axis all{read} -o unit.json", fitted.join(" ")),
         format!("fos compare unit.json {field}{read} --figures figures"),

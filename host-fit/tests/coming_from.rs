@@ -57,7 +57,7 @@ fn every_command_of_the_page_does_what_it_says() {
             .iter()
             .enumerate()
             .map(|(place, word)| {
-                let is_written = command[place].starts_with("--") && command[place] != "--judge";
+                let is_written = command[place].starts_with("--") && command[place] != "--evaluate-on";
                 let Some((stem, ending)) = word.rsplit_once('.').filter(|_| !is_written) else {
                     return word.clone();
                 };

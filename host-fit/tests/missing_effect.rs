@@ -21,7 +21,7 @@ fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
 }
 
 const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
-const LATER: [&str; 2] = ["--judge", "unit/eval.parquet"];
+const LATER: [&str; 2] = ["--evaluate-on", "unit/eval.parquet"];
 
 fn refinement(folder: &Path) -> Refinement {
     Study::read(&folder.join("unit.json"))
@@ -44,7 +44,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     // what is not worth it can be added, and taken back
     let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
     let printed = done(folder, &add);
-    assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
+    assert!(printed.contains("+ temp_linear") && printed.contains("slow error, °/"), "{printed}");
     let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
     let before = refinement(folder).steps[0].clone();

@@ -73,7 +73,7 @@ const LINES: [Line; 29] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_rate --from {from} --quiet {quiet} --judge {judge} --effect {effect_files} --map-file {map_file} --figures figures",
+        words: "add {study} temp_rate --from {from} --reference {quiet} --evaluate-on {judge} --effect {effect_files} --map-file {map_file} --figures figures",
         inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
     },
     Line {
@@ -115,31 +115,31 @@ const LINES: [Line; 29] = [
     Line {
         output: "image",
         at: "out",
-        words: "export {study} --image out --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "rust",
         at: "out",
-        words: "export {study} --rust out --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "c",
         at: "out.h",
-        words: "export {study} --c out.h --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "px4",
         at: "out",
-        words: "export {study} --instance 0 --px4 out --judge {judge}",
+        words: "export {study} --instance 0 --px4 out --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "ardupilot",
         at: "out",
-        words: "export {study} --instance 0 --ardupilot out --judge {judge}",
+        words: "export {study} --instance 0 --ardupilot out --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
@@ -199,7 +199,7 @@ const LINES: [Line; 29] = [
     Line {
         output: "output",
         at: "out.md",
-        words: "report {study} --from {from} --quiet {quiet} --judge {judge} --effect {effects} --map-file {map_file} -o out.md",
+        words: "report {study} --from {from} --reference {quiet} --evaluate-on {judge} --effect {effects} --map-file {map_file} -o out.md",
         inputs: &[UNIT, FROM, QUIET, JUDGE, EFFECTS, MAP],
     },
     Line {

@@ -14,7 +14,7 @@ use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
 use fos_simulate::Disturbance;
 
-/// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
+/// Measure how often the diagnosis is right, on simulated cases
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos calibrate --cases 450 --seed 1")]
 pub(super) struct Calibrate {

@@ -5,7 +5,7 @@ use clap_complete::{Shell, generate};
 
 use super::output::Failure;
 
-/// Print a script that lets a shell complete subcommands and arguments
+/// Print completions for a shell
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: fos completions bash > ~/.local/share/bash-completion/completions/fos\nExample: fos completions zsh > ~/.zfunc/_fos"

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::arguments::{OutputFile, Reading, axes, describe};
 use super::output::{Failure, number, print_json, print_line, print_warning, spinner, table};
+use super::units::Printed;
 use crate::export::{NoiseModel, NoiseUnits, allan_csv, imu_yaml, orb_slam3, vins};
 use crate::figures::noise::allan_of_noise;
 use crate::figures::write_svg;
@@ -19,7 +20,7 @@ use fos_fit::noise::{AxisNoise, Level, axis_noise};
 /// A temperature that moves by more than this moves what is measured, K.
 const STEADY_K: f64 = 2.0;
 
-/// White noise N, bias instability B and random walk K of every axis of a log at rest, and the files that want them
+/// Estimate noise density, bias instability and random walk; write imu.yaml
 ///
 /// Each with the interval that holds it with 90 %. Motion, knocks and samples that are no measurements are left out.
 /// What a log is too short to tell is said, with how long one would have to be. N and K are those that Kalibr, OpenVINS
@@ -85,7 +86,7 @@ impl Noise {
                 &json!({ "rate_hz": recording.rate.true_hz, "axes": found, "written": files }),
             );
         }
-        print_line!("{}", describe(&recording, &stillness));
+        print_line!("{}", describe(&recording, &stillness, Printed::default()));
         print_noise(&found);
         for (path, what) in written {
             print_line!("{}: {what}", path.display());

@@ -16,13 +16,13 @@ use crate::record::{Report, record};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{check_log_path, write_columns};
 
-/// Turn the telemetry of a device into a log that diagnose takes
+/// Record the telemetry of a device as a log
 ///
 /// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written,
 /// that is removed. After a cut of power, or where the recording was killed, `fos record LOG.telemetry -o LOG`
 /// makes the log of it.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o field.parquet")]
+#[command(after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o log.parquet")]
 pub(super) struct Record {
     /// The stream: a serial port that is set up (stty), a FIFO, a file, or - for standard input
     stream: PathBuf,

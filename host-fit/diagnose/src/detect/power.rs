@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::answer::Untested;
+use super::findings::listed;
 use super::hypothesis::{Hypotheses, Hypothesis};
 use super::prepared::Prepared;
 use super::question::DiagnoseError;
@@ -51,10 +52,11 @@ impl<'a> Power<'a> {
         };
         let needs = |effect: &Effect| {
             let mut columns = columns(effect);
+            columns.sort_unstable();
             columns.dedup();
             match columns.is_empty() {
                 true => "a longer log at rest".to_owned(),
-                false => format!("more variation of {}", columns.join(" and ")),
+                false => format!("more variation of {}", listed(columns.into_iter())),
             }
         };
         let powerless = shown.iter().filter(|(effect, is_visible)| is_powerless(effect, *is_visible));
