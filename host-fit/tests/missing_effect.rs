@@ -37,7 +37,12 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     let folder = folder.path();
 
     let diagnose = [&["diagnose", "unit.json", "--json"][..], &FIELD, &LATER].concat();
-    let answers: Vec<Diagnosis> = serde_json::from_str(&done(folder, &diagnose)).expect("answers");
+    let text = done(folder, &diagnose);
+    let answers: Vec<Diagnosis> = serde_json::from_str(&text).expect("answers");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("answers");
+    let finding = |key: &str| json[0]["findings"][0][key].as_f64().expect("a number");
+    let (of_variance, of_rms) = (finding("expected_drop"), finding("rms_reduction"));
+    assert!((of_rms - (1.0 - (1.0 - of_variance).sqrt())).abs() < 1e-12, "{of_rms} for {of_variance}");
     assert_eq!(answers[0].verdict, Verdict::Missing);
     assert_eq!(answers[0].findings[0].effect, "thermal_lag");
 
