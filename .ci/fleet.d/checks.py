@@ -1,4 +1,4 @@
-"""Rows and populations on Spark are those of `host-fit fleet`. Usage: checks.py HOST-FIT FOLDER UNITS.
+"""Rows and populations on Spark are those of `fos fleet`. Usage: checks.py HOST-FIT FOLDER UNITS.
 
 Every check stands beside one that has to fail.
 """
@@ -33,7 +33,7 @@ def check(holds, text):
 
 def program(folder, out):
     done = subprocess.run([HOST_FIT, "fleet", str(folder), "-o", str(out)], capture_output=True, text=True, check=False)
-    check(done.returncode == 0, f"host-fit fleet on {folder.name} {done.stderr if done.returncode else ''}")
+    check(done.returncode == 0, f"fos fleet on {folder.name} {done.stderr if done.returncode else ''}")
     return out.read_bytes()
 
 
@@ -102,7 +102,7 @@ def main():
     found.save(FOLDER / "kept.json", rows=kept)
     report = [HOST_FIT, "fleet", "report", "kept.json", "-o", "fleet.html"]
     done = subprocess.run(report, cwd=FOLDER, capture_output=True, text=True, check=False)
-    check(done.returncode == 0, f"host-fit fleet report {done.stderr}")
+    check(done.returncode == 0, f"fos fleet report {done.stderr}")
     try:
         found.save(FOLDER / "kept.json", rows=kept[1:])
         check(False, "other rows are an error")

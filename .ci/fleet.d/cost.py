@@ -96,7 +96,7 @@ def main():
         path.read_bytes()  # the disk is not what is measured
     print("\n| by | cores | s | units a second | share of linear | memory, MB |\n|---|---|---|---|---|---|", flush=True)
     expected = None
-    for name, run in (("host-fit fleet", of_program), ("Python", of_python), ("Spark", of_spark)):
+    for name, run in (("fos fleet", of_program), ("Python", of_python), ("Spark", of_spark)):
         alone = None
         for cores in (1, 2):
             out = FOLDER / f"{name}-{cores}.json"

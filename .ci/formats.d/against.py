@@ -1,4 +1,4 @@
-"""What host-fit reads of a log is what the format's own tools read of it, and what they write is read.
+"""What fos reads of a log is what the format's own tools read of it, and what they write is read.
 
 Usage: against.py HOST_FIT FOLDER [ULOG...]: FOLDER holds the logs of tests/examples/foreign_logs.rs; further ULogs are
 read by both.
@@ -22,7 +22,7 @@ FORCE, RATE = ["ax_mps2", "ay_mps2", "az_mps2"], ["gx_rads", "gy_rads", "gz_rads
 
 
 def ours(log):
-    """Columns of a log as host-fit reads it."""
+    """Columns of a log as fos reads it."""
     out = FOLDER / "ours.csv"
     subprocess.run([HOST_FIT, "convert", str(log), "-o", str(out)], check=True, stdout=subprocess.DEVNULL)
     with open(out, newline="") as file:

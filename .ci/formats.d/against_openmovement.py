@@ -1,4 +1,4 @@
-"""What host-fit reads of a log of Axivity is what openmovement, of the maker, reads of it.
+"""What fos reads of a log of Axivity is what openmovement, of the maker, reads of it.
 
 Usage: against_openmovement.py HOST_FIT CWA...
 """
@@ -18,7 +18,7 @@ STEP_K = 75 / 256
 
 
 def ours(log):
-    """Columns of a log as host-fit reads it."""
+    """Columns of a log as fos reads it."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "ours.csv"
         subprocess.run([sys.argv[1], "convert", str(log), "-o", str(out)], check=True, stdout=subprocess.DEVNULL)

@@ -4,7 +4,7 @@
 //! cargo run -p fos-core --example image
 //! ```
 //!
-//! `host-fit export --image` writes such images of what it has fitted; the format is docs/MODEL_FORMAT.md.
+//! `fos export --image` writes such images of what it has fitted; the format is docs/MODEL_FORMAT.md.
 
 use fos_core::image::encode;
 use fos_core::{

@@ -56,7 +56,7 @@
 #define FOS_MESSAGE_BIAS UINT32_C(0x201)
 #define FOS_MESSAGE_BIAS_BYTES 48
 
-/* Frames of telemetry, one after the other and all of them whole: what `host-fit record` reads. */
+/* Frames of telemetry, one after the other and all of them whole: what `fos record` reads. */
 #define FOS_MESSAGE_FRAMES UINT32_C(0x202)
 
 /*

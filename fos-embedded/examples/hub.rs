@@ -6,7 +6,7 @@
 //! cargo run -p fos-embedded --example hub --target riscv32imafc-unknown-none-elf  # and on RISC-V
 //! ```
 //!
-//! The model is compiled in; `host-fit export --rust` writes such a one of what it has fitted. One that comes as an
+//! The model is compiled in; `fos export --rust` writes such a one of what it has fitted. One that comes as an
 //! image, from flash or over the air, goes through [`Hub::load`].
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

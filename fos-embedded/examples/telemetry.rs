@@ -1,7 +1,7 @@
 //! What a hub says, as frames over a serial line: everything, or the seconds around an alarm.
 //!
 //! ```text
-//! cargo run -p fos-embedded --example telemetry > stream && host-fit record stream -o log.parquet
+//! cargo run -p fos-embedded --example telemetry > stream && fos record stream -o log.parquet
 //! ```
 
 use std::io::Write as _;

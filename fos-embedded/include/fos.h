@@ -742,7 +742,7 @@ fos_status fos_store_load_previous(struct fos_store *store,
                                    size_t capacity,
                                    size_t *used);
 
-// Makes the image of a unit of that of its part and the unit's record, as `host-fit fleet export` writes them: `*used` bytes in `buffer`, as many
+// Makes the image of a unit of that of its part and the unit's record, as `fos fleet export` writes them: `*used` bytes in `buffer`, as many
 // as the image of the part has, for fos_hub_load() and fos_store_save(). Neither overlaps `buffer`. Until the record is there, the image of the part
 // itself serves.
 //

@@ -1,6 +1,6 @@
 //! Known samples, and the bits that a hub must make of them: does what runs here compute what was exported?
 //!
-//! `host-fit export` writes one with every model as source. Bits are compared, not values: the same source on a
+//! `fos export` writes one with every model as source. Bits are compared, not values: the same source on a
 //! machine with IEEE 754 arithmetic gives the same bits, so any difference is one of model, compiler or memory.
 
 use core::fmt;

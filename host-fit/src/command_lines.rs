@@ -22,21 +22,21 @@ pub(crate) fn command_lines<'a>(
     let read = format!("{maps}{format}{topic}{rate}{moved}");
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
-    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --quiet {}", path(log)));
-    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --judge {}", path(log)));
+    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --reference {}", path(log)));
+    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
     let mut lines = vec![
-        format!("host-fit fit {} --axis all{read} -o unit.json", fitted.join(" ")),
-        format!("host-fit compare unit.json {field}{read} --figures figures"),
+        format!("fos fit {} --axis all{read} -o unit.json", fitted.join(" ")),
+        format!("fos compare unit.json {field}{read} --figures figures"),
     ];
     for (column, refinement) in axes {
         let on = format!("--axis {} --from {field}{quiet}{judge}{read}", quoted(column));
-        lines.push(format!("host-fit diagnose unit.json {on}"));
+        lines.push(format!("fos diagnose unit.json {on}"));
         for added in refinement.into_iter().flat_map(Refinement::added) {
-            lines.push(format!("host-fit add unit.json {} {on}", quoted(&added.effect.id)));
+            lines.push(format!("fos add unit.json {} {on}", quoted(&added.effect.id)));
         }
     }
     let last = logs.judged.as_ref().map_or(field, path);
-    lines.push("host-fit export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
-    lines.push(format!("host-fit replay unit.fosm {last}{read}"));
+    lines.push("fos export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
+    lines.push(format!("fos replay unit.fosm {last}{read}"));
     lines
 }

@@ -1,4 +1,4 @@
-//! The program `host-fit`: command line, workbench in the browser, reports and figures over the libraries fos-data,
+//! The program `fos`: command line, workbench in the browser, reports and figures over the libraries fos-data,
 //! fos-fit, fos-diagnose and fos-simulate; and what ties them to the device: recording its telemetry, replaying a model
 //! as it runs there.
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! `host-fit`: parse, run, print, exit code.
+//! `fos`: parse, run, print, exit code.
 
 #![deny(unsafe_code)]
 
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use host_fit::cli::{self, Lifetime};
 
 fn main() -> ExitCode {
-    // a reader that has seen enough, as in `host-fit fit … | head`, ends the program quietly
+    // a reader that has seen enough, as in `fos fit … | head`, ends the program quietly
     sigpipe::reset();
     fos_data::catch_panic::announce_no_caught_panic();
     cli::run(set_allocator)

@@ -73,7 +73,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   assert.deepEqual(kept.logs?.field.moved.ranges, []);
   assert.equal(await page.locator(".legend .ink-left-out").count(), 0);
   assert.equal(await coloursAt(page, 1, middle(0)), await coloursAt(page, 1, 45));
-  assert.ok(kept.commands.filter((command) => /^host-fit (fit|compare|diagnose|replay) /.test(command)).every((command) => command.includes("--keep-moved")), kept.commands.join("\n"));
+  assert.ok(kept.commands.filter((command) => /^fos (fit|compare|diagnose|replay) /.test(command)).every((command) => command.includes("--keep-moved")), kept.commands.join("\n"));
   assert.equal(kept.axis, left.axis, "the same axis is looked at");
 
   await turn.click();

@@ -64,7 +64,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
   const image = join((await workbench.server).folder, "exported.fosm");
   await (await waiting).saveAs(image);
   if (IS_REAL) await assertSameAsReplay(page, image, digest);
-  else console.log("skipped: the exported image against host-fit replay (the server answers canned numbers)");
+  else console.log("skipped: the exported image against fos replay (the server answers canned numbers)");
   if (IS_REAL) await assertCommandsDoTheSame(page);
   await closePage(page);
 });
@@ -105,7 +105,7 @@ async function assertCommandsDoTheSame(page) {
   const env = { ...process.env, PATH: `${dirname(HOST_FIT)}:${process.env.PATH}` };
   const run = (/** @type {string} */ command) => promisify(exec)(command, { cwd: server.folder, env, maxBuffer: 1e8 });
   for (const command of state.commands) await run(command);
-  const { stdout } = await run("host-fit history unit.json --json");
+  const { stdout } = await run("fos history unit.json --json");
   const [told] = JSON.parse(stdout);
   const shown = state.axes.find((axis) => axis.column === "gx_rads")?.growth;
   assert.deepEqual(told.stairs, shown?.stairs);

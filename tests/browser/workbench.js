@@ -18,7 +18,7 @@ import { chromium } from "playwright-core";
 const HERE = dirname(fileURLToPath(import.meta.url));
 export const ROOT = resolve(HERE, "../..");
 /** The program under test. */
-export const HOST_FIT = resolve(ROOT, process.env.FOS_HOST_FIT ?? "target/release/host-fit");
+export const HOST_FIT = resolve(ROOT, process.env.FOS_HOST_FIT ?? "target/release/fos");
 /** A workbench that runs already, in place of the program: answers only need the right shape. */
 const RUNNING = process.env.FOS_WORKBENCH_URL;
 export const IS_REAL = RUNNING === undefined;

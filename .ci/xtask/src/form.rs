@@ -25,16 +25,16 @@ pub(crate) fn target_folder(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
-/// host-fit as it is shipped: that of `$FOS_HOST_FIT`, or built here if it is not there.
+/// fos as it is shipped: that of `$FOS_HOST_FIT`, or built here if it is not there.
 pub(crate) fn host_fit(root: &Path) -> Result<PathBuf, Box<dyn Error>> {
     if let Some(given) = env::var_os("FOS_HOST_FIT").filter(|given| !given.is_empty()) {
         return Ok(absolute(given)?);
     }
-    let built = target_folder(root).join("release/host-fit");
+    let built = target_folder(root).join("release/fos");
     if !built.exists()
         && !Command::new("cargo").args(["build", "--release", "-p", "host-fit"]).status()?.success()
     {
-        return Err("host-fit cannot be built".into());
+        return Err("fos cannot be built".into());
     }
     Ok(built)
 }

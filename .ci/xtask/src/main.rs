@@ -21,7 +21,7 @@ cargo xtask COMMAND
 
   modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
   corpus CONTROL FOLDER        the inputs of a merge by libFuzzer that are kept in the repository
-  files short|full             what host-fit writes is there whole, whatever happens meanwhile
+  files short|full             what fos writes is there whole, whatever happens meanwhile
   memory short|full            how much memory a log of a working day takes
   statistics short|full        how often the diagnosis is right: README, docs/calibration.md
   supply short|full            what comes into the build: licences, sources, features, the Rust version";

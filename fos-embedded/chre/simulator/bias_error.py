@@ -2,7 +2,7 @@
 """bias_error.py LOG TRUTH BEFORE AFTER STUDY: the slow error that the messages of bias leave in gyro x, before and after.
 
 LOG was played twice, BEFORE and AFTER are the bias.csv of the two plays; TRUTH has, row by row, the error that is in LOG, in its
-column gx_rads; STUDY is what `host-fit add --json` printed. As host-fit judges, the slow error is the variance of means over a
+column gx_rads; STUDY is what `fos add --json` printed. As fos judges, the slow error is the variance of means over a
 second. Fails where the measured fall is outside what was predicted.
 """
 
@@ -64,8 +64,8 @@ def main():
             left.append(slow_variance(times, [None if b is None else e - b for e, b in zip(error, bias)]))
         falls.append(1 - left[1] / left[0])
         print(f"  against the {what:8} error: {left[0] ** 0.5:.3e} before, {left[1] ** 0.5:.3e} after: fell by {100 * falls[-1]:.1f} %")
-    print(f"  predicted by host-fit: {100 * finding['expected_drop']:.1f} % ({100 * low:.1f} to {100 * high:.1f}, 90 %)")
-    print(f"  measured by host-fit:  {100 * step['added']['realised_fall']:.1f} %")
+    print(f"  predicted by fos: {100 * finding['expected_drop']:.1f} % ({100 * low:.1f} to {100 * high:.1f}, 90 %)")
+    print(f"  measured by fos:  {100 * step['added']['realised_fall']:.1f} %")
     if not low <= falls[0] <= high:
         sys.exit("error: the fall is outside what was predicted")
 

@@ -1,5 +1,5 @@
 /*
- * What the sensors of the simulated phone measure: a log of `host-fit`, as CSV, row by row.
+ * What the sensors of the simulated phone measure: a log of `fos`, as CSV, row by row.
  */
 #ifndef FOS_CHRE_SIMULATOR_LOG_H
 #define FOS_CHRE_SIMULATOR_LOG_H

@@ -1,4 +1,4 @@
-//! Telemetry: frames for `host-fit record`, into a buffer of the caller's.
+//! Telemetry: frames for `fos record`, into a buffer of the caller's.
 
 use fos_core::Image;
 

@@ -15,7 +15,7 @@ const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 /// A sound model may lead away from gravity by what it takes off: where two errors of an axis cancel, one that is not
 /// corrected (a scale, the bias in this pose) and one that is, the measured value is the better one by chance. What a
 /// model takes off is a deviation from a mean, and a bias deviates from its mean by less than 0.05 g: 50 K at 1 mg/K,
-/// the worst coefficient of a data sheet. Twice this makes two poses for `host-fit fit`, so that a model fitted to
+/// the worst coefficient of a data sheet. Twice this makes two poses for `fos fit`, so that a model fitted to
 /// what it lets pass is not flagged. Noise is in both squares and means over [`SAMPLES`] are compared.
 const TOLERANCE: f32 = 0.1 * SQUARE;
 

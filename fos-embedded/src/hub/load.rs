@@ -42,7 +42,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.settle(loaded)
     }
 
-    /// As [`load`](Self::load), for a model that was compiled in: what `host-fit export --rust` writes.
+    /// As [`load`](Self::load), for a model that was compiled in: what `fos export --rust` writes.
     ///
     /// # Errors
     ///

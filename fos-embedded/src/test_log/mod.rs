@@ -10,7 +10,7 @@
 //! | `FOSH` | [`HubLogRecord`]: raw codes, faults, a clock | a [`Hub`](crate::hub::Hub) | [`HubDigest`] |
 //! | `FOSR` | [`PredictorLogRecord`]: values in their units | a [`Predictor`](fos_core::Predictor) | [`PredictorDigest`] |
 //!
-//! `host-fit replay` writes both of any recording, `--hub-log` and `--device-log`.
+//! `fos replay` writes both of any recording, `--hub-log` and `--device-log`.
 
 mod digest;
 mod fields;

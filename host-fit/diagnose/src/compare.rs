@@ -51,6 +51,7 @@ pub struct Comparison {
     /// First and last time stamp of the judged rows, s.
     pub judged_s: (f64, f64),
     /// The axes of the model.
+    #[serde(serialize_with = "crate::rms::axes")]
     pub axes: Vec<AxisComparison>,
 }
 

@@ -11,5 +11,6 @@ pub mod effects;
 mod memo;
 pub mod physical;
 pub mod refine;
+mod rms;
 pub mod study;
 pub mod thermal;

@@ -136,7 +136,7 @@ pub enum PlanError {
     #[error("there is no part {0:?}; choose from {parts}", parts = PARTS.map(|part| part.name).join(", "))]
     Part(String),
     /// The set-up cannot show the effect on this axis.
-    #[error("{effect} does not show on {} in the set-up {setup:?}{}", .target.column(), places(*.effect))]
+    #[error("{effect} does not show on {} in the set-up {}{}", .setup.name(), .target.column(), places(*.effect))]
     Unsuited {
         /// What was to be planted.
         effect: Effect,
@@ -164,7 +164,8 @@ pub enum PlanError {
 fn places(effect: Effect) -> String {
     let all = Setup::ALL.iter().flat_map(|setup| [(*setup, Axis::Ax), (*setup, Axis::Gx)]);
     let shown = all.filter(|(setup, axis)| effect.suits(*setup, *axis)).map(|(setup, axis)| {
-        format!("{} of {setup:?}", if axis.is_gyro() { "a gyro" } else { "an accelerometer" })
+        let axis = if axis.is_gyro() { "a gyro" } else { "an accelerometer" };
+        format!("{axis} in the set-up {}", setup.name())
     });
     format!("; choose from {}", shown.collect::<Vec<_>>().join(", "))
 }

@@ -222,6 +222,17 @@ impl Setup {
     /// On a bench, on a desk, in a pose rig, on a shaker, on a rate table.
     pub const ALL: [Self; 5] = [Self::Bench, Self::Desk, Self::PoseRig, Self::Shaker, Self::RateTable];
 
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bench => "bench",
+            Self::Desk => "desk",
+            Self::PoseRig => "pose-rig",
+            Self::Shaker => "shaker",
+            Self::RateTable => "rate-table",
+        }
+    }
+
     /// In words, as the log's author would put it.
     pub fn words(self) -> &'static str {
         match self {

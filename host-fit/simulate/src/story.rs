@@ -27,8 +27,8 @@ pub enum StoryError {
     Recording(#[from] RecordingError),
 }
 
-/// Simulates three logs of a phone-class unit on a desk, writes them to `folder` and reads them: `quiet.parquet`,
-/// `field.parquet` with effects hidden in [`HIDDEN_IN`], and `later.parquet` with the same.
+/// Simulates three logs of a phone-class unit on a desk, writes them to `folder` and reads them: `reference.parquet`,
+/// `log.parquet` with effects hidden in [`HIDDEN_IN`], and `evaluation.parquet` with the same.
 ///
 /// # Errors
 ///
@@ -45,8 +45,8 @@ pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], StoryE
         Ok(load(&path, &LoadOptions::default())?)
     };
     Ok([
-        read("quiet.parquet", &case.baseline)?,
-        read("field.parquet", &case.field)?,
-        read("later.parquet", &case.eval)?,
+        read("reference.parquet", &case.baseline)?,
+        read("log.parquet", &case.field)?,
+        read("evaluation.parquet", &case.eval)?,
     ])
 }

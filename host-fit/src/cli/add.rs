@@ -8,14 +8,15 @@ use super::arguments::{OutputFolder, Reading, library};
 use super::diagnose::print_diagnosis;
 use super::output::{Failure, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
+use super::units::Printed;
 use crate::plots;
 use fos_diagnose::refine::RefineError;
 use fos_diagnose::study::Study;
 
-/// Add a missing effect to the model of a study, and show the error after every step on data that were not fitted
+/// Add a missing effect to a model, and show by how much the error falls
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit add unit.json thermal_lag --from field.parquet --judge later.parquet\nExample: host-fit add unit.json --best"
+    after_help = "Example: fos add unit.json thermal_lag --from log.parquet --evaluate-on evaluation.parquet\nExample: fos add unit.json --best"
 )]
 pub(super) struct Add {
     /// The study
@@ -39,6 +40,8 @@ pub(super) struct Add {
     figures: Option<OutputFolder>,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the staircase as JSON
     #[arg(long)]
     json: bool,
@@ -52,7 +55,7 @@ impl Add {
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;
         let refiner = logs.refiner(&library);
         let named = logs.named(refiner.fitted_rows());
-        let bar = spinner("estimating and judging");
+        let bar = spinner("estimating and evaluating");
         let mut refinement = refiner.go_on(&study, &column, named)?;
         match &self.effect {
             Some(effect) => {
@@ -63,8 +66,8 @@ impl Add {
                 let steps = refiner.add_best(&refinement, |diagnosis, step| {
                     if !self.json {
                         bar.suspend(|| match step {
-                            Some(_) => print_line!("{}", diagnosis.sentence),
-                            None => print_diagnosis(diagnosis),
+                            None if self.printed.details => print_diagnosis(diagnosis, self.printed),
+                            _ => print_line!("{}", diagnosis.sentence),
                         });
                     }
                 })?;
@@ -85,11 +88,12 @@ impl Add {
         if self.json {
             return print_json(&refinement);
         }
-        print_refinement(&refinement);
+        print_refinement(&refinement, self.printed);
         print_line!("\nstudy written to {}", self.study.display());
         if let Some(folder) = &self.figures {
             print_line!("figure written to {}", folder.display());
         }
+        self.printed.print_hint();
         Ok(())
     }
 }

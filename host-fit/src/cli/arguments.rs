@@ -1,14 +1,16 @@
 //! Arguments that several subcommands share.
 
 use std::ffi::OsString;
+use std::io::Read as _;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{Failure, warning_in_words};
+use super::output::{Failure, first, warning_in_words};
+use super::units::{Printed, counted, three};
 use fos_data::disturbance;
-use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, RecordingError, load};
+use fos_data::recording::{ColumnMap, Format, LoadOptions, Rate, Recording, RecordingError, Stamps, load};
 use fos_data::stillness::Stillness;
 use fos_diagnose::effects::{EffectError, Library};
 
@@ -58,7 +60,7 @@ pub(super) struct Reading {
     /// The same, from a TOML file
     #[arg(long, value_name = "FILE")]
     pub(super) map_file: Option<PathBuf>,
-    /// The format of the log, where it is not found by the content; `host-fit formats` lists them
+    /// The format of the log, where it is not found by the content; `fos formats` lists them
     #[arg(long)]
     pub(super) format: Option<Format>,
     /// Which sensor, where a log has several: the number of an instance, the name of a topic
@@ -79,17 +81,17 @@ pub(super) struct Reading {
 impl Reading {
     /// Reads `log`.
     pub(super) fn read(&self, log: &Path) -> Result<Recording, Failure> {
-        Ok(load(log, &self.options()?)?)
+        load_log(log, &self.options()?)
     }
 
     /// Reads a log that is named in the arguments; `read` is of [`options_or`](Self::options_or). A sensor that was chosen before,
     /// in another file, is no reason to refuse one that has no choice of sensors.
     pub(super) fn read_named(&self, log: &Path, read: &LoadOptions) -> Result<Recording, Failure> {
+        let any_topic = LoadOptions { topic: None, ..read.clone() };
         match load(log, read) {
-            Err(RecordingError::NoEffect { .. }) if self.topic.is_none() => {
-                Ok(load(log, &LoadOptions { topic: None, ..read.clone() })?)
-            }
-            found => Ok(found?),
+            Err(RecordingError::NoEffect { .. }) if self.topic.is_none() => load_log(log, &any_topic),
+            Err(_) => load_log(log, read),
+            Ok(found) => Ok(found),
         }
     }
 
@@ -130,16 +132,35 @@ impl Reading {
 pub(super) fn library(files: &[PathBuf]) -> Result<Library, Failure> {
     Library::with_files(files).map_err(|error| match error {
         EffectError::NotAnEffect { place, reason } => format!(
-            "{place}: not an effect: {reason}\nhelp: `host-fit effects --example` prints a complete file to start from"
+            "{place}: not an effect: {reason}\nhelp: `fos effects --example` prints a complete file to start from"
         )
         .into(),
         _ => error.into(),
     })
 }
 
+/// Reads a log; a study in its place is recognised.
+fn load_log(log: &Path, options: &LoadOptions) -> Result<Recording, Failure> {
+    load(log, options).map_err(|error| match is_study(log) {
+        true => format!(
+            "{0}: a study, not a log\nhelp: give a log; `fos compare {0} LOG` and `fos diagnose {0} --from LOG` take both",
+            log.display()
+        )
+        .into(),
+        false => error.into(),
+    })
+}
+
+/// The file begins as a study does.
+pub(super) fn is_study(path: &Path) -> bool {
+    let mut begin = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(200).read_to_end(&mut begin));
+    read.is_ok() && begin.starts_with(b"{") && String::from_utf8_lossy(&begin).contains("fos-study/")
+}
+
 /// Reads several logs of one unit as one recording, never spliced.
 pub(super) fn read_all(logs: &[PathBuf], options: &LoadOptions) -> Result<Recording, Failure> {
-    let recordings = logs.iter().map(|log| load(log, options)).collect::<Result<Vec<_>, _>>()?;
+    let recordings = logs.iter().map(|log| load_log(log, options)).collect::<Result<Vec<_>, _>>()?;
     Ok(Recording::join(recordings)?)
 }
 
@@ -156,32 +177,46 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
 }
 
 /// What was read, in a few lines.
-pub(super) fn describe(recording: &Recording, stillness: &Stillness) -> String {
+pub(super) fn describe(recording: &Recording, stillness: &Stillness, printed: Printed) -> String {
     let rate = &recording.rate;
     let missing = recording.samples_missing();
     let read_as = recording.sources.iter().filter_map(|source| source.read_as.as_ref());
     let read_as: String = read_as.map(|read_as| format!("\n  {read_as}")).collect();
     format!(
-        "{}: {} rows in {:.1} s, {} segments, {missing} samples missing{read_as}\n  true rate {:.4} Hz, stamps {:?} with {:.2e} s of jitter{}",
+        "{}: {} rows in {:.1} s, {}, {missing} samples missing{read_as}\n  true rate {:.4} Hz, {}{}",
         recording.paths(),
         recording.n_rows(),
         recording.duration_s(),
-        recording.segments.len(),
+        counted(recording.segments.len(), "segment"),
         rate.true_hz,
-        rate.stamps,
-        rate.jitter_s,
-        quality(recording, stillness),
+        timestamps(rate),
+        quality(recording, stillness, printed),
     )
 }
 
-fn quality(recording: &Recording, stillness: &Stillness) -> String {
+fn timestamps(rate: &Rate) -> String {
+    let kind = match rate.stamps {
+        Stamps::Absent => return "no timestamps: the time is the row number over the rate".to_owned(),
+        Stamps::Regular => "regular timestamps",
+        Stamps::Jittered => "timestamps of every sample",
+        Stamps::Bursts => "timestamps in bursts",
+    };
+    let jitter = match rate.jitter_s < 1e-3 {
+        true => format!("{} µs", three(1e6 * rate.jitter_s)),
+        false => format!("{} ms", three(1e3 * rate.jitter_s)),
+    };
+    format!("{kind} with {jitter} of jitter")
+}
+
+fn quality(recording: &Recording, stillness: &Stillness, printed: Printed) -> String {
     let quality = recording.quality.to_string();
     let options = Reading::augment_args(clap::Command::new("options"));
     let oddities = recording.oddities(&stillness.still).into_iter();
     let oddities =
         oddities.map(|oddity| format!("caution: {}", warning_in_words(&oddity, options.get_arguments())));
-    let told = disturbance::told(recording, &stillness.disturbances).into_iter();
+    let moved = disturbance::told(recording, &stillness.disturbances);
+    let moved = first(moved, printed.at_most(3)).into_iter();
     let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
     let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);
-    lines.chain(told.map(|told| format!("moved: {told}"))).map(|line| format!("\n  {line}")).collect()
+    lines.chain(moved.map(|moved| format!("moved: {moved}"))).map(|line| format!("\n  {line}")).collect()
 }

@@ -9,9 +9,9 @@ use super::output::{Failure, number, print_json, print_line, progress, table};
 use crate::program::this_build;
 use fos_diagnose::batch;
 
-/// Diagnose and correct every case in a folder; what is done is kept, and a broken run goes on where it was
+/// Diagnose every case in a folder; interrupted runs resume
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit batch cases -o answers")]
+#[command(after_help = "Example: fos batch cases -o answers")]
 pub(super) struct Batch {
     /// The folder: one folder per case, with meta.json and its logs
     folder: PathBuf,
@@ -43,7 +43,7 @@ impl Batch {
         for answer in &answers.cases {
             let (verdict, findings) = match (&answer.diagnosis, &answer.error) {
                 (Some(diagnosis), _) => (
-                    format!("{:?}", diagnosis.verdict),
+                    diagnosis.verdict.words().to_owned(),
                     diagnosis.findings.iter().map(|f| f.effect.clone()).collect::<Vec<_>>().join(", "),
                 ),
                 (None, error) => ("error".to_owned(), error.clone().unwrap_or_default()),

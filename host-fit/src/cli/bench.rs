@@ -13,11 +13,13 @@ use crate::bench::{Settings, Timings, measure};
 /// Lengths of the records, samples: the paper's three minutes and an hour at 200 Hz.
 const SAMPLES: [usize; 2] = [36_000, 720_000];
 
-/// Time a fit on this machine, one thread: moments, search and refit, against a textbook search and against the
-/// machine's peak rate of multiply-adds, as ratios in one run; or with --commands whole commands, as one waits for them
+/// Time fits on this machine
+///
+/// One thread: moments, search and refit, against a textbook search and the machine's peak rate of multiply-adds, as
+/// ratios in one run; with --commands whole commands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit bench\nExample: host-fit bench --commands --against ../before/target/release/host-fit"
+    after_help = "Example: fos bench\nExample: fos bench --commands --against ../before/target/release/fos"
 )]
 pub(super) struct Bench {
     /// Largest output lag L

@@ -14,9 +14,9 @@ use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
 use fos_simulate::Disturbance;
 
-/// Simulate cases with hidden effects, diagnose them, and print how often the diagnosis is right
+/// Measure how often the diagnosis is right, on simulated cases
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit calibrate --cases 450 --seed 1")]
+#[command(after_help = "Example: fos calibrate --cases 450 --seed 1")]
 pub(super) struct Calibrate {
     /// Cases: a third with nothing missing
     #[arg(long, default_value_t = 450, value_parser = count(0..=100_000))]

@@ -6,11 +6,12 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, describe};
 use super::comparison_summary::{LEGEND, summary};
-use super::error_table::error_table;
-use super::output::{Failure, number, print_json, print_line, print_warning, progress, table};
+use super::error_table::{error_table, error_unit};
+use super::output::{Failure, grouped, print_json, print_line, print_warning, progress, table};
+use super::units::{ErrorUnit, Printed, three};
 use fos_diagnose::compare::{AxisComparison, Comparison, Judgement, compare_study, lags_off};
 use fos_diagnose::dependence::Dependence;
-use fos_fit::evaluate::ModelErrors;
+use fos_fit::evaluate::{ModelErrors, Stretch};
 
 use crate::curves::curves;
 use crate::figures::moved;
@@ -18,19 +19,21 @@ use crate::plots;
 use fos_data::recording::{LoadOptions, Recording};
 use fos_diagnose::study::{Study, load_again};
 
-/// Compare the model of a study with measurements and with plain rivals, and show where it fails
+/// Compare a model with a log and with simple rivals, and show where it fails
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit compare unit.json field.parquet --figures figures")]
+#[command(after_help = "Example: fos compare unit.json log.parquet --figures figures")]
 pub(super) struct Compare {
     /// The study
     study: PathBuf,
-    /// The log; by default the study's own, judged on the rows that were not fitted
+    /// The log; by default the study's own, evaluated on the rows that were not fitted
     log: Option<PathBuf>,
     /// Folder for the figures, SVG and PNG; made if it is not there
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the comparison as JSON
     #[arg(long)]
     json: bool,
@@ -64,9 +67,9 @@ impl Compare {
         }
         // where it still is what it was
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
-        let bar = progress(4, "judging");
+        let bar = progress(4, "evaluating");
         let judged = |model: &str| {
-            bar.set_message(&format!("judging: {model}"));
+            bar.set_message(&format!("evaluating: {model}"));
             bar.inc(1);
         };
         let Judgement { comparison, trace, stillness } =
@@ -79,11 +82,12 @@ impl Compare {
         if self.json {
             return print_json(&comparison);
         }
-        print_line!("{}", describe(&recording, &stillness));
-        print_comparison(&comparison);
+        print_line!("{}", describe(&recording, &stillness, self.printed));
+        print_comparison(&comparison, self.printed);
         if let Some(folder) = &self.figures {
             print_line!("\nfigures written to {}", folder.display());
         }
+        self.printed.print_hint();
         Ok(())
     }
 
@@ -94,55 +98,101 @@ impl Compare {
     }
 }
 
-/// The errors, the worst stretches and the dependences of every axis.
-pub(super) fn print_comparison(comparison: &Comparison) {
+/// A row for each axis, and where it fails; with `--details` all errors and dependences of every axis.
+fn print_comparison(comparison: &Comparison, printed: Printed) {
     let (begin, end) = comparison.judged_s;
-    print_line!("judged from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
-    if comparison.axes.len() > 1 {
-        print_line!("\n{}\n{LEGEND}", summary(comparison));
+    print_line!("evaluated from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
+    print_line!("\n{}\n{LEGEND}", summary(comparison, printed.units));
+    if printed.details {
+        return comparison.axes.iter().for_each(|axis| print_axis(axis, printed));
+    }
+    let of_axes = |remarks: fn(&AxisComparison) -> Vec<String>| {
+        let each = comparison
+            .axes
+            .iter()
+            .flat_map(move |axis| remarks(axis).into_iter().map(|remark| (axis.column.as_str(), remark)));
+        grouped(each, comparison.axes.len())
+    };
+    for caution in of_axes(cautions) {
+        print_line!("  caution: {caution}");
     }
     for axis in &comparison.axes {
-        print_axis(axis);
+        let unit = unit_of(axis, printed);
+        for stretch in axis.worst.iter().filter(stands_out).take(1) {
+            print_line!("  {} fails worst {}", axis.column, place(stretch, unit));
+        }
+    }
+    if let [axis] = &comparison.axes[..]
+        && let Some(dependence) = &axis.dependence
+    {
+        print_channels(dependence);
     }
 }
 
-fn print_axis(axis: &AxisComparison) {
-    print_line!("\n{}: {} rows; squares in ({})²", axis.column, axis.rows, axis.unit);
+/// A stretch is worth a line if its RMS is so many times that of the median stretch.
+const STANDS_OUT: f64 = 1.5;
+
+fn stands_out(stretch: &&Stretch) -> bool {
+    stretch.ratio >= STANDS_OUT
+}
+
+/// When, how badly, and what is special then.
+fn place(stretch: &Stretch, unit: ErrorUnit) -> String {
+    let special = stretch.special.iter().map(|special| format!("; {special}"));
+    format!(
+        "from {:.1} s to {:.1} s: {} {} RMS, {:.1} times the usual{}",
+        stretch.begin_s,
+        stretch.end_s,
+        unit.show(stretch.rms),
+        unit.label,
+        stretch.ratio,
+        special.collect::<String>()
+    )
+}
+
+fn unit_of(axis: &AxisComparison, printed: Printed) -> ErrorUnit {
+    error_unit(&axis.column, &axis.errors.iter().collect::<Vec<_>>(), printed.units)
+}
+
+fn cautions(axis: &AxisComparison) -> Vec<String> {
+    let own_noise = axis.dependence.as_ref().is_some_and(|dependence| !dependence.learnt);
+    let own_noise = own_noise.then(|| {
+        "the noise was estimated from these rows, as the log that was fitted is not at hand".to_owned()
+    });
+    axis.floor_cautions.iter().cloned().chain(own_noise).collect()
+}
+
+fn print_axis(axis: &AxisComparison, printed: Printed) {
+    let unit = unit_of(axis, printed);
+    print_line!("\n{}: {} rows", axis.column, axis.rows);
     let errors: Vec<&ModelErrors> = axis.errors.iter().collect();
-    print_line!("{}", error_table(&errors));
+    print_line!("{}", error_table(&errors, unit));
     match axis.noise_floor {
         Some((floor, (low, high))) => {
-            print_line!("  noise floor {} (95 %: {} … {})", number(floor), number(low), number(high));
+            let [floor, low, high] = [floor, low, high].map(|variance| unit.root(Some(variance)));
+            print_line!("  noise floor {floor} {} RMS (95 %: {low} … {high})", unit.label);
         }
         None => print_line!("  noise floor: not known, too little data"),
     }
-    for caution in &axis.floor_cautions {
+    for caution in cautions(axis) {
         print_line!("  caution: {caution}");
     }
-    print_line!("  where it fails worst, coasting for at most 60 s:");
-    for (index, stretch) in axis.worst.iter().enumerate() {
-        print_line!(
-            "  {}. {:.1} s – {:.1} s: rms {} {}, {:.1} times the usual, mean {}",
-            index + 1,
-            stretch.begin_s,
-            stretch.end_s,
-            number(stretch.rms),
-            axis.unit,
-            stretch.ratio,
-            number(stretch.mean)
-        );
-        for special in &stretch.special {
-            print_line!("     {special}");
-        }
-        if stretch.special.is_empty() {
-            print_line!("     nothing logged is special there");
-        }
+    let worst: Vec<&Stretch> = axis.worst.iter().filter(stands_out).collect();
+    match worst.is_empty() {
+        true => print_line!("  no stretch stands out: the RMS of none is {STANDS_OUT} times the usual"),
+        false => print_line!("  where it fails worst, in a free run of at most 60 s:"),
+    }
+    for (index, stretch) in worst.into_iter().enumerate() {
+        print_line!("  {}. {}", index + 1, place(stretch, unit));
     }
     match &axis.dependence {
-        Some(dependence) => print_dependence(dependence),
-        None => {
-            print_line!("  what it depends on: not known, too few blocks at rest to tell from drifting noise")
+        Some(dependence) => {
+            print_channels(dependence);
+            print_cells(dependence);
         }
+        None => print_line!(
+            "  dependence on channels: not known, too few blocks at rest to separate it from drifting noise"
+        ),
     }
 }
 
@@ -152,17 +202,12 @@ const SHOWN: usize = 4;
 /// Cells that are printed.
 const WORST_CELLS: usize = 5;
 
-fn print_dependence(dependence: &Dependence) {
+fn print_channels(dependence: &Dependence) {
     print_line!(
-        "  what is left of the slow error (less offset and physical part) against each channel, {} blocks of {:.1} s:",
+        "  residual of the slow error against each channel, {} blocks of {:.1} s:",
         dependence.blocks,
         dependence.block_s
     );
-    if !dependence.learnt {
-        print_line!(
-            "  caution: the noise was learnt from these rows themselves, as the log that was fitted is not at hand"
-        );
-    }
     let mut rows = table(&["  channel", "score", "p", "p of all", "best lag", "p of lag", ""]);
     let clear = dependence.channels.iter().filter(|channel| channel.is_clear()).count();
     for channel in dependence.channels.iter().take(clear.max(SHOWN)) {
@@ -187,6 +232,9 @@ fn print_dependence(dependence: &Dependence) {
     if others > 0 {
         print_line!("  and {others} more that it does not depend on");
     }
+}
+
+fn print_cells(dependence: &Dependence) {
     let (worst, cells) = (dependence.power.worst(), dependence.power.cells.len());
     if worst.is_empty() {
         print_line!("  by time and frequency: none of {cells} cells has more power than chance explains");
@@ -201,8 +249,8 @@ fn print_dependence(dependence: &Dependence) {
             "     {:.1} s – {:.1} s, {} – {} Hz: {:.1} times the usual, p {}",
             cell.begin_s,
             cell.end_s,
-            number(cell.low_hz),
-            number(cell.high_hz),
+            three(cell.low_hz),
+            three(cell.high_hz),
             cell.times,
             probability(cell.p)
         );

@@ -1,43 +1,64 @@
-//! Six axes at a glance: what `compare` begins with where a model has several.
+//! One row for each axis of a model: its slow error before and after, and by how much the RMS falls.
 
 use comfy_table::{CellAlignment, Table};
 
-use super::output::{optional, table};
-use fos_diagnose::compare::{AxisComparison, Comparison, MODEL};
+use super::error_table::error_unit;
+use super::output::table;
+use super::units::{Units, percent};
+use fos_diagnose::compare::{AxisComparison, Comparison};
 use fos_fit::evaluate::{ModelErrors, Rival};
 
-/// What the numbers of [`summary`] are.
-pub(super) const LEGEND: &str = "  error: root of the variance of 1-s means, coasting for at most 60 s; before: of the constant mean, left: of the model\n  \
-     removed: share of that variance; below 0 there is more of it than before";
+/// The quantities of [`table_of`].
+pub(super) const LEGEND: &str =
+    "  slow error: RMS of 1-s means in a free run of at most 60 s; before: constant mean, after: model";
 
-/// One line an axis: the error before and after, the share that the model removed, and what the rest depends on.
-pub(super) fn summary(comparison: &Comparison) -> Table {
-    let mut rows = table(&["  axis", "error before", "error left", "unit", "removed", "what is left"]);
+/// An axis with the errors of its rivals and, last, of its model.
+pub(super) struct Row<'a> {
+    pub(super) column: &'a str,
+    pub(super) errors: Vec<&'a ModelErrors>,
+    /// The last cell.
+    pub(super) remark: String,
+}
+
+/// `remark` heads the last column.
+pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
+    let mut rows = table(&["  axis", "slow error before", "after", "unit", "RMS reduction", remark]);
     for column in rows.column_iter_mut().skip(5) {
         column.set_cell_alignment(CellAlignment::Left);
     }
-    for axis in &comparison.axes {
-        let slow = |model: &str| {
-            let errors = axis.errors.iter().find(|errors| errors.model == model);
-            errors.and_then(|errors: &ModelErrors| errors.slow_error_coast)
-        };
-        let (before, left) = (slow(Rival::Mean.name()), slow(MODEL));
-        let removed =
-            before.zip(left).filter(|(before, _)| *before > 0.0).map(|(before, left)| 1.0 - left / before);
+    for Row { column, errors, remark } in axes {
+        let unit = error_unit(column, errors, units);
+        let mean = errors.iter().find(|errors| errors.model == Rival::Mean.name());
+        let slow = |errors: Option<&&ModelErrors>| errors.and_then(|errors| errors.slow_error_coast);
+        let (before, after) = (slow(mean), slow(errors.last()));
+        let reduction = before
+            .zip(after)
+            .filter(|(before, _)| *before > 0.0)
+            .map(|(before, after)| 1.0 - (after / before).sqrt());
         rows.add_row(vec![
-            format!("  {}", axis.column),
-            optional(before.map(f64::sqrt)),
-            optional(left.map(f64::sqrt)),
-            axis.unit.clone(),
-            removed.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
-            rest(axis),
+            format!("  {column}"),
+            unit.root(before),
+            unit.root(after),
+            unit.label.to_owned(),
+            reduction.map_or_else(|| "–".to_owned(), percent),
+            remark.clone(),
         ]);
     }
     rows
 }
 
+/// The axes of a comparison, with what their residual depends on.
+pub(super) fn summary(comparison: &Comparison, units: Units) -> Table {
+    let rows = comparison.axes.iter().map(|axis| Row {
+        column: &axis.column,
+        errors: axis.errors.iter().collect(),
+        remark: residual(axis),
+    });
+    table_of(&rows.collect::<Vec<_>>(), "residual", units)
+}
+
 /// In the words of the details.
-fn rest(axis: &AxisComparison) -> String {
+fn residual(axis: &AxisComparison) -> String {
     let Some(dependence) = &axis.dependence else { return "not known".to_owned() };
     let clear = dependence.channels.iter().filter(|channel| channel.is_clear());
     match &clear.map(|channel| channel.channel.as_str()).collect::<Vec<_>>()[..] {

@@ -5,10 +5,10 @@ use clap_complete::{Shell, generate};
 
 use super::output::Failure;
 
-/// Print a script that lets a shell complete subcommands and arguments
+/// Print completions for a shell
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit completions bash > ~/.local/share/bash-completion/completions/host-fit\nExample: host-fit completions zsh > ~/.zfunc/_host-fit"
+    after_help = "Example: fos completions bash > ~/.local/share/bash-completion/completions/fos\nExample: fos completions zsh > ~/.zfunc/_fos"
 )]
 pub(super) struct Completions {
     /// The shell
@@ -18,7 +18,7 @@ pub(super) struct Completions {
 impl Completions {
     /// For `program` with all its subcommands.
     pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
-        generate(self.shell, &mut program, "host-fit", &mut std::io::stdout());
+        generate(self.shell, &mut program, "fos", &mut std::io::stdout());
         Ok(())
     }
 }

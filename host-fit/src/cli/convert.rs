@@ -6,15 +6,16 @@ use clap::Args;
 
 use super::arguments::{OutputFile, Reading, describe};
 use super::output::{Failure, Written, print_line, print_warning, print_written};
+use super::units::Printed;
 use fos_data::column::Triad;
 use fos_data::recording::{SensorProvenance, check_log_path, write_columns};
 use fos_data::stillness::find;
 
-/// Write a log of any format as CSV or Parquet of the log format
+/// Convert a log of any supported format to CSV or Parquet
 ///
-/// Channels are named as in the log format and in SI units, sensors with stamps of their own joined onto one grid.
+/// Channels are named as in the log format and in SI units; streams with separate timestamps are resampled to a common time base.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit convert flight.ulg -o flight.parquet")]
+#[command(after_help = "Example: fos convert flight.ulg -o flight.parquet")]
 pub(super) struct Convert {
     /// The log
     log: PathBuf,
@@ -42,7 +43,7 @@ impl Convert {
         columns.extend(still.as_ref().map(|still| ("still", &still[..])));
         write_columns(&self.output, &columns)?;
         if !self.json {
-            print_line!("{}", describe(&recording, &find(&recording)));
+            print_line!("{}", describe(&recording, &find(&recording), Printed::default()));
         }
         let by = [Triad::Accelerometers, Triad::Gyros].map(|triad| recording.provenance(triad));
         if let Some(by) = by.iter().find_map(SensorProvenance::corrected_by) {

@@ -9,6 +9,7 @@ use serde_json::json;
 use super::arguments::OutputFolder;
 use super::output::{Failure, number, print_json, progress, say};
 use super::refinement::print_refinement;
+use super::units::Printed;
 use crate::curves::curves;
 use crate::export::{image, rust_source};
 use crate::figures::moved;
@@ -27,9 +28,9 @@ use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
 
-/// A hidden effect, from the failing model to the device: simulate, fit, compare, diagnose, add, export, replay
+/// See all steps on simulated data: fit, diagnose, add, export
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit demo --folder fos-demo")]
+#[command(after_help = "Example: fos demo --folder fos-demo")]
 pub(super) struct Demo {
     /// Folder for everything that is written; made if it is not there
     #[arg(long, default_value = "fos-demo")]
@@ -52,8 +53,8 @@ impl Demo {
         let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
         say!(
             self,
-            "1. Three logs of one simulated phone-class unit on a desk: a quiet one of {:.0} min, one of {:.0} min and a later one\n   \
-             of {:.0} min, in which the processor works and the phone warms up. Something happens to gyro x that no model has.",
+            "1. Three logs of a simulated phone on a desk: a reference log of {:.0} min, a log of {:.0} min in which the processor works\n   \
+             and the phone warms up, and a later evaluation log of {:.0} min. Two effects are hidden in gyro x.",
             minutes(&quiet),
             minutes(&field),
             minutes(&later)
@@ -92,7 +93,7 @@ impl Demo {
             quiet_error.and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
         say!(
             self,
-            "3. On the second log the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {}.",
+            "3. On the log to explain the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {}.",
             number(slow(before).to_degrees()),
             number(slow(in_quiet.map(|(errors, _)| errors)).to_degrees())
         );
@@ -129,7 +130,7 @@ impl Demo {
         plots::write_staircase(&path("figures"), &refinement)?;
         say!(self, "5. The error after every step, on the evaluation log, which nothing was fitted to:\n");
         if !self.json {
-            print_refinement(&refinement);
+            print_refinement(&refinement, Printed::default());
         }
 
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
@@ -146,7 +147,7 @@ impl Demo {
         });
         say!(
             self,
-            "\n6. The refined model is an image of {} bytes. fos-core ran it over the later log in f32, as on the device: no corrected\n   \
+            "\n6. The refined model is an image of {} bytes. fos-core ran it over the evaluation log in f32, as on the device: no corrected\n   \
              value of gyro x differs by more than {} rad/s from what the host computes in f64. Digest of all corrections: {:016x}.",
             bytes.len(),
             number(off),
@@ -154,7 +155,7 @@ impl Demo {
         );
         say!(
             self,
-            "Written to {}: quiet.parquet, field.parquet, later.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet\n({:.1} s). \
+            "Written to {}: reference.parquet, log.parquet, evaluation.parquet, study.json, figures, unit.fosm, model.rs, corrected.parquet\n({:.1} s). \
              Next: docs/finding-a-missing-effect.md does the same step by step.",
             self.folder.display(),
             began.elapsed().as_secs_f64()

@@ -1,25 +1,29 @@
 //! `diagnose`: what is missing from a model, or from none, on a log.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use clap::Args;
+use comfy_table::CellAlignment;
 
 use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
 use super::output::{
-    Failure, number, percent, print_json, print_line, print_verdict, print_warning, spinner, table,
+    Failure, first, grouped, percent, print_json, print_line, print_verdict, print_warning, spinner, table,
     with_flags,
 };
 use super::refinement::{LogArguments, column_of, read_logs};
-use fos_diagnose::detect::{Diagnosis, Finding, Question, Verdict, diagnose, with_measured_reduction};
+use super::units::{Printed, three};
+use fos_diagnose::detect::{
+    Diagnosis, Finding, Question, Size, Verdict, diagnose, with_measured_reduction, with_shared_signal,
+};
 use fos_diagnose::effects::{Band, Library};
 use fos_diagnose::study::Study;
 
-/// Say which physical effect is missing: what it is, how sure that is, and what the log cannot tell apart
+/// Find out why a sensor drifts: identify the missing physical effects
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit diagnose flight.ulg\nExample: host-fit diagnose field.parquet --quiet quiet.parquet --axis gx\nExample: host-fit diagnose unit.json --from field.parquet --axis gx"
+    after_help = "Example: fos diagnose flight.ulg\nExample: fos diagnose log.parquet --reference reference.parquet --axis gx\nExample: fos diagnose unit.json --from log.parquet --axis gx"
 )]
 pub(super) struct Diagnose {
     /// The log to explain; or a study (.json), whose model is taken off first
@@ -38,6 +42,8 @@ pub(super) struct Diagnose {
     full_scale: Option<f64>,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the answer as JSON
     #[arg(long)]
     json: bool,
@@ -56,7 +62,10 @@ impl Diagnose {
             return print_json(&answers);
         }
         read_as.iter().for_each(|line| print_line!("{line}"));
-        answers.iter().for_each(print_diagnosis);
+        match &answers[..] {
+            [_, _, ..] if !self.printed.details => print_overview(&answers, self.printed),
+            answers => answers.iter().for_each(|answer| print_diagnosis(answer, self.printed)),
+        }
         Ok(())
     }
 
@@ -64,8 +73,7 @@ impl Diagnose {
     fn of_log(&self, library: &Library) -> Result<(Vec<Diagnosis>, Vec<String>), Failure> {
         if self.logs.from.is_some() {
             return Err(
-                "--from goes with a study\nhelp: `host-fit diagnose STUDY --from LOG`, or the log alone"
-                    .into(),
+                "--from goes with a study\nhelp: `fos diagnose STUDY --from LOG`, or the log alone".into()
             );
         }
         let field = self.reading.read(&self.of)?;
@@ -102,9 +110,10 @@ impl Diagnose {
         for error in &refused {
             // what to do is what was done
             let said = error.to_string();
-            print_warning(&format!("left out: {}", said.split("\nhelp: ").next().unwrap_or_default()));
+            print_warning(&format!("excluded: {}", said.split("\nhelp: ").next().unwrap_or_default()));
         }
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
+        let answers = with_shared_signal(answers, &field)?;
         let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
         let joined = field.alignment.as_ref().map_or_else(String::new, ToString::to_string);
         said.extend(joined.lines().map(|line| format!("  {line}")));
@@ -124,20 +133,14 @@ impl Diagnose {
     }
 }
 
+/// Findings of one axis that a summary shows, and the remarks of one kind.
+const SHOWN: usize = 3;
+
 /// A diagnosis for people.
-pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
+pub(super) fn print_diagnosis(diagnosis: &Diagnosis, printed: Printed) {
     let is_good = diagnosis.verdict == Verdict::NothingMissing;
     print_verdict(&diagnosis.target, &diagnosis.sentence, is_good);
-    let options = Diagnose::augment_args(clap::Command::new("diagnose"));
-    for caution in &diagnosis.cautions {
-        print_line!("  caution: {}", with_flags(caution, options.get_arguments()));
-    }
-    for note in &diagnosis.notes {
-        print_line!("  note: {note}");
-    }
-    for moved in &diagnosis.moved {
-        print_line!("  moved: {moved}");
-    }
+    print_remarks(std::slice::from_ref(diagnosis), printed);
     let (faults, effects): (Vec<&Finding>, Vec<&Finding>) =
         diagnosis.findings.iter().partition(|finding| finding.band == Band::Data);
     if !effects.is_empty() {
@@ -145,36 +148,33 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
         let mut rows =
             table(&["  effect", "score", "size", "parameter", "predicted RMS reduction (90 %)", "measured"]);
         for finding in &effects {
-            rows.add_row(row(finding));
+            rows.add_row(row(finding, printed));
         }
         print_line!("{rows}");
-        for finding in &effects {
-            print_evidence(finding);
+        for line in effects.iter().flat_map(|finding| evidence(finding)) {
+            print_line!("  {line}");
         }
     }
     if !faults.is_empty() {
         print_line!("\n  faults of the data:");
         for fault in faults {
-            let params = fault.params.iter().map(|(name, value)| format!(" {name} {}", number(*value)));
+            let params = fault.params.iter().map(|(name, value)| format!(" {name} {}", three(*value)));
             print_line!("    {}{}", fault.effect, params.collect::<String>());
         }
     }
     if !diagnosis.leads.is_empty() {
         print_line!("\n  leads in the residual (not findings):");
-        for lead in diagnosis.leads.iter().take(5) {
-            print_line!("    {} (score {})", lead.follows, number(lead.score));
+        for lead in diagnosis.leads.iter().take(printed.at_most(SHOWN)) {
+            print_line!("    {} (score {})", lead.follows, three(lead.score));
         }
     }
-    let rejected: Vec<String> = diagnosis
-        .rejected
-        .iter()
-        .take(6)
-        .map(|rejected| format!("{} ({:.0})", rejected.effect, rejected.score))
-        .collect();
+    let rejected = diagnosis.rejected.iter().take(2 * SHOWN);
+    let rejected: Vec<String> =
+        rejected.map(|rejected| format!("{} ({:.0})", rejected.effect, rejected.score)).collect();
     if !rejected.is_empty() {
         print_line!("\n  tested alone and not chosen, with score: {}", rejected.join(", "));
     }
-    for rejected in &diagnosis.rejected {
+    for rejected in diagnosis.rejected.iter().take(printed.at_most(SHOWN)) {
         if let Some(why) = &rejected.why {
             print_line!("    {}: {why}", rejected.effect);
         }
@@ -182,39 +182,135 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis) {
     if !diagnosis.tested.is_empty() {
         print_line!("  tested: {}", diagnosis.tested.join(", "));
     }
-    let mut by_needs: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for untested in &diagnosis.untested {
-        by_needs.entry(untested.needs.join(", ")).or_default().push(&untested.effect);
-    }
-    for (needs, effects) in by_needs {
-        print_line!("  not tested, needs {needs}: {}", effects.join(", "));
-    }
-    print_line!(
-        "  noise estimated from {}; {} blocks of {:.2} s",
-        diagnosis.noise.learnt_from,
-        diagnosis.noise.blocks,
-        diagnosis.noise.block_s
-    );
+    print_tests(std::slice::from_ref(diagnosis));
+    printed.print_hint();
 }
 
-fn row(finding: &Finding) -> Vec<String> {
-    let sizes: Vec<String> = finding
-        .sizes
-        .iter()
-        .map(|size| {
-            let half = 0.5 * (size.interval[1] - size.interval[0]);
-            format!("{} ± {} {}", number(size.value), number(half), size.unit)
-        })
-        .collect();
+/// One row for each axis, then the remarks on all of them.
+fn print_overview(answers: &[Diagnosis], printed: Printed) {
+    let mut rows = table(&["axis", "verdict", "effects", "predicted RMS reduction", "measured"]);
+    for column in rows.column_iter_mut().skip(1).take(2) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    for answer in answers {
+        let effects: Vec<&Finding> = answer.findings.iter().take(SHOWN).collect();
+        let mut cell: Vec<String> = effects.iter().map(|finding| in_short(finding, printed)).collect();
+        match answer.findings.len() - effects.len() {
+            0 => {}
+            more => cell.push(format!("and {more} more")),
+        }
+        if let (true, Some(lead)) = (cell.is_empty(), answer.leads.first()) {
+            cell.push(format!("residual follows {}", lead.follows));
+        }
+        rows.add_row(vec![
+            answer.target.clone(),
+            answer.verdict.words().to_owned(),
+            cell.join(", "),
+            all_of(answer, |finding| Some(finding.predicted_reduction)),
+            all_of(answer, |finding| finding.measured_reduction),
+        ]);
+    }
+    print_line!("{rows}\n");
+    print_remarks(answers, printed);
+    let evidence = answers.iter().flat_map(|answer| {
+        let lines = answer.findings.iter().flat_map(evidence);
+        lines.map(|line| (answer.target.as_str(), line))
+    });
+    for line in grouped(evidence, answers.len()).into_iter().take(2 * SHOWN) {
+        print_line!("  {line}");
+    }
+    print_tests(answers);
+    let alarm = answers.iter().find(|answer| answer.verdict.is_alarm()).unwrap_or(&answers[0]);
+    print_line!("--axis {} prints one axis, --details all of them", alarm.target);
+}
+
+/// The reduction of the RMS with all findings of a slow or stochastic effect in the model.
+fn all_of(answer: &Diagnosis, reduction: impl Fn(&Finding) -> Option<f64>) -> String {
+    let claims = answer.findings.iter().filter(|finding| {
+        finding.doubt.is_none() && matches!(finding.band, Band::Slow) && finding.predicted_reduction != 0.0
+    });
+    let left: Option<Vec<f64>> = claims.map(|finding| Some(1.0 - reduction(finding)?)).collect();
+    match left {
+        Some(left) if !left.is_empty() => percent(1.0 - left.iter().product::<f64>()),
+        _ => "–".to_owned(),
+    }
+}
+
+/// Cautions, notes and disturbances, each once with the axes that it holds for.
+fn print_remarks(answers: &[Diagnosis], printed: Printed) {
+    let options = Diagnose::augment_args(clap::Command::new("diagnose"));
+    let of = |remarks: fn(&Diagnosis) -> &Vec<String>| {
+        let each = answers.iter().flat_map(move |answer| {
+            remarks(answer).iter().map(|remark| (answer.target.as_str(), remark.clone()))
+        });
+        grouped(each, answers.len())
+    };
+    for (kind, lines) in [
+        ("caution", of(|answer| &answer.cautions)),
+        ("note", of(|answer| &answer.notes)),
+        ("moved", of(|answer| &answer.moved)),
+    ] {
+        for line in first(lines, printed.at_most(2 * SHOWN)) {
+            print_line!("  {kind}: {}", with_flags(&line, options.get_arguments()));
+        }
+    }
+}
+
+/// What was not tested, and what the noise was estimated from, one line each.
+fn print_tests(answers: &[Diagnosis]) {
+    let mut needs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for untested in answers.iter().flat_map(|answer| &answer.untested) {
+        needs.entry(&untested.effect).or_default().extend(untested.needs.iter().map(String::as_str));
+    }
+    let mut effects: BTreeMap<BTreeSet<&str>, Vec<&str>> = BTreeMap::new();
+    for (effect, needs) in needs {
+        effects.entry(needs).or_default().push(effect);
+    }
+    let untested = effects.into_iter().map(|(needs, effects)| {
+        let verb = if effects.len() == 1 { "needs" } else { "need" };
+        format!("{} ({verb} {})", effects.join(", "), needs.into_iter().collect::<Vec<_>>().join(", "))
+    });
+    let untested: Vec<String> = untested.collect();
+    if !untested.is_empty() {
+        print_line!("  not tested: {}", untested.join("; "));
+    }
+    let noise = answers.iter().map(|answer| {
+        let noise = &answer.noise;
+        let text = format!(
+            "noise estimated from {}; {} blocks of {:.2} s",
+            noise.learnt_from, noise.blocks, noise.block_s
+        );
+        (answer.target.as_str(), text)
+    });
+    for line in grouped(noise, answers.len()) {
+        print_line!("  {line}");
+    }
+}
+
+fn sizes(finding: &Finding, printed: Printed, with_interval: bool) -> String {
+    let size = |size: &Size| {
+        let (value, unit) = printed.coefficient(size.value, &size.unit);
+        let (half, _) = printed.coefficient(0.5 * (size.interval[1] - size.interval[0]), &size.unit);
+        if with_interval { format!("{value} ± {half} {unit}") } else { format!("{value} {unit}") }
+    };
+    finding.sizes.iter().map(size).collect::<Vec<_>>().join(", ")
+}
+
+/// An effect with its size.
+fn in_short(finding: &Finding, printed: Printed) -> String {
+    format!("{} {}", finding.effect, sizes(finding, printed, false)).trim_end().to_owned()
+}
+
+fn row(finding: &Finding, printed: Printed) -> Vec<String> {
     let params: Vec<String> = finding
         .params
         .iter()
         .map(|(name, value)| match finding.params_interval.get(name) {
-            Some([low, high]) => format!("{name} {} ({} … {})", number(*value), number(*low), number(*high)),
-            None => format!("{name} {}", number(*value)),
+            Some([low, high]) => format!("{name} {} ({} … {})", three(*value), three(*low), three(*high)),
+            None => format!("{name} {}", three(*value)),
         })
         .collect();
-    let fall = match finding.predicted_reduction != 0.0 {
+    let predicted = match finding.predicted_reduction != 0.0 {
         true => format!(
             "{} ({} … {})",
             percent(finding.predicted_reduction),
@@ -226,23 +322,25 @@ fn row(finding: &Finding) -> Vec<String> {
     vec![
         format!("  {}", finding.effect),
         finding.score.map_or_else(|| "–".to_owned(), |score| format!("{score:.0}")),
-        sizes.join(", "),
+        sizes(finding, printed, true),
         params.join(", "),
-        fall,
+        predicted,
         finding.measured_reduction.map_or_else(String::new, percent),
     ]
 }
 
-fn print_evidence(finding: &Finding) {
-    if let Some(doubt) = &finding.doubt {
-        print_line!("  {}: not conclusive: {doubt}", finding.effect);
-    }
+/// Reasons for doubt, where the effect shows, and which effects are indistinguishable from it.
+fn evidence(finding: &Finding) -> Vec<String> {
+    let effect = &finding.effect;
+    let mut lines = Vec::new();
+    lines.extend(finding.doubt.as_ref().map(|doubt| format!("{effect}: not conclusive: {doubt}")));
     if let Some([begin, end]) = finding.shows_from_to_s {
         let against =
             finding.shows_against.as_ref().map(|column| format!("against {column}, ")).unwrap_or_default();
-        print_line!("  {}: shows {against}most from {begin:.1} s to {end:.1} s", finding.effect);
+        lines.push(format!("{effect}: shows {against}most from {begin:.1} s to {end:.1} s"));
     }
-    for separation in &finding.separate {
-        print_line!("  indistinguishable from {}: {}", separation.effect, separation.experiment);
-    }
+    lines.extend(finding.separate.iter().map(|separation| {
+        format!("{effect}: indistinguishable from {}: {}", separation.effect, separation.experiment)
+    }));
+    lines
 }

@@ -10,7 +10,7 @@ use fos_diagnose::effects::{EXAMPLE, Effect};
 
 /// List the library of physical effects, or explain one
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit effects thermal_lag")]
+#[command(after_help = "Example: fos effects thermal_lag")]
 pub(super) struct Effects {
     /// The effect to explain
     effect: Option<String>,
@@ -49,7 +49,7 @@ impl Effects {
                     rows.add_row(vec![effect.id.clone(), band, effect.equation.clone()]);
                 }
                 print_line!(
-                    "{rows}\n\n`host-fit effects ID` explains one; `--example` prints a file for one of your own"
+                    "{rows}\n\n`fos effects ID` explains one; `--example` prints a file for one of your own"
                 );
                 Ok(())
             }

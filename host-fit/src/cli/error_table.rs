@@ -2,12 +2,19 @@
 
 use comfy_table::Table;
 
-use super::output::{number, optional, table};
+use super::output::table;
+use super::units::{ErrorUnit, Units, three};
 use fos_fit::evaluate::ModelErrors;
 
-/// One column per model, one row per error.
-pub(super) fn error_table(models: &[&ModelErrors]) -> Table {
-    let mut header = vec!["  error".to_owned()];
+/// The unit in which the errors of these models are shown.
+pub(super) fn error_unit(column: &str, models: &[&ModelErrors], units: Units) -> ErrorUnit {
+    let slow = models.iter().filter_map(|model| model.slow_error_coast);
+    ErrorUnit::of(column, slow.fold(0.0, f64::max).sqrt(), units)
+}
+
+/// One column per model, one row per error, as RMS.
+pub(super) fn error_table(models: &[&ModelErrors], unit: ErrorUnit) -> Table {
+    let mut header = vec![format!("  RMS, {}", unit.label)];
     header.extend(models.iter().map(|model| model.model.clone()));
     let mut rows = table(&header);
     let mut add = |name: String, value: &dyn Fn(&ModelErrors) -> String| {
@@ -15,30 +22,39 @@ pub(super) fn error_table(models: &[&ModelErrors]) -> Table {
         row.extend(models.iter().map(|model| value(model)));
         rows.add_row(row);
     };
-    add("one-step MSE".into(), &|m| {
-        format!("{}{}", number(m.one_step_mse), if m.below_noise_floor { " (below floor!)" } else { "" })
+    let root = |variance: f64| unit.root(Some(variance));
+    add("one-step prediction error".into(), &|m| {
+        format!("{}{}", root(m.one_step_mse), if m.below_noise_floor { " (below floor!)" } else { "" })
     });
     let horizons: Vec<f64> = models.iter().flat_map(|m| &m.coast).map(|coast| coast.horizon_s).collect();
     for horizon in [1.0, 10.0, 60.0].into_iter().filter(|horizon| horizons.contains(horizon)) {
         let at = |m: &ModelErrors| m.coast.iter().find(|coast| coast.horizon_s == horizon).copied();
-        add(format!("coast MSE after {horizon} s"), &|m| optional(at(m).map(|coast| coast.mse)));
-        add("  standard error".into(), &|m| optional(at(m).map(|coast| coast.standard_error)));
+        add(format!("free run, {horizon} s ahead"), &|m| unit.root(at(m).map(|coast| coast.mse)));
+        // of the root: half that of the mean square, over the root
+        let error = |m: &ModelErrors| at(m).map(|coast| 0.5 * coast.standard_error / coast.mse.sqrt());
+        add("  ± standard error".into(), &|m| {
+            error(m).map_or_else(|| "–".to_owned(), |error| unit.show(error))
+        });
     }
-    add("coast MSE, never anew".into(), &|m| number(m.coast_whole_mse));
-    add("slow error, one-step".into(), &|m| optional(m.slow_error_one_step));
-    add("slow error, coast".into(), &|m| optional(m.slow_error_coast));
-    add("wide error, one-step".into(), &|m| number(m.wide_error_one_step));
-    add("wide error, coast".into(), &|m| number(m.wide_error_coast));
+    add("free run over the whole log".into(), &|m| root(m.coast_whole_mse));
+    add("slow error, one step ahead".into(), &|m| unit.root(m.slow_error_one_step));
+    add("slow error, free run".into(), &|m| unit.root(m.slow_error_coast));
+    add("broadband error, one step ahead".into(), &|m| root(m.wide_error_one_step));
+    add("broadband error, free run".into(), &|m| root(m.wide_error_coast));
     for tau in [1.0, 10.0, 100.0] {
         let at = |m: &ModelErrors| {
             m.allan.iter().find(|point| (point.tau_s / tau - 1.0).abs() < 0.1).map(|point| point.deviation)
         };
         if models.iter().any(|m| at(m).is_some()) {
-            add(format!("Allan deviation at {tau} s"), &|m| optional(at(m)));
+            add(format!("Allan deviation at {tau} s"), &|m| {
+                at(m).map_or_else(|| "–".to_owned(), |deviation| unit.show(deviation))
+            });
         }
     }
     if models.iter().any(|m| m.position_error_m.is_some()) {
-        add("position error, m (paper)".into(), &|m| optional(m.position_error_m));
+        add("position error, m (paper)".into(), &|m| {
+            m.position_error_m.map_or_else(|| "–".to_owned(), three)
+        });
     }
     if models.iter().any(|m| m.cautions > 0) {
         add("rows with a caution".into(), &|m| m.cautions.to_string());

@@ -15,18 +15,18 @@ use fos_data::recording::Source;
 use fos_diagnose::study::Study;
 use fos_fit::model::UnitModel;
 
-/// Write the model of a study as an image, as Rust source, as a C header; temperature tables for autopilots
+/// Export a model as an image, Rust, C, or PX4 and ArduPilot parameters
 ///
 /// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs
 /// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h. Says which hubs refuse
 /// the model, and what the one that takes it must be set up for.
 ///
 /// The tables for PX4 and ArduPilot are cubics of the temperature, which is all that these correct by: fitted to the log
-/// of the study anew, and judged beside the study itself.
+/// of the study, and evaluated on the same rows as the study itself.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
-    host-fit export unit.json --instance 0 --px4 unit.params --ardupilot unit.parm --judge later.parquet"
+    after_help = "Example: fos export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
+    fos export unit.json --instance 0 --px4 unit.params --ardupilot unit.parm --evaluate-on evaluation.parquet"
 )]
 pub(super) struct Export {
     /// The study

@@ -6,25 +6,26 @@ use clap::Args;
 use fos_core::GRAVITY_MPS2;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all};
-use super::error_table::error_table;
+use super::comparison_summary::{LEGEND, Row, table_of};
+use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
-use super::output::{Failure, number, print_json, print_line, progress, table};
+use super::output::{Failure, grouped, number, print_json, print_line, progress, table};
 use super::physical_terms::physical_terms;
+use super::units::{Printed, counted, three};
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
-use fos_fit::evaluate::ModelErrors;
 use fos_fit::fit::{
     AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axes, rest,
 };
 use fos_fit::signal::wavelet::Denoising;
 
-/// Fit nonlinear autoregressive models of the error of one or more axes
+/// Fit a model of the error of one or more axes
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit fit quiet.csv.gz --axis all -o unit.json")]
+#[command(after_help = "Example: fos fit reference.csv.gz --axis all -o unit.json")]
 pub(super) struct Fit {
-    /// The log, in any format that `host-fit formats` lists. Several of one unit are taken one after the other and never spliced
+    /// The log, in any format that `fos formats` lists. Several of one unit are taken one after the other and never spliced
     #[arg(required = true)]
     log: Vec<PathBuf>,
     /// gx, a column, several with commas, or all
@@ -67,7 +68,7 @@ pub(super) struct Fit {
     /// When to stop before: multiplicity (allows for the number of candidates), korenberg, never
     #[arg(long, default_value = "multiplicity")]
     stop: Stop,
-    /// Train on this share of the log, from its start (50%), or on so much of it (180s), at rest in it or not
+    /// Part of the log to train on, from its start: a share (50%) or a time (180s)
     #[arg(long, default_value = "50%")]
     train: Train,
     /// Take this off the error instead of its mean, in the axis' unit
@@ -84,6 +85,8 @@ pub(super) struct Fit {
     factory_corrected: bool,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the study as JSON
     #[arg(long)]
     json: bool,
@@ -134,7 +137,7 @@ impl Fit {
         let recording = read_all(&self.log, &read)?;
         let stillness = rest(&recording, options.train);
         if !self.json {
-            print_line!("{}", describe(&recording, &stillness));
+            print_line!("{}", describe(&recording, &stillness, self.printed));
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
@@ -145,46 +148,86 @@ impl Fit {
         if self.json {
             return print_json(&study);
         }
-        print_study(&study);
+        print_study(&study, self.printed);
         print_line!("\nstudy written to {}", self.output.display());
+        self.printed.print_hint();
         Ok(())
     }
 }
 
-/// The model of every axis and its errors.
-pub(super) fn print_study(study: &Study) {
+/// A row for each axis; with `--details` the model of every axis and all its errors.
+fn print_study(study: &Study, printed: Printed) {
     print_line!(
         "  at rest {:.1} % of the rows, known {}; trained on the first {} rows",
         100.0 * study.data.still_share,
         study.data.still_known_by.describe(),
         study.data.trained_rows
     );
+    let errors = |axis: usize| study.steps.iter().map(move |step| &step.errors[axis]);
+    let rows = study.axes.iter().enumerate().map(|(axis, report)| Row {
+        column: &report.column,
+        errors: errors(axis).collect(),
+        remark: terms(study, &report.column),
+    });
+    let rows: Vec<Row<'_>> = rows.collect();
+    let is_alone = study.axes.len() == 1;
+    if !printed.details {
+        print_line!("\n{}\n{LEGEND}, on rows that were not fitted", table_of(&rows, "terms", printed.units));
+    }
     for report in &study.axes {
-        print_selection(report);
+        if printed.details || is_alone {
+            print_selection(report, printed);
+        }
         if let Some(axis) = study.model.axes.iter().find(|axis| axis.column == report.column) {
-            let terms = physical_terms(&study.model, axis);
+            let terms = physical_terms(&study.model, axis, printed.units);
             if !terms.is_empty() {
-                print_line!("  physical part, in the units of the log:");
-                terms.iter().for_each(|term| print_line!("    {term}"));
+                print_line!("  physical part of {}: {}", report.column, terms.join("; "));
             }
         }
     }
-    for (axis, report) in study.axes.iter().enumerate() {
-        print_line!("\n{}: errors on the rows that were not fitted", report.column);
-        let errors: Vec<&ModelErrors> = study.steps.iter().map(|step| &step.errors[axis]).collect();
-        print_line!("{}", error_table(&errors));
+    let cautions = study
+        .axes
+        .iter()
+        .flat_map(|report| cautions(report).into_iter().map(|caution| (report.column.as_str(), caution)));
+    for caution in grouped(cautions, study.axes.len()) {
+        print_line!("  caution: {caution}");
+    }
+    if !printed.details {
+        return;
+    }
+    for Row { column, errors, .. } in &rows {
+        print_line!("\n{column}: errors on the rows that were not fitted");
+        print_line!("{}", error_table(errors, error_unit(column, errors, printed.units)));
     }
 }
 
-fn print_selection(report: &AxisReport) {
+/// How many terms the model of an axis has.
+fn terms(study: &Study, column: &str) -> String {
+    let axis = study.model.axes.iter().find(|axis| axis.column == column);
+    axis.map_or(0, |axis| axis.stochastic.len() + axis.physical.len()).to_string()
+}
+
+fn cautions(report: &AxisReport) -> Vec<String> {
+    let outliers = (report.spikes > 0).then(|| format!("{} excluded", counted(report.spikes, "outlier")));
+    let left_out = report.left_out.iter().map(|LeftOut { input, coefficient, standard_error }| {
+        format!(
+            "{input} is excluded from the physical part: {} ± {} (scaled) is nothing but noise on these rows",
+            three(*coefficient),
+            three(*standard_error)
+        )
+    });
+    outliers.into_iter().chain(left_out).collect()
+}
+
+fn print_selection(report: &AxisReport, printed: Printed) {
     print_line!(
-        "\n{}: {}, {} candidates over {} rows; {}; condition number {}",
+        "\n{}: {}, {} over {} rows; {}; condition number {}",
         report.column,
         report.method,
-        report.candidates,
+        counted(report.candidates, "candidate"),
         report.rows,
         report.stopped,
-        number(report.condition_number)
+        three(report.condition_number)
     );
     if !report.steps.is_empty() {
         let mut steps = table(&["  term", "MSE reduction", "ERR", "MSE after"]);
@@ -206,23 +249,13 @@ fn print_selection(report: &AxisReport) {
             _ => String::new(),
         };
         print_line!(
-            "  pose {number_of}, with a constant of its own: from {:.1} s on, {} m/s²{away}",
+            "  orientation {number_of}, with a separate constant: from {:.1} s on, {} m/s²{away}",
             pose.from_s,
             force.join(", ")
         );
     }
-    if report.spikes > 0 {
-        print_line!("  caution: {} samples are no measurements and were left out", report.spikes);
-    }
-    for LeftOut { input, coefficient, standard_error } in &report.left_out {
-        print_line!(
-            "  caution: {input} is left out of the physical part: {} ± {} (scaled) is nothing but noise on these rows",
-            number(*coefficient),
-            number(*standard_error)
-        );
-    }
-    if !report.ties.is_empty() {
-        print_line!("  as good, as far as these data tell (n·ln of the MSE ratio):");
+    if printed.details && !report.ties.is_empty() {
+        print_line!("  equally good on these data (n·ln of the MSE ratio):");
         for tie in &report.ties {
             print_line!("    {} for {}: {:.2}", tie.enters.join(", "), tie.leaves.join(", "), tie.deviance);
         }

@@ -7,7 +7,7 @@ use fos_data::recording::{Format, KNOWN_FORMATS};
 
 /// List the formats of logs that are read, or explain one
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit formats ulog")]
+#[command(after_help = "Example: fos formats ulog")]
 pub(super) struct Formats {
     /// The format to explain
     format: Option<Format>,
@@ -46,7 +46,7 @@ impl Formats {
                     rows.add_row(vec![known.id, known.name, known.files]);
                 }
                 print_line!(
-                    "{rows}\n\na log is told by its content; `host-fit formats FORMAT` says what is read of it and what to look out for"
+                    "{rows}\n\na log is told by its content; `fos formats FORMAT` says what is read of it and what to look out for"
                 );
                 Ok(())
             }

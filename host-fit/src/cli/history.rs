@@ -7,18 +7,21 @@ use clap::Args;
 use super::arguments::OutputFolder;
 use super::output::{Failure, print_json, print_line};
 use super::refinement::print_refinement;
+use super::units::Printed;
 use crate::plots;
 use fos_diagnose::study::Study;
 
-/// Show which effects were added to a study, and the error after each
+/// Show the added effects, and the error after each
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit history unit.json --figures figures")]
+#[command(after_help = "Example: fos history unit.json --figures figures")]
 pub(super) struct History {
     /// The study
     study: PathBuf,
     /// Folder for the pictures of the staircases, SVG and PNG; made if it is not there
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the staircases as JSON
     #[arg(long)]
     json: bool,
@@ -36,9 +39,11 @@ impl History {
             return print_json(&study.refinements);
         }
         if study.refinements.is_empty() {
-            print_line!("nothing was added\nhelp: `host-fit add STUDY EFFECT --from LOG` adds an effect");
+            print_line!("nothing was added\nhelp: `fos add STUDY EFFECT --from LOG` adds an effect");
+            return Ok(());
         }
-        study.refinements.iter().for_each(print_refinement);
+        study.refinements.iter().for_each(|refinement| print_refinement(refinement, self.printed));
+        self.printed.print_hint();
         Ok(())
     }
 }

@@ -1,19 +1,21 @@
 //! `inspect`: what is in an image.
 
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fos_core::Image;
 use fos_core::image::VERSION;
 use serde_json::{Value, json};
 
+use super::arguments::is_study;
 use super::output::{Failure, print_json, print_line, print_text};
 use crate::export::{current, description, version};
 use fos_data::file;
 
 /// Show what is in a model image
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit inspect unit.fosm")]
+#[command(after_help = "Example: fos inspect unit.fosm")]
 pub(super) struct Inspect {
     /// The image
     image: PathBuf,
@@ -25,7 +27,7 @@ pub(super) struct Inspect {
 impl Inspect {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bytes = file::read(&self.image)?;
-        let of_image = |error| format!("{}: {error}", self.image.display());
+        let of_image = |error| not_an_image(&self.image, &error);
         let today = current(&bytes).map_err(of_image)?;
         let image = Image::parse(&today).map_err(of_image)?;
         // it has one: it was read
@@ -37,6 +39,17 @@ impl Inspect {
         print_text!("{}", description(&image));
         Ok(())
     }
+}
+
+/// A file that is no image; of a study with the command that makes one.
+pub(super) fn not_an_image(path: &Path, error: &impl Display) -> String {
+    let help = match is_study(path) {
+        true => {
+            format!("\nhelp: `fos export {} --image unit.fosm` makes an image of a study", path.display())
+        }
+        false => String::new(),
+    };
+    format!("{}: {error}{help}", path.display())
 }
 
 fn as_json(image: &Image<'_>, version: u16) -> Value {

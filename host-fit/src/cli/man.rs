@@ -10,7 +10,7 @@ use fos_data::file::{make_folder, write_atomically};
 
 /// Write manual pages, one for each subcommand
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit man ~/.local/share/man/man1 && man host-fit-add")]
+#[command(after_help = "Example: fos man ~/.local/share/man/man1 && man fos-add")]
 pub(super) struct Man {
     /// The folder; made if it is not there
     folder: OutputFolder,
@@ -25,8 +25,7 @@ impl Man {
         make_folder(&self.folder)?;
         program.build();
         let pages = subcommands_of(&program).into_iter().filter(|(words, _)| words != "help");
-        let pages =
-            pages.map(|(words, command)| command.name(format!("host-fit-{}", words.replace(' ', "-"))));
+        let pages = pages.map(|(words, command)| command.name(format!("fos-{}", words.replace(' ', "-"))));
         let mut written = Vec::new();
         for command in std::iter::once(program.clone()).chain(pages) {
             let path = self.folder.join(format!("{}.1", command.get_name()));

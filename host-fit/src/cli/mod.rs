@@ -37,6 +37,7 @@ mod simulate_case;
 mod table;
 mod temperature_tables;
 mod undo;
+mod units;
 mod world;
 
 use std::process::ExitCode;
@@ -46,10 +47,9 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use output::Failure;
 
-/// Fits models of inertial sensor error with Fast Orthogonal Search, compares them with the measurements, exports them
-/// to the device.
+/// Models the bias drift of MEMS gyros and accelerometers from a log, and removes it in firmware
 #[derive(Debug, Parser)]
-#[command(name = "host-fit", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "fos", version, arg_required_else_help = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -85,9 +85,45 @@ enum Command {
     Man(man::Man),
 }
 
+/// The program in a few lines: the subcommands that most people need.
+const START: &str = "\
+fos models the bias drift of MEMS gyros and accelerometers from a log.
+
+  fos diagnose LOG             find out why a sensor drifts
+  fos fit LOG -o unit.json     fit a model for the device
+  fos noise LOG                noise values for a filter, from a log at rest
+
+`fos demo` shows everything on simulated data, `fos --help` lists all commands.";
+
+/// The subcommands by what they are for.
+const GROUPS: &[(&str, &[&str])] = &[
+    ("Start here", &["demo", "diagnose", "fit", "noise", "serve"]),
+    ("Improve a model", &["compare", "add", "undo", "history", "report", "effects"]),
+    ("Device", &["export", "inspect", "replay", "record"]),
+    ("Logs", &["formats", "convert", "simulate"]),
+    ("Many devices and cases", &["fleet", "batch"]),
+    ("Checks of fos itself", &["calibrate", "table", "bench"]),
+    ("Shell", &["completions", "man"]),
+];
+
 /// The subcommands and their arguments, as clap knows them.
 pub fn command() -> clap::Command {
-    Cli::command()
+    let program = Cli::command();
+    let groups: String = GROUPS
+        .iter()
+        .map(|(title, names)| {
+            let known = names.iter().filter_map(|name| program.find_subcommand(name));
+            let line = |one: &clap::Command| {
+                let about = one.get_about().map(ToString::to_string).unwrap_or_default();
+                format!("  {:<12} {about}\n", one.get_name())
+            };
+            format!("{title}:\n{}\n", known.map(line).collect::<String>())
+        })
+        .collect();
+    let template = format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}\n\n`fos help COMMAND` explains a command"
+    );
+    program.help_template(template)
 }
 
 /// Every subcommand, those of subcommands too, with the words that call it: `fleet`, `fleet report`.
@@ -172,7 +208,9 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
 
 /// Help, which is ours, as clap prints it; an error, which repeats what was given, as every other.
 fn answer_of_clap(answer: &clap::Error) -> ExitCode {
-    if answer.use_stderr() && answer.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+    if std::env::args_os().len() <= 1 {
+        output::print(format_args!("{START}\n"));
+    } else if answer.use_stderr() && answer.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let text = answer.render().to_string();
         output::print_error(&text.trim_start_matches("error: ").trim_end());
     } else if answer.print().is_err() {
@@ -180,4 +218,21 @@ fn answer_of_clap(answer: &clap::Error) -> ExitCode {
     }
     // as Unix has it, a code is of eight bits
     ExitCode::from(answer.exit_code() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_subcommand_stands_in_one_group_of_the_help() {
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
+        grouped.sort_unstable();
+        let mut all: Vec<String> =
+            subcommands().into_iter().map(|(words, _)| words).filter(|words| !words.contains(' ')).collect();
+        all.sort_unstable();
+        if cfg!(feature = "workbench") {
+            assert_eq!(grouped, all);
+        }
+    }
 }

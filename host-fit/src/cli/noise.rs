@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::arguments::{OutputFile, Reading, axes, describe};
 use super::output::{Failure, number, print_json, print_line, print_warning, spinner, table};
+use super::units::Printed;
 use crate::export::{NoiseModel, NoiseUnits, allan_csv, imu_yaml, orb_slam3, vins};
 use crate::figures::noise::allan_of_noise;
 use crate::figures::write_svg;
@@ -19,17 +20,15 @@ use fos_fit::noise::{AxisNoise, Level, axis_noise};
 /// A temperature that moves by more than this moves what is measured, K.
 const STEADY_K: f64 = 2.0;
 
-/// White noise N, bias instability B and random walk K of every axis of a log at rest, and the files that want them
+/// Estimate noise density, bias instability and random walk; write imu.yaml
 ///
 /// Each with the interval that holds it with 90 %. Motion, knocks and samples that are no measurements are left out.
 /// What a log is too short to tell is said, with how long one would have to be. N and K are those that Kalibr, OpenVINS
 /// and ORB-SLAM3 ask for.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: host-fit noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml"
-)]
+#[command(after_help = "Example: fos noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml")]
 pub(super) struct Noise {
-    /// The log of a unit lying still, in any format that `host-fit formats` lists
+    /// The log of a unit lying still, in any format that `fos formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
@@ -87,7 +86,7 @@ impl Noise {
                 &json!({ "rate_hz": recording.rate.true_hz, "axes": found, "written": files }),
             );
         }
-        print_line!("{}", describe(&recording, &stillness));
+        print_line!("{}", describe(&recording, &stillness, Printed::default()));
         print_noise(&found);
         for (path, what) in written {
             print_line!("{}: {what}", path.display());
@@ -134,7 +133,7 @@ fn warn(recording: &Recording, stillness: &Stillness) {
         print_warning(&format!(
             "the temperature moves from {low:.1} to {high:.1} °C: what it does to the bias counts as B and K here\nhelp: \
              record at a steady temperature, after a warm-up; or fit the temperature and take the noise of what \
-             `host-fit replay` leaves"
+             `fos replay` leaves"
         ));
     }
 }

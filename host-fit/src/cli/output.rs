@@ -16,10 +16,12 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::units;
 use crate::escaping::{quoted, visible_json};
 use fos_data::recording::{Oddity, RecordingError};
 pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};
+use fos_diagnose::study::StudyError;
 
 /// Any error on its way to the exit code.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
@@ -104,6 +106,13 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
 /// paste.
 pub(super) fn in_words(failure: &Failure) -> String {
     let said = failure.to_string();
+    if let Some(StudyError::NotAStudy { path, .. }) = failure.downcast_ref()
+        && !path.ends_with(".json")
+    {
+        return format!(
+            "{path}: a log, not a study\nhelp: `fos fit {path} -o unit.json` makes a study of a log"
+        );
+    }
     let (maps, with_rate) = match failure.downcast_ref() {
         Some(RecordingError::Undecided { maps, .. }) => (maps, false),
         Some(RecordingError::NoHeader { maps, needs_rate, .. }) if !maps.is_empty() => (maps, *needs_rate),
@@ -212,6 +221,32 @@ pub(super) fn table<S: ToString>(header: &[S]) -> Table {
     table
 }
 
+/// Remarks on axes, each once with the axes that it holds for; those on all of `axes` axes without names.
+pub(super) fn grouped<'a>(remarks: impl IntoIterator<Item = (&'a str, String)>, axes: usize) -> Vec<String> {
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
+    for (axis, remark) in remarks {
+        match found.iter_mut().find(|(known, _)| *known == remark) {
+            Some((_, of)) => of.push(axis),
+            None => found.push((remark, vec![axis])),
+        }
+    }
+    let line = |(remark, of): (String, Vec<&str>)| match of.len() == axes {
+        true => remark,
+        false => format!("{}: {remark}", of.join(", ")),
+    };
+    found.into_iter().map(line).collect()
+}
+
+/// At most so many lines, the last of which says how many more there are.
+pub(super) fn first(mut lines: Vec<String>, most: usize) -> Vec<String> {
+    let more = lines.len().saturating_sub(most);
+    if more > 0 {
+        lines.truncate(most);
+        lines.push(format!("and {more} more"));
+    }
+    lines
+}
+
 /// A number in four significant digits, or a dash where there is none.
 pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), number)
@@ -259,12 +294,20 @@ pub(super) fn spinner(what: &str) -> Bar {
 
 /// A reduction of a variance as that of the RMS.
 pub(super) fn percent(of_variance: f64) -> String {
-    format!("{:.1} %", 100.0 * rms_reduction(of_variance))
+    units::percent(rms_reduction(of_variance))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::sparkline;
+    use super::{first, grouped, sparkline};
+
+    #[test]
+    fn a_remark_on_several_axes_stands_once() {
+        let remarks =
+            [("gx", "short"), ("gy", "short"), ("gx", "hot")].map(|(axis, text)| (axis, text.to_owned()));
+        assert_eq!(grouped(remarks.clone(), 2), ["short", "gx: hot"]);
+        assert_eq!(first(grouped(remarks, 3), 1), ["gx, gy: short", "and 1 more"]);
+    }
 
     #[test]
     fn a_staircase_that_falls_is_seen_to_fall() {

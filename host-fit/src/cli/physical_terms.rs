@@ -1,38 +1,34 @@
-//! The terms of a physical part in the units of the log, as a data sheet has them: `0.0123 ± 0.0004 (rad/s)/°C of
+//! The terms of a physical part in the units of the log, as a data sheet has them: `0.0123 ± 0.0004 (°/s)/K of
 //! temp_c`. Inputs and axes are scaled while fitting; a coefficient there means nothing to a reader.
 
 use fos_core::{Channel, Factor, Source, Transform};
 
-use super::output::number;
+use super::units::{ErrorUnit, Units, three};
 use fos_data::column::Column;
-use fos_diagnose::effects::SizeUnit;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
-/// A line for every term of the physical part of an axis.
-pub(super) fn physical_terms(model: &UnitModel, axis: &FittedAxis) -> Vec<String> {
-    axis.physical.iter().map(|term| line(model, axis, term)).collect()
+/// The terms of the physical part of an axis.
+pub(super) fn physical_terms(model: &UnitModel, axis: &FittedAxis, units: Units) -> Vec<String> {
+    axis.physical.iter().map(|term| line(model, axis, term, units)).collect()
 }
 
-fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm) -> String {
+fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm, units: Units) -> String {
     let parts: Vec<Part> = term.factors.iter().filter_map(|factor| Part::of(model, *factor)).collect();
     let per_scaled = axis.parameters.scale / parts.iter().map(|part| part.scale).product::<f64>();
     let (value, error) =
         (term.coefficient * per_scaled, term.standard_error.map(|error| error * per_scaled.abs()));
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
-    let column = Column::named(&axis.column);
-    let unit = ratio(column.unit().label(), &parts);
-    let mut text = number(value);
+    // °/s and mg, as on data sheets
+    let shown = ErrorUnit::of(&axis.column, f64::INFINITY, units);
+    let unit = ratio(shown.label, &parts);
+    let mut text = shown.show(value);
     if let Some(error) = error {
-        text += &format!(" ± {}", number(error));
+        text += &format!(" ± {}", shown.show(error));
     }
     if !unit.is_empty() {
         text += &format!(" {unit}");
     }
     text += &format!(" of {}", names.join(" · "));
-    if column.is_angular_rate() || column.is_specific_force() {
-        let sheet = SizeUnit::of_axis(column);
-        text += &format!(" ({} {})", number(value / sheet.si), ratio(&sheet.to_string(), &parts));
-    }
     // a product is told about where its inputs were centred: elsewhere it is another slope of each
     if let [_, _, ..] = parts[..] {
         let about: Vec<String> = parts.iter().filter_map(Part::about).collect();
@@ -88,7 +84,11 @@ impl Part {
         };
         let label = quantity.map_or("", |logged| Column::named(&logged.column).unit().label());
         // one whose name does not say its unit has one all the same
-        let own = if quantity.is_some() && label.is_empty() { "unit" } else { label };
+        let own = match label {
+            "" if quantity.is_some() => "unit",
+            "°C" => "K",
+            label => label,
+        };
         let (unit, scale) = match input.transform {
             Transform::Identity
             | Transform::LowPass { .. }
@@ -116,7 +116,7 @@ impl Part {
 
     fn about(&self) -> Option<String> {
         let (column, centre, label) = self.centre.as_ref()?;
-        Some(format!("{column} = {} {label}", number(*centre)).trim_end().to_owned())
+        Some(format!("{column} = {} {label}", three(*centre)).trim_end().to_owned())
     }
 }
 
@@ -180,7 +180,7 @@ mod tests {
 
     fn lines(column: &str, logged: [&str; 2], transform: Transform<f64>) -> Vec<String> {
         let model = model(column, logged, transform);
-        physical_terms(&model, &model.axes[0])
+        physical_terms(&model, &model.axes[0], Units::Field)
     }
 
     #[test]
@@ -188,42 +188,22 @@ mod tests {
         let of = |column, logged: [&str; 2], transform| lines(column, logged, transform)[0].clone();
         let tau_s = 10.0;
         for (column, logged, transform, says) in [
-            (
-                "gx_rads",
-                "temp_c",
-                Transform::Identity,
-                "-4.000e-4 ± 2.000e-4 (rad/s)/°C of first (-0.02292 dps/°C)",
-            ),
-            (
-                "ax_mps2",
-                "supply_v",
-                Transform::Identity,
-                "-4.000e-4 ± 2.000e-4 (m/s²)/V of first (-0.04079 mg/V)",
-            ),
-            (
-                "gx_rads",
-                "ax_mps2",
-                Transform::LowPass { tau_s },
-                "(rad/s)/(m/s²) of first (-0.02292 dps/(m/s²))",
-            ),
-            ("gx_rads", "temp_c", Transform::Rate { tau_s }, "(rad/s)/(°C/s) of first"),
+            ("gx_rads", "temp_c", Transform::Identity, "-0.0229 ± 0.0115 (°/s)/K of first"),
+            ("ax_mps2", "supply_v", Transform::Identity, "-0.0408 ± 0.0204 mg/V of first"),
+            ("gx_rads", "ax_mps2", Transform::LowPass { tau_s }, "-0.0229 ± 0.0115 (°/s)/(m/s²) of first"),
+            ("gx_rads", "temp_c", Transform::Rate { tau_s }, "(°/s)/(K/s) of first"),
             // the scale of the input squared
             (
                 "gx_rads",
                 "ax_mps2",
                 Transform::Variance { tau_s },
-                "-1.600e-4 ± 8.000e-5 (rad/s)/(m/s²)² of first",
+                "-0.00917 ± 0.00458 (°/s)/(m/s²)² of first",
             ),
-            ("gx_rads", "charge_a", Transform::Identity, "(rad/s)/unit of first"),
+            ("gx_rads", "charge_a", Transform::Identity, "(°/s)/unit of first"),
             // a plain number, whatever the input's scale
-            (
-                "gx_rads",
-                "temp_c",
-                Transform::Decay { tau_s },
-                "-0.001000 ± 5.000e-4 rad/s of first (-0.05730 dps)",
-            ),
-            ("gx_rads", "temp_c", Transform::Time, "(rad/s)/s of first"),
-            ("wind", "temp_c", Transform::Identity, "-4.000e-4 ± 2.000e-4 /°C of first"),
+            ("gx_rads", "temp_c", Transform::Decay { tau_s }, "-0.0573 ± 0.0286 °/s of first"),
+            ("gx_rads", "temp_c", Transform::Time, "(°/s)/s of first"),
+            ("wind", "temp_c", Transform::Identity, "-0.000400 ± 0.000200 /K of first"),
         ] {
             let said = of(column, [logged, "supply_v"], transform);
             assert!(said.contains(says), "{said}\n{says}");
@@ -233,8 +213,8 @@ mod tests {
     #[test]
     fn a_product_is_told_per_both_of_its_units_and_about_what() {
         let said = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
-        let says = "-0.008000 ± 0.004000 (rad/s)/(°C·V) of first · second";
+        let says = "-0.458 ± 0.229 (°/s)/(K·V) of first · second";
         assert!(said.starts_with(says), "{said}");
-        assert!(said.ends_with(", about temp_c = 25.00 °C, supply_v = 3.300 V"), "{said}");
+        assert!(said.ends_with(", about temp_c = 25.0 °C, supply_v = 3.30 V"), "{said}");
     }
 }

@@ -16,13 +16,13 @@ use crate::record::{Report, record};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{check_log_path, write_columns};
 
-/// Turn the telemetry of a device into a log that diagnose takes
+/// Record the telemetry of a device as a log
 ///
 /// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written,
-/// that is removed. After a cut of power, or where the recording was killed, `host-fit record LOG.telemetry -o LOG`
+/// that is removed. After a cut of power, or where the recording was killed, `fos record LOG.telemetry -o LOG`
 /// makes the log of it.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit record /dev/ttyACM0 --seconds 600 -o field.parquet")]
+#[command(after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o log.parquet")]
 pub(super) struct Record {
     /// The stream: a serial port that is set up (stty), a FIFO, a file, or - for standard input
     stream: PathBuf,
@@ -61,7 +61,7 @@ impl Record {
             });
         match (done, kept) {
             (Err((true, failure)), Some(kept)) => Err(format!(
-                "{failure}\nwhat arrived is in {0}: `host-fit record {0} -o {1}` makes a log of it",
+                "{failure}\nwhat arrived is in {0}: `fos record {0} -o {1}` makes a log of it",
                 kept.path().display(),
                 self.output.display()
             )
@@ -78,7 +78,7 @@ impl Record {
         let (kept, left) = Kept::beside(&self.output)?;
         for left in left {
             print_warning(&format!(
-                "{0} is what a recording left that was broken off; it stays: `host-fit record {0} -o LOG` makes a log of it",
+                "{0} is what a recording left that was broken off; it stays: `fos record {0} -o LOG` makes a log of it",
                 left.display()
             ));
         }

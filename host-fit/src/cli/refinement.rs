@@ -1,13 +1,14 @@
 //! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
 
-use fos_data::column::Column;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::arguments::Reading;
-use super::error_table::error_table;
-use super::output::{Failure, number, percent, print_line, sparkline, table};
+use super::error_table::{error_table, error_unit};
+use super::output::{Failure, percent, print_line, sparkline, table};
+use super::units::{ErrorUnit, Printed, three};
+use fos_data::closest::closest;
 use fos_data::recording::{Recording, Source};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, RefinementStep};
@@ -17,14 +18,14 @@ use fos_fit::evaluate::ModelErrors;
 /// The logs that an axis is refined on.
 #[derive(Debug, Clone, Args)]
 pub(super) struct LogArguments {
-    /// The log where the model fails; by default the one of the step before
+    /// The log to explain, where the model fails; by default the one of the step before
     #[arg(long, value_name = "LOG")]
     pub(super) from: Option<PathBuf>,
-    /// A quiet log of the same unit, in which nothing is missing; by default the log that the study was fitted to
-    #[arg(long, value_name = "LOG")]
+    /// A log of the same device without the missing effect; by default the log that the study was fitted to
+    #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
     pub(super) quiet: Option<PathBuf>,
-    /// The log that the errors are of; by default the last two fifths of the log where the model fails
-    #[arg(long, value_name = "LOG")]
+    /// A later log that nothing is fitted to, for the errors; by default the last two fifths of the log to explain
+    #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     pub(super) judge: Option<PathBuf>,
 }
 
@@ -82,8 +83,13 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
             .find(|column| **column == axis || column.split('_').next() == Some(axis))
             .map(|column| (*column).to_owned())
             .ok_or_else(|| {
+                let meant =
+                    closest(axis, columns.iter().map(|column| column.split('_').next().unwrap_or(column)));
+                let meant = columns.iter().find(|column| meant == column.split('_').next());
+                let meant = meant.map_or_else(String::new, |meant| format!(" (did you mean {meant}?)"));
                 let axes = columns.join(", ");
-                format!("the study has no axis {axis}; it has {axes}\nhelp: --axis names one of them").into()
+                format!("the study has no axis {axis}{meant}; it has {axes}\nhelp: --axis names one of them")
+                    .into()
             }),
         (None, [only]) => Ok((*only).to_owned()),
         (None, _) => {
@@ -95,55 +101,58 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
 
 /// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all
 /// steps.
-pub(super) fn print_refinement(refinement: &Refinement) {
-    let unit = Column::named(&refinement.column).unit().label();
+pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
+    let slow: Vec<f64> = refinement.steps.iter().map(|step| step.left.slow.sqrt()).collect();
+    let unit = ErrorUnit::of(&refinement.column, slow.iter().copied().fold(0.0, f64::max), printed.units);
     let logs = &refinement.logs;
     match &logs.judged {
         Some(judged) => {
-            print_line!("{}: estimated on {}, judged on {}", refinement.column, logs.field.path, judged.path)
+            print_line!(
+                "{}: estimated on {}, evaluated on {}",
+                refinement.column,
+                logs.field.path,
+                judged.path
+            )
         }
         None => print_line!(
-            "{}: estimated on the first {} rows of {}, judged on the rest",
+            "{}: estimated on the first {} rows of {}, evaluated on the others",
             refinement.column,
             logs.fitted_rows,
             logs.field.path
         ),
     }
-    let header = [
-        "  step",
-        "size",
-        "predicted RMS reduction (90 %)",
-        "measured",
-        "slow left",
-        "wide left",
-        "bias off by",
-        "terms",
-        "RAM, bytes",
-        "instructions",
-    ];
+    let slow_error = format!("slow error, {}", unit.label);
+    let mut header = vec!["  step", "size", "predicted RMS reduction (90 %)", "measured", &slow_error];
+    if printed.details {
+        header.extend(["broadband error", "bias error", "terms", "RAM, bytes", "instructions"]);
+    }
     let mut rows = table(&header);
     for (index, step) in refinement.steps.iter().enumerate() {
-        rows.add_row(row(index, step));
+        rows.add_row(row(index, step, unit, printed));
     }
     print_line!("{rows}");
-    let slow: Vec<f64> = refinement.steps.iter().map(|step| step.left.slow.sqrt()).collect();
     if let [first, .., last] = slow[..] {
         print_line!(
-            "  slow error, step by step: {}  {} to {} {unit}",
+            "  slow error, step by step: {}  {} to {} {} RMS",
             sparkline(&slow),
-            number(first),
-            number(last)
+            unit.show(first),
+            unit.show(last),
+            unit.label
         );
     }
+    if !printed.details {
+        return;
+    }
     print_line!(
-        "  left: root of the variance of 1-s means and of samples on the judged rows, {unit}; what the physical part leaves; bias: the mean there, where the log tells it"
+        "  slow error: RMS of 1-s means, broadband error: of samples, of the residual of the physical part on the evaluated rows; bias error: the mean there, where the log determines it"
     );
     print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
     let errors: Vec<&ModelErrors> = refinement.steps.iter().map(|step| &step.errors).collect();
-    print_line!("{}", error_table(&errors));
+    let unit = error_unit(&refinement.column, &errors, printed.units);
+    print_line!("{}", error_table(&errors, unit));
 }
 
-fn row(index: usize, step: &RefinementStep) -> Vec<String> {
+fn row(index: usize, step: &RefinementStep, unit: ErrorUnit, printed: Printed) -> Vec<String> {
     let (name, size, predicted, measured) = match &step.added {
         None => ("before".to_owned(), String::new(), String::new(), String::new()),
         Some(added) => {
@@ -151,8 +160,11 @@ fn row(index: usize, step: &RefinementStep) -> Vec<String> {
             let sizes: Vec<String> = finding
                 .params
                 .iter()
-                .map(|(name, value)| format!("{name} {}", number(*value)))
-                .chain(finding.sizes.iter().map(|size| format!("{} {}", number(size.value), size.unit)))
+                .map(|(name, value)| format!("{name} {}", three(*value)))
+                .chain(finding.sizes.iter().map(|size| {
+                    let (value, unit) = printed.coefficient(size.value, &size.unit);
+                    format!("{value} {unit}")
+                }))
                 .collect();
             let [low, high] = finding.predicted_reduction_interval;
             let predicted =
@@ -163,16 +175,16 @@ fn row(index: usize, step: &RefinementStep) -> Vec<String> {
             (format!("+ {}", added.effect.id), sizes.join(", "), predicted, measured)
         }
     };
-    vec![
-        format!("  {index} {name}"),
-        size,
-        predicted,
-        measured,
-        number(step.left.slow.sqrt()),
-        number(step.left.wide.sqrt()),
-        step.left.bias.map_or_else(String::new, number),
-        step.cost.terms.to_string(),
-        step.cost.ram_bytes.to_string(),
-        step.cost.instructions.to_string(),
-    ]
+    let mut cells =
+        vec![format!("  {index} {name}"), size, predicted, measured, unit.root(Some(step.left.slow))];
+    if printed.details {
+        cells.extend([
+            unit.root(Some(step.left.wide)),
+            step.left.bias.map_or_else(String::new, |bias| unit.show(bias)),
+            step.cost.terms.to_string(),
+            step.cost.ram_bytes.to_string(),
+            step.cost.instructions.to_string(),
+        ]);
+    }
+    cells
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
+use super::inspect::not_an_image;
 use super::output::{Failure, optional, print_json, print_line, spinner, table};
 use crate::export::current;
 use crate::hub_log::hub_log;
@@ -15,9 +16,9 @@ use fos_data::recording::write_columns;
 use fos_data::stillness;
 use fos_fit::export::model_of;
 
-/// Run an image over a log, on fos-core in f32 as on the device, and write the corrected log
+/// Run an image over a log as on the device, and write the corrected log
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit replay unit.fosm field.parquet -o corrected.parquet")]
+#[command(after_help = "Example: fos replay unit.fosm log.parquet -o corrected.parquet")]
 pub(super) struct Replay {
     /// The image
     image: PathBuf,
@@ -45,7 +46,7 @@ pub(super) struct Replay {
 impl Replay {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bytes = file::read(&self.image)?;
-        let of_image = |error| format!("{}: {error}", self.image.display());
+        let of_image = |error| not_an_image(&self.image, &error);
         let today = current(&bytes).map_err(of_image)?;
         let image = Image::parse(&today).map_err(of_image)?;
         let recording = self.reading.read(&self.log)?;

@@ -11,9 +11,9 @@ use crate::report::{Report as Content, html, markdown};
 use fos_data::file::write_atomically;
 use fos_diagnose::study::Study;
 
-/// Write what a study says into one file: model against measurement, what is missing, how the error fell
+/// Write a study as one HTML or Markdown file
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit report unit.json --from field.parquet --axis gx -o report.html")]
+#[command(after_help = "Example: fos report unit.json --from log.parquet --axis gx -o report.html")]
 pub(super) struct Report {
     /// The study
     study: PathBuf,

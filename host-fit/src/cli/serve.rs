@@ -10,23 +10,23 @@ use super::output::{Failure, print_line, print_note, print_warning};
 use crate::workbench::{Folders, Server};
 use fos_data::recording::LoadOptions;
 
-/// Open the workbench: see where the model fails, what is missing, and watch the error fall, in the browser
+/// Open the workbench in the browser, offline
 ///
 /// The page is on this machine only and needs no network. Logs may be read below the current folder, below the folders
 /// that are given, and beside the log that is given.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit serve field.parquet --quiet quiet.parquet\nExample: host-fit serve logs"
+    after_help = "Example: fos serve log.parquet --reference reference.parquet\nExample: fos serve logs"
 )]
 pub(super) struct Serve {
     /// A log to open, or folders with logs
     #[arg(value_name = "LOG|FOLDER")]
     of: Vec<PathBuf>,
-    /// A quiet log of the same unit
-    #[arg(long, value_name = "LOG")]
+    /// A log of the same device without the missing effect
+    #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
     quiet: Option<PathBuf>,
-    /// A later log, that the errors are of
-    #[arg(long, value_name = "LOG")]
+    /// A later log that nothing is fitted to, for the errors
+    #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     judge: Option<PathBuf>,
     /// Port; 0 for any that is free
     #[arg(long, default_value_t = 4180)]
@@ -59,12 +59,14 @@ impl Serve {
         let read = self.reading.options()?;
         let field = match &logs[..] {
             [] if self.quiet.is_some() || self.judge.is_some() || read != LoadOptions::default() => {
-                return Err("there is no log that --quiet, --judge, --map, --map-file, --rate or --strict would go with\nhelp: name the log as well; how a log of a folder is read, the page asks".into());
+                return Err("there is no log that --reference, --evaluate-on, --map, --map-file, --rate or --strict would go with\nhelp: name the log as well; how a log of a folder is read, the page asks".into());
             }
             [] => None,
             [field] => Some(field),
             _ => {
-                return Err("several logs\nhelp: one log with --quiet and --judge, or their folder".into());
+                return Err(
+                    "several logs\nhelp: one log with --reference and --evaluate-on, or their folder".into(),
+                );
             }
         };
         let mut readable = vec![PathBuf::from(".")];

@@ -15,11 +15,11 @@ use fos_simulate::{Simulation, simulate};
 /// The most rows of a log, which is made in memory: some ten gigabytes.
 const MOST_ROWS: f64 = 7.0 * 86_400.0 * 200.0;
 
-/// Write a simulated log: six axes and temperature, every number from the seed
+/// Simulate a log with known truth
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit simulate unit.parquet --minutes 20 --seed 7 --truth\n         \
-    host-fit simulate --case case_1 --setup desk --target ay --effect load_heating:tau_s=60 --size 40\n         \
-    host-fit simulate --suite 45 cases --seed 3")]
+#[command(after_help = "Example: fos simulate unit.parquet --minutes 20 --seed 7 --truth\n         \
+    fos simulate --case case_1 --setup desk --target ay --effect load_heating:tau_s=60 --size 40\n         \
+    fos simulate --suite 45 cases --seed 3")]
 pub(super) struct Simulate {
     /// The log to write: .csv, .csv.gz or .parquet; with --suite, the folder
     #[arg(required_unless_present = "case")]

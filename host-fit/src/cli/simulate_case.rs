@@ -94,7 +94,7 @@ impl CaseArguments {
             }
             (None, Some(count), Some(folder)) => write_suite(folder, (seed, self.world.0), count, json),
             // clap asks for it
-            _ => Err("name the folder to write into: host-fit simulate --suite 45 FOLDER".into()),
+            _ => Err("name the folder to write into: fos simulate --suite 45 FOLDER".into()),
         }
     }
 

@@ -8,19 +8,20 @@ use comfy_table::presets;
 use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::numbers::{count, within};
 use super::output::{Failure, number, optional, print_json, print_line, progress, table};
+use super::units::Printed;
 use crate::paper::{Cell, Comparison, Curves, Entry, PaperError, Settings, compare, figures};
 use crate::plots;
 use fos_data::stillness;
 use fos_fit::fit::Search;
 use fos_fit::signal::wavelet::Denoising;
 
-/// Compare FOS with Yule-Walker, covariance and Burg as in the paper, and on fair terms: tables and figures
+/// Reproduce the paper's tables and figures on a log
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit simulate hour.parquet --band-limited --minutes 60 && host-fit table hour.parquet --axis ay,gy"
+    after_help = "Example: fos simulate hour.parquet --band-limited --minutes 60 && fos table hour.parquet --axis ay,gy"
 )]
 pub(super) struct Table {
-    /// The log, in any format that `host-fit formats` lists
+    /// The log, in any format that `fos formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
@@ -73,7 +74,7 @@ impl Table {
         let recording = self.reading.read(&self.log)?;
         let stillness = stillness::find(&recording);
         if !self.json {
-            print_line!("{}", describe(&recording, &stillness));
+            print_line!("{}", describe(&recording, &stillness, Printed::default()));
         }
         let mut comparisons = Vec::new();
         for axis in axes(&recording, &self.axis)? {

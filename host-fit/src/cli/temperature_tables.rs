@@ -31,8 +31,8 @@ pub(super) struct TableArguments {
     /// The temperature tables for ArduPilot to write, as parameters
     #[arg(long, value_name = "FILE")]
     ardupilot: Option<OutputFile>,
-    /// The log that the errors of these tables are of; by default the rows of the study's log that were not fitted
-    #[arg(long, value_name = "LOG")]
+    /// A later log to evaluate these tables on; by default the rows of the study's log that were not fitted
+    #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     judge: Option<PathBuf>,
 }
 
@@ -66,7 +66,8 @@ impl TableArguments {
     pub(super) fn check(&self) -> Result<(), Failure> {
         if self.judge.is_some() && !self.are_given() {
             return Err(
-                "--judge is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it".into(),
+                "--evaluate-on is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it"
+                    .into(),
             );
         }
         if self.instance.is_some() && !self.are_given() {

@@ -6,17 +6,20 @@ use clap::Args;
 
 use super::output::{Failure, print_json, print_line};
 use super::refinement::{column_of, print_refinement};
+use super::units::Printed;
 use fos_diagnose::study::Study;
 
-/// Take back the effect that was added last
+/// Remove the effect that was added last
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit undo unit.json")]
+#[command(after_help = "Example: fos undo unit.json")]
 pub(super) struct Undo {
     /// The study
     study: PathBuf,
     /// The axis, where the study has several
     #[arg(long)]
     axis: Option<String>,
+    #[command(flatten)]
+    printed: Printed,
     /// Print the staircase that is left as JSON
     #[arg(long)]
     json: bool,
@@ -33,7 +36,8 @@ impl Undo {
             return print_json(&refinement);
         }
         print_line!("taken back: {effect}");
-        refinement.iter().for_each(|refinement| print_refinement(refinement));
+        refinement.iter().for_each(|refinement| print_refinement(refinement, self.printed));
+        self.printed.print_hint();
         Ok(())
     }
 }

@@ -49,7 +49,7 @@ impl ArduPilot {
         // the fourth and fifth have a group of their own (AP_InertialSensor_Params.cpp)
         let group = if number <= 3 { format!("INS_TCAL{number}") } else { format!("INS{number}_TCAL") };
         let mut text = format!(
-            "# Temperature table of IMU {instance} (counted from 0), from {}, by host-fit export\n\
+            "# Temperature table of IMU {instance} (counted from 0), from {}, by fos export\n\
              # Axes are those of the board, before AHRS_ORIENTATION. Calibrate the accelerometer once they are loaded:\n\
              # ArduPilot takes them from the temperature of that calibration on.\n\
              {group}_ENABLE 1\n{group}_TMIN {}\n{group}_TMAX {}\n",

@@ -43,7 +43,7 @@ impl Px4 {
     /// The file, for the accelerometer and gyro of this number, counted from 0. `ids` are their `device_id`.
     pub fn file(&self, log: &str, instance: u8, ids: [u32; 2]) -> String {
         let mut text = format!(
-            "# Temperature tables of accelerometer and gyro {instance} (counted from 0), from {}, by host-fit export\n\
+            "# Temperature tables of accelerometer and gyro {instance} (counted from 0), from {}, by fos export\n\
              # Load with QGroundControl, restart, then calibrate accelerometer and gyro as usual: what was calibrated\n\
              # without these tables does not hold with them.\n\
              # TC_A{instance}_ID, TC_G{instance}_ID: device_id of the sensors (as in sensor_accel, sensor_gyro). PX4 leaves a sensor as it\n\

@@ -29,7 +29,7 @@ pub enum RecordError {
     Read(#[from] io::Error),
     /// Another version.
     #[error(
-        "the device sends telemetry of version {found}; this program reads version {VERSION}\nhelp: use the host-fit that came with the firmware"
+        "the device sends telemetry of version {found}; this program reads version {VERSION}\nhelp: use the fos that came with the firmware"
     )]
     Version {
         /// What it sends.
@@ -42,7 +42,7 @@ pub enum RecordError {
     Silent,
     /// Something else, without end.
     #[error(
-        "no frame of telemetry in the first {bytes} bytes\nhelp: is it the telemetry of fos, at the right baud rate, as `stty -F PORT raw 115200` sets it? In a file, what comes before it can be cut off: `tail -c +{bytes} FILE | host-fit record - -o LOG`"
+        "no frame of telemetry in the first {bytes} bytes\nhelp: is it the telemetry of fos, at the right baud rate, as `stty -F PORT raw 115200` sets it? In a file, what comes before it can be cut off: `tail -c +{bytes} FILE | fos record - -o LOG`"
     )]
     Strange {
         /// Bytes read.

@@ -26,7 +26,7 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
     Ok(template.render(context! { report => Serde(report), axes, style => style() })?)
 }
 
-/// The same numbers as text; figures are those of `host-fit compare --figures`.
+/// The same numbers as text; figures are those of `fos compare --figures`.
 ///
 /// # Errors
 ///

@@ -397,7 +397,7 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let length = bytes.len();
         let summary = study.replay(bytes).map_err(wrong)?;
         let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
-        let command = format!("host-fit replay unit.fosm {}", crate::escaping::quoted(&log.paths()));
+        let command = format!("fos replay unit.fosm {}", crate::escaping::quoted(&log.paths()));
         Ok(Replayed { log: log.paths(), summary, command, bytes: length })
     });
     Ok(Json(answer.await?))
@@ -448,7 +448,7 @@ pub(super) async fn upload(
         if bytes > LARGEST_FILE {
             return Err(Refused(
                 StatusCode::PAYLOAD_TOO_LARGE,
-                "the file is larger than 4 GiB\nhelp: open it by its path, in a folder that `host-fit serve` was given".into(),
+                "the file is larger than 4 GiB\nhelp: open it by its path, in a folder that `fos serve` was given".into(),
             ));
         }
         file.write_all(&piece).await.map_err(failed)?;

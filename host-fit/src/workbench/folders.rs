@@ -60,7 +60,7 @@ impl Folders {
             let folders: Vec<String> =
                 self.readable.iter().map(|folder| folder.display().to_string()).collect();
             format!(
-                "{path}: not a file in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `host-fit serve FOLDER`",
+                "{path}: not a file in one of the folders that may be read: {}\nhelp: drop the file on the page, or start `fos serve FOLDER`",
                 folders.join(", ")
             )
         };

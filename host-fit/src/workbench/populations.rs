@@ -16,7 +16,7 @@ use fos_data::file::open;
 use fos_data::text::hexadecimal;
 use fos_fleet::{Fleet, UnitRow, rows_beside};
 
-/// A population, as `host-fit fleet report --json` prints it, and its units.
+/// A population, as `fos fleet report --json` prints it, and its units.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct PopulationPage {

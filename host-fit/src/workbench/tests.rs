@@ -409,7 +409,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     assert_eq!(status, StatusCode::OK);
     assert_eq!(replay["summary"]["axes"].as_array().unwrap().len(), 6);
     let (_, commands) = (status, &state["commands"]);
-    assert!(commands[0].as_str().unwrap().starts_with("host-fit fit "), "{commands}");
+    assert!(commands[0].as_str().unwrap().starts_with("fos fit "), "{commands}");
 }
 
 /// When the unit of a log is knocked, s: among the rows that are fitted, and among those that are judged.

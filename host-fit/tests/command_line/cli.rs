@@ -9,20 +9,28 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     done(folder, &["simulate", "log.csv.gz", "--minutes", "3", "--seed", "4", "--at-rest"]);
     let fitted =
         done(folder, &["fit", "log.csv.gz", "--axis", "gx,gz", "--physical", "temp_c", "-o", "unit.json"]);
-    assert!(fitted.contains("gx_rads") && fitted.contains("coast MSE after 10 s"), "{fitted}");
-    let compared = done(folder, &["compare", "unit.json", "--figures", "figures"]);
-    assert!(compared.contains("noise floor") && compared.contains("where it fails worst"), "{compared}");
+    assert!(fitted.contains("gx_rads") && fitted.contains("slow error before"), "{fitted}");
+    let compared = done(folder, &["compare", "unit.json", "--details", "--figures", "figures"]);
+    assert!(compared.contains("noise floor") && compared.contains("free run, 10 s ahead"), "{compared}");
     assert!(compared.contains("best lag") && compared.contains("by time and frequency"), "{compared}");
     // a line for each axis before the details
     let details = compared.find("\ngx_rads: ").expect("the details");
     let (glance, _) = compared.split_at(details);
     for axis in ["gx_rads", "gz_rads"] {
         let line = glance.lines().find(|line| line.trim_start().starts_with(axis)).expect("a line");
-        assert!(line.contains("rad/s") && line.contains(" %") && line.contains("depends on"), "{line}");
+        assert!(line.contains("°/") && line.contains(" %") && line.contains("depends on"), "{line}");
     }
     let one = done(folder, &["fit", "log.csv.gz", "--axis", "gx", "-o", "one.json"]);
     assert!(!one.contains("physical part"), "{one}");
-    assert!(!done(folder, &["compare", "one.json"]).contains("error left"));
+    for arguments in
+        [&["fit", "log.csv.gz", "-o", "six.json"][..], &["compare", "six.json"], &["diagnose", "log.csv.gz"]]
+    {
+        let summary = done(folder, arguments);
+        assert!(summary.lines().count() <= 40, "{arguments:?}: {summary}");
+        assert!(summary.contains("--details") && !summary.contains("dps"), "{summary}");
+    }
+    let si = done(folder, &["compare", "unit.json", "--units", "si"]);
+    assert!(si.contains(" rad/s ") && !si.contains('°'), "{si}");
     for figure in ["1_over_time", "2_residual", "3_autocorrelation", "4_spectrum", "5_allan", "6_dependence"]
     {
         for format in ["svg", "png"] {
@@ -285,7 +293,7 @@ fn several_logs_are_fitted_as_one_and_not_spliced() {
     let arguments = ["fit", "a.parquet", "b.parquet", "--axis", "ay", "--memory", "none", "--train", "90s"];
     let fitted = done(folder, &[&arguments[..], &["-o", "study.json"]].concat());
     // 60 s and 30 s at 200 Hz, the first ten rows of each without their lags
-    assert!(fitted.contains("2 segments") && fitted.contains("over 17980 rows"), "{fitted}");
+    assert!(fitted.contains("2 segments,") && fitted.contains("over 17980 rows"), "{fitted}");
     let compared = done(folder, &["compare", "study.json"]);
     assert!(compared.contains("ay_mps2"), "{compared}");
     // a log that is not the one that was fitted is not taken for it
@@ -317,7 +325,7 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
         ("thermal_lag:tau=60", "tau_s, usually 15 to 200"),
         ("thermal_lag:tau_s=warm", "is no number"),
         ("bias_ramp:tau_s=60", "has no parameter"),
-        ("load_heating", "a gyro of Desk"),
+        ("load_heating", "a gyro in the set-up desk"),
     ] {
         let said = fails(folder, 1, &[&arguments[..], &["--effect", effect]].concat());
         assert!(said.contains(choices), "{said}");

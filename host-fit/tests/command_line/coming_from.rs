@@ -50,12 +50,12 @@ fn every_command_of_the_page_does_what_it_says() {
     // logs are written as tables here, under the same names: what opens other formats has tests of its own
     let mut logs: BTreeMap<String, String> = BTreeMap::new();
     for (at, command) in commands.iter().enumerate() {
-        assert_eq!(command[0], "host-fit");
+        assert_eq!(command[0], "fos");
         let named: Vec<String> = command[1..]
             .iter()
             .enumerate()
             .map(|(place, word)| {
-                let is_written = command[place].starts_with("--") && command[place] != "--judge";
+                let is_written = command[place].starts_with("--") && command[place] != "--evaluate-on";
                 let Some((stem, ending)) = word.rsplit_once('.').filter(|_| !is_written) else {
                     return word.clone();
                 };

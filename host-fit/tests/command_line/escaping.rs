@@ -43,7 +43,7 @@ fn hostile_name() -> String {
 }
 
 fn host_fit(folder: &Path, colours: bool, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-fit"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fos"));
     command.current_dir(folder).args(arguments);
     match colours {
         true => command.env("CLICOLOR_FORCE", "1"),

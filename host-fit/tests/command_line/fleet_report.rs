@@ -96,7 +96,7 @@ fn rows(name: &str, seed: u64) -> Vec<UnitRow> {
     (0..40).map(row).collect()
 }
 
-/// A population and its rows in `folder`, as `host-fit fleet` writes them.
+/// A population and its rows in `folder`, as `fos fleet` writes them.
 fn write(folder: &Path, rows: &[UnitRow]) -> Fleet {
     let fleet = Fleet::of(rows, &asked(), &Library::built_in(), "a test");
     fs::write(folder.join("population.json"), serde_json::to_vec(&fleet).expect("JSON")).expect("written");

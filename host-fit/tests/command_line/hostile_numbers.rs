@@ -47,7 +47,7 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
         ("report", _) => "report unit.json --from log.csv",
         ("record", _) => "record none.stream -o recorded.csv",
         ("calibrate", _) => "calibrate --cases 1",
-        ("export", _) => "export unit.json --instance 0 --px4 unit.params --judge log.csv",
+        ("export", _) => "export unit.json --instance 0 --px4 unit.params --evaluate-on log.csv",
         ("fleet", _) => "fleet . -o population.json",
         ("noise", _) => "noise log.csv --axis gx",
         ("convert", _) => "convert log.csv -o out.csv",
@@ -186,7 +186,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
 #[test]
 #[cfg(unix)]
 fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
-    let program = env!("CARGO_BIN_EXE_host-fit");
+    let program = env!("CARGO_BIN_EXE_fos");
     let folder = tempfile::tempdir().expect("a folder");
     let prepare = |line: &str| {
         let words: Vec<String> = line.split(' ').map(str::to_owned).collect();

@@ -38,7 +38,7 @@ fn telemetry() -> Vec<u8> {
 }
 
 fn record(folder: &Path, arguments: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_host-fit"))
+    Command::new(env!("CARGO_BIN_EXE_fos"))
         .current_dir(folder)
         .args([&["record"], arguments].concat())
         .stdout(Stdio::null())
@@ -159,7 +159,7 @@ fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
-    let script = format!("trap '' HUP; exec {} record port -o log.csv", env!("CARGO_BIN_EXE_host-fit"));
+    let script = format!("trap '' HUP; exec {} record port -o log.csv", env!("CARGO_BIN_EXE_fos"));
     let recorder = Command::new("sh").args(["-c", &script]).current_dir(folder).spawn().expect("a shell");
     wait_until(|| folder.join("log.csv.telemetry").exists(), Duration::from_secs(20));
     send(&recorder, "HUP");
@@ -177,7 +177,7 @@ fn what_arrives_is_brought_to_the_disk_every_second() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut traced = Command::new("strace")
-        .args(["-f", "-y", "-o", "trace", "-e", "trace=fdatasync,fsync", env!("CARGO_BIN_EXE_host-fit")])
+        .args(["-f", "-y", "-o", "trace", "-e", "trace=fdatasync,fsync", env!("CARGO_BIN_EXE_fos")])
         .args(["record", "-", "-o", "log.csv"])
         .current_dir(folder)
         .stdin(Stdio::piped())
@@ -249,7 +249,7 @@ fn what_another_recording_left_is_told_of_and_stays() {
     port.expect("a FIFO").write_all(&telemetry()).expect("read");
     let ended = recorder.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(ended.status.success() && said.contains("`host-fit record log.csv.telemetry -o LOG`"), "{said}");
+    assert!(ended.status.success() && said.contains("`fos record log.csv.telemetry -o LOG`"), "{said}");
     assert_eq!(fs::read(folder.join("log.csv.telemetry")).expect("kept"), telemetry());
     assert!(!folder.join("log.csv.2.telemetry").exists());
     // a log is not made over what it is made of, and its name is looked at before an hour is recorded

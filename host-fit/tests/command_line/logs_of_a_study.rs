@@ -106,7 +106,7 @@ fn a_log_may_come_through_a_pipe() {
         done(folder, &[&fit[..], &["-o", "file.json"]].concat());
         let script = format!(
             "cat {log} | {0} fit /dev/stdin --axis gx --max-terms 2 --memory none -o piped.json",
-            env!("CARGO_BIN_EXE_host-fit")
+            env!("CARGO_BIN_EXE_fos")
         );
         let piped =
             Command::new("sh").args(["-c", &script]).current_dir(folder).stdin(Stdio::null()).output();

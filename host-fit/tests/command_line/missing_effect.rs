@@ -19,7 +19,7 @@ fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
 }
 
 const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
-const LATER: [&str; 2] = ["--judge", "unit/eval.parquet"];
+const LATER: [&str; 2] = ["--evaluate-on", "unit/eval.parquet"];
 
 fn refinement(folder: &Path) -> Refinement {
     Study::read(&folder.join("unit.json"))
@@ -35,14 +35,19 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     let folder = folder.path();
 
     let diagnose = [&["diagnose", "unit.json", "--json"][..], &FIELD, &LATER].concat();
-    let answers: Vec<Diagnosis> = serde_json::from_str(&done(folder, &diagnose)).expect("answers");
+    let text = done(folder, &diagnose);
+    let answers: Vec<Diagnosis> = serde_json::from_str(&text).expect("answers");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("answers");
+    let finding = |key: &str| json[0]["findings"][0][key].as_f64().expect("a number");
+    let (of_variance, of_rms) = (finding("expected_drop"), finding("rms_reduction"));
+    assert!((of_rms - (1.0 - (1.0 - of_variance).sqrt())).abs() < 1e-12, "{of_rms} for {of_variance}");
     assert_eq!(answers[0].verdict, Verdict::Missing);
     assert_eq!(answers[0].findings[0].effect, "thermal_lag");
 
     // what is not worth it can be added, and taken back
     let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
     let printed = done(folder, &add);
-    assert!(printed.contains("+ temp_linear") && printed.contains("coast MSE after 10 s"), "{printed}");
+    assert!(printed.contains("+ temp_linear") && printed.contains("slow error, °/"), "{printed}");
     let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
     let before = refinement(folder).steps[0].clone();

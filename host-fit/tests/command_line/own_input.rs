@@ -70,7 +70,7 @@ const LINES: [Line; 29] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_rate --from {from} --quiet {quiet} --judge {judge} --effect {effect_files} --map-file {map_file} --figures figures",
+        words: "add {study} temp_rate --from {from} --reference {quiet} --evaluate-on {judge} --effect {effect_files} --map-file {map_file} --figures figures",
         inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
     },
     Line {
@@ -112,31 +112,31 @@ const LINES: [Line; 29] = [
     Line {
         output: "image",
         at: "out",
-        words: "export {study} --image out --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "rust",
         at: "out",
-        words: "export {study} --rust out --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "c",
         at: "out.h",
-        words: "export {study} --c out.h --instance 0 --px4 table --judge {judge}",
+        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "px4",
         at: "out",
-        words: "export {study} --instance 0 --px4 out --judge {judge}",
+        words: "export {study} --instance 0 --px4 out --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
         output: "ardupilot",
         at: "out",
-        words: "export {study} --instance 0 --ardupilot out --judge {judge}",
+        words: "export {study} --instance 0 --ardupilot out --evaluate-on {judge}",
         inputs: &[UNIT, JUDGE],
     },
     Line {
@@ -196,7 +196,7 @@ const LINES: [Line; 29] = [
     Line {
         output: "output",
         at: "out.md",
-        words: "report {study} --from {from} --quiet {quiet} --judge {judge} --effect {effects} --map-file {map_file} -o out.md",
+        words: "report {study} --from {from} --reference {quiet} --evaluate-on {judge} --effect {effects} --map-file {map_file} -o out.md",
         inputs: &[UNIT, FROM, QUIET, JUDGE, EFFECTS, MAP],
     },
     Line {
@@ -265,7 +265,7 @@ fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool
 }
 
 fn run(folder: &Path, arguments: &[String]) -> Output {
-    let host_fit = Command::new(env!("CARGO_BIN_EXE_host-fit")).current_dir(folder).args(arguments).output();
+    let host_fit = Command::new(env!("CARGO_BIN_EXE_fos")).current_dir(folder).args(arguments).output();
     host_fit.expect("it starts")
 }
 
@@ -421,7 +421,7 @@ fn no_output_replaces_an_input() {
         let before = fs::read(folder.join("out.json")).expect("there");
         let script = format!(
             "{} fit {given} --axis gx --max-terms 2 --memory none -o new && cat new > out.json",
-            env!("CARGO_BIN_EXE_host-fit")
+            env!("CARGO_BIN_EXE_fos")
         );
         let ended = Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell");
         found_out += usize::from(kept(folder, "out.json", &before, &ended).is_err());

@@ -306,7 +306,7 @@ fn failures(table: &Table, seed: u64) -> Vec<String> {
         if needs.is_some_and(|file| !folder.path().join(file).exists()) {
             continue;
         }
-        let end = run(folder.path(), CPU_S, env!("CARGO_BIN_EXE_host-fit"), line);
+        let end = run(folder.path(), CPU_S, env!("CARGO_BIN_EXE_fos"), line);
         if !matches!(end, End::Done | End::Refused) {
             failed.push(format!("seed {seed}, {} rows: {}: {end:?}", table.rows(), line.join(" ")));
         }

@@ -8,17 +8,14 @@ use crate::sources::sources;
 fn subcommands() -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let help = done(folder.path(), &["--help"]);
-    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let listed = listed.take_while(|line| line.starts_with("  "));
-    let names =
-        listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
-    let names: Vec<String> = names.filter(|name| *name != "help").map(str::to_owned).collect();
-    assert!(names.len() >= 20, "{names:?}");
+    assert!(help.lines().all(|line| line.len() <= 100), "{help}");
+    let listed = help.lines().take_while(|line| *line != "Options:").filter(|line| line.starts_with("  "));
+    let mut names: Vec<&str> = listed.filter_map(|line| line.split_whitespace().next()).collect();
+    names.sort_unstable();
     let all: Vec<String> = host_fit::cli::subcommands().into_iter().map(|(words, _)| words).collect();
-    assert_eq!(
-        all.iter().filter(|words| !words.contains(' ')).collect::<Vec<_>>(),
-        names.iter().collect::<Vec<_>>()
-    );
+    let mut known: Vec<&str> = all.iter().map(String::as_str).filter(|words| !words.contains(' ')).collect();
+    known.sort_unstable();
+    assert_eq!(names, known);
     all
 }
 
@@ -27,7 +24,7 @@ fn every_subcommand_has_an_example_and_speaks_json() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in subcommands() {
         let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
-        assert!(help.contains("Example: ") && help.contains(&format!("host-fit {name}")), "{name}: {help}");
+        assert!(help.contains("Example: ") && help.contains(&format!("fos {name}")), "{name}: {help}");
         // a script for a shell and a server have nothing to say in JSON
         let has_none = ["completions", "serve"].contains(&name.as_str());
         assert_eq!(help.contains("--json"), !has_none, "{name}");
@@ -48,10 +45,41 @@ fn every_subcommand_has_a_manual_page_and_is_completed() {
         }
     }
     for name in subcommands() {
-        let page = folder.path().join(format!("pages/host-fit-{}.1", name.replace(' ', "-")));
+        let page = folder.path().join(format!("pages/fos-{}.1", name.replace(' ', "-")));
         let page = std::fs::read_to_string(page).expect("written");
-        assert!(page.contains("Example: host\\-fit"), "{name}: {page}");
+        assert!(page.contains("Example: fos"), "{name}: {page}");
     }
+}
+
+#[test]
+fn fos_alone_shows_the_commands_that_most_people_need() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_fos")).output().expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("fos diagnose LOG") && text.contains("fos --help"), "{text}");
+    let said = fails(folder.path(), 2, &["diagnos"]);
+    assert!(said.contains("'diagnose'"), "{said}");
+}
+
+/// Each file goes with other commands: the message names one that takes it.
+#[test]
+fn a_log_in_the_place_of_a_study_and_the_reverse_are_recognised() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.csv", "--minutes", "1", "--at-rest"]);
+    done(folder, &["fit", "log.csv", "--axis", "gx", "--max-terms", "2", "-o", "unit.json"]);
+    let said = fails(folder, 1, &["noise", "unit.json"]);
+    assert!(said.contains("a study, not a log") && said.contains("`fos compare unit.json LOG`"), "{said}");
+    let said = fails(folder, 1, &["compare", "log.csv"]);
+    assert!(said.contains("a log, not a study") && said.contains("`fos fit log.csv -o unit.json`"), "{said}");
+    let said = fails(folder, 1, &["replay", "unit.json", "log.csv"]);
+    assert!(said.contains("`fos export unit.json --image unit.fosm`"), "{said}");
+    let said = fails(folder, 1, &["diagnose", "log.csv", "--axis", "gX"]);
+    assert!(said.contains("did you mean \"gx\"?"), "{said}");
+    let said = fails(folder, 1, &["add", "unit.json", "temp_linear", "--axis", "gX", "--from", "log.csv"]);
+    assert!(said.contains("did you mean gx_rads?"), "{said}");
+    let said = fails(folder, 2, &["fit", "log.csv", "--train", "50"]);
+    assert!(said.contains("50% or 50s"), "{said}");
 }
 
 #[test]
@@ -136,7 +164,7 @@ fn no_library_names_a_flag_or_a_subcommand() {
     let flags = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
     let mut said: Vec<String> =
         flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
-    said.extend(all.iter().map(|(words, _)| format!("host-fit {words}")));
+    said.extend(all.iter().map(|(words, _)| format!("fos {words}")));
     let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 

@@ -121,7 +121,7 @@ fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
     let later = study(folder);
     let export =
         ["export", "unit.json", "--px4", "u.params", "--device-id", "77,88", "--ardupilot", "u.parm"];
-    let rest = ["--instance", "0", "--judge", "later.csv", "--json"];
+    let rest = ["--instance", "0", "--evaluate-on", "later.csv", "--json"];
     let told = done(folder, &[&export[..], &rest].concat());
     let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
     let told = &told["temperature"];

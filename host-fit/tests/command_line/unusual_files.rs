@@ -175,7 +175,7 @@ fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> boo
     fs::write(folder.join("large.csv.gz"), packer.finish().expect("into memory")).expect("written");
     let line = format!("ulimit -v {LIMIT_KB}; exec \"$0\" fit large.csv.gz --axis gx -o unit.json");
     let status = Command::new("sh")
-        .args(["-c", &line, env!("CARGO_BIN_EXE_host-fit")])
+        .args(["-c", &line, env!("CARGO_BIN_EXE_fos")])
         .current_dir(folder)
         .env("RAYON_NUM_THREADS", "2")
         // each thread would set 64 MB of addresses aside

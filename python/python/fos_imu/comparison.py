@@ -136,7 +136,7 @@ class Dependence:
     Attributes:
         block_s: Length of the blocks that means were taken over, s.
         blocks: How many have enough data.
-        learnt: The noise was learnt from the rows that were fitted; else from the judged ones, which is less sure.
+        learnt: The noise was learnt from the rows that were fitted; else from the evaluated rows, with less certainty.
         channels: Every channel that changes, least likely first.
     """
 

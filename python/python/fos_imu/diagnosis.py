@@ -136,7 +136,7 @@ class Finding:
         predicted_reduction: Share of the error of its band that should go, 0 … 1: of the variance of 1-s means (slow),
             of the samples (wide).
         predicted_reduction_interval: 90 %.
-        measured_reduction: The share that went on the log that it was judged on; None where none was given.
+        measured_reduction: The share that went on the evaluation log; None where none was given.
         doubt: Why it is no claim; None where nothing speaks against it.
         confounded_with: Effects that this log cannot tell from it.
         separate: The experiments that would.

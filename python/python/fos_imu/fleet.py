@@ -370,11 +370,11 @@ class Fleet:
     duplicates: tuple[DuplicateUnit, ...] = ()
 
     def save(self, path: Path, *, rows: Rows | None = None) -> None:
-        """Writes it as `host-fit fleet -o` does, byte for byte of the same rows; whole or not at all.
+        """Writes it as `fos fleet -o` does, byte for byte of the same rows; whole or not at all.
 
         Args:
             path: Of the population.
-            rows: Those that it is of, again: kept beside it, at `path` with `.rows` behind it, where `host-fit fleet report`,
+            rows: Those that it is of, again: kept beside it, at `path` with `.rows` behind it, where `fos fleet report`,
                 `fleet export` and the workbench look for them.
 
         Raises:

@@ -104,7 +104,7 @@ class Predictor:
     """The model of an image, as a device runs it.
 
     Args:
-        image: What `Study.export_image` or `host-fit export --image` wrote; of earlier versions too.
+        image: What `Study.export_image` or `fos export --image` wrote; of earlier versions too.
         axes: Columns of the axes, where the image does not name them.
 
     Raises:

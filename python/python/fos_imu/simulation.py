@@ -40,7 +40,7 @@ class Plant:
 
     Attributes:
         effect: Its identifier.
-        size: In the noise of the field log, standard errors.
+        size: In the noise of the log to explain, standard errors.
         parameter: In its own unit; drawn if None.
     """
 
@@ -78,7 +78,7 @@ def simulate_case(
     field_s: float = 1500.0,
     later_s: float = 900.0,
 ) -> Case:
-    """A case: a quiet log, one with planted effects, and a later one, of one unit.
+    """A case: a reference log, a log with planted effects, and a later evaluation log, of one device.
 
     Args:
         planted: Effects by identifier, with size and parameter as `Plant`; none: nothing is missing.
@@ -87,8 +87,8 @@ def simulate_case(
         axis: The one that is to be explained.
         seed: Of every random number.
         world: What disturbs field and later; `clean`: nothing.
-        quiet_s: Duration of the quiet log, s.
-        field_s: Duration of the field log, s.
+        quiet_s: Duration of the reference log, s.
+        field_s: Duration of the log to explain, s.
         later_s: Duration of the later log, s.
 
     Raises:

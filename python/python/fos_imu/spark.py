@@ -1,7 +1,7 @@
 """Rows of units by Spark, where one machine is not enough: `pip install 'fos-imu[spark]'`.
 
 Spark places, retries and moves; what is here turns a log into a row, and rows into populations. Whatever the partitions,
-and whichever executors were lost meanwhile, the populations are those of `host-fit fleet`, to the last bit.
+and whichever executors were lost meanwhile, the populations are those of `fos fleet`, to the last bit.
 """
 
 from __future__ import annotations

@@ -80,8 +80,8 @@ class Refinement:
         column: The axis.
         field: The log where the model failed.
         quiet: The log that the noise was learnt from; None if there was none.
-        judged: The log that the errors are of; None: the rows of the field log from `fitted_rows` on.
-        fitted_rows: Rows of the field log that effects were estimated from.
+        judged: The log that the errors are of; None: the rows of the log to explain from `fitted_rows` on.
+        fitted_rows: Rows of the log to explain that effects were estimated from.
         steps: The model before anything was added, then after each effect.
     """
 
@@ -131,8 +131,8 @@ class Refinement:
             "step",
             "predicted reduction",
             "measured",
-            "slow left",
-            "wide left",
+            "slow error",
+            "broadband error",
             "terms",
             "RAM, bytes",
             "instructions",
@@ -149,7 +149,7 @@ class Refinement:
 
         judged = self.judged.path if self.judged else f"its rows from {self.fitted_rows} on"
         return _html.card(
-            f"{self.column}, refined on {self.field.path}, judged on {judged}",
+            f"{self.column}, refined on {self.field.path}, evaluated on {judged}",
             _html.paragraph(f"left: roots of variances, {_unit(self.column)}, of what the physical part leaves"),
             _html.table(header, [row(step) for step in self.steps]),
             self.picture(),
@@ -294,7 +294,7 @@ class Study:
 
     @classmethod
     def load(cls, path: Path) -> Study:
-        """Reads a study that this package or the program (`host-fit fit`) wrote.
+        """Reads a study that this package or the program (`fos fit`) wrote.
 
         Raises:
             FileError: It cannot be read.
@@ -303,7 +303,7 @@ class Study:
         return cls(_engine.load_study(os.fspath(path)))
 
     def save(self, path: Path | None = None, *, replace: bool = False) -> None:
-        """Writes it, whole or not at all, where `host-fit` reads it.
+        """Writes it, whole or not at all, where `fos` reads it.
 
         Args:
             path: The file; where it was loaded from or saved to before if not given. That file is written only if nobody
@@ -348,7 +348,7 @@ class Study:
         """The model against the measurements and against plain rivals.
 
         Args:
-            log: By default the study's own, judged on the rows that were not fitted.
+            log: By default the study's own, evaluated on the rows that were not fitted.
 
         Raises:
             CompareError: No row at rest is left to judge on.
@@ -379,7 +379,7 @@ class Study:
         Args:
             log: Where the model fails; by default the log that the axis was refined on.
             axis: As `gx`, or a column; needed where the study has several.
-            quiet: A quiet log of the same unit; by default the one that was fitted.
+            quiet: A reference log of the same device; by default the one that was fitted.
             judged: The log that errors are of; by default the last two fifths of `log`.
             effects: Effects of your own, one TOML file each.
 
@@ -409,7 +409,7 @@ class Study:
                 first, until nothing is worth adding.
             log: Where the model fails; by default the log of the step before.
             axis: As `gx`, or a column; needed where the study has several.
-            quiet: A quiet log of the same unit; by default the one that was fitted.
+            quiet: A reference log of the same device; by default the one that was fitted.
             judged: The log that errors are of; by default the last two fifths of `log`.
             effects: Effects of your own, one TOML file each.
 

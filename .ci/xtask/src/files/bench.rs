@@ -1,4 +1,4 @@
-//! The folder that host-fit works in.
+//! The folder that fos works in.
 
 use std::error::Error;
 use std::fs;
@@ -25,7 +25,7 @@ impl Bench {
         if ended.status.success() {
             return Ok(());
         }
-        Err(format!("host-fit {}: {}", arguments.join(" "), String::from_utf8_lossy(&ended.stderr)).into())
+        Err(format!("fos {}: {}", arguments.join(" "), String::from_utf8_lossy(&ended.stderr)).into())
     }
 
     pub(crate) fn read(&self, name: &str) -> Result<Vec<u8>, Box<dyn Error>> {

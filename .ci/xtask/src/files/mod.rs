@@ -1,7 +1,7 @@
-//! `cargo xtask files short|full`: what host-fit writes is there whole, as it was or as it should be, whatever happens
+//! `cargo xtask files short|full`: what fos writes is there whole, as it was or as it should be, whatever happens
 //! meanwhile.
 //!
-//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills host-fit
+//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills fos
 //! at random moments, most of them while it writes; fills its disk; makes it read-only; takes away the right to write
 //! into its folder; lets several processes change one study; looks at the order in which it has its bytes put onto the
 //! disk. Prints the figures as Markdown. A writer without these precautions ([`careless`]) must be found out.

@@ -147,7 +147,7 @@ fn permit(folder: &Path, of_folders: u32, of_files: u32) -> Result<(), Box<dyn E
 
 /// Every writer in a folder that it may not write into, by a user who has no more rights than others.
 pub(crate) fn forbidden(bench: &Bench, writers: &[&Writer], world: &Path) -> Result<bool, Box<dyn Error>> {
-    let (closed, program) = (world.join("closed"), world.join("host-fit"));
+    let (closed, program) = (world.join("closed"), world.join("fos"));
     // others must get there
     fs::set_permissions(world, Permissions::from_mode(0o755))?;
     fs::copy(&bench.host_fit, &program)?;

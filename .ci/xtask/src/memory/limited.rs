@@ -18,7 +18,7 @@ pub(crate) const LIMIT: u64 = 2 << 30;
 const LONGEST: Duration = Duration::from_secs(1800);
 const GROUPS: &str = "/sys/fs/cgroup";
 
-/// Where host-fit runs.
+/// Where fos runs.
 pub(crate) struct Limited {
     program: PathBuf,
     folder: TempDir,
@@ -75,7 +75,7 @@ impl Limited {
         self.run_with(arguments, LIMIT)
     }
 
-    /// What host-fit needs to start at all: of address space, hardly any of which is memory.
+    /// What fos needs to start at all: of address space, hardly any of which is memory.
     pub(crate) fn to_start(&self) -> Result<u64, Box<dyn Error>> {
         let mut beside = 0;
         while self.group.is_none() && !self.run_with(&["--version"], beside)?.is_success() {

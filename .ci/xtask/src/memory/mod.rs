@@ -2,7 +2,7 @@
 //!
 //! `short`: half an hour, whose peak stays below the line that the full run measured. `full`: 1, 2, 4 and 8 hours on a
 //! machine of 2 GiB; CSV; 200 fits in one process. Prints peaks of resident memory as Markdown. With a quarter of the
-//! memory host-fit must fail, and soon.
+//! memory fos must fail, and soon.
 
 mod full;
 mod limited;

@@ -46,7 +46,7 @@ pub(crate) fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Resul
         beside => format!(" (and {} MB of address space, with which it starts)", mega(beside)),
     };
     println!(
-        "\nNegative control: `host-fit {}` with {} MB, a quarter of what it took{start}, {}.",
+        "\nNegative control: `fos {}` with {} MB, a quarter of what it took{start}, {}.",
         arguments.join(" "),
         mega(quarter),
         ended.how
@@ -60,7 +60,7 @@ pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String),
     let ended = limited.run(&arguments)?;
     let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
     let said = format!(
-        "\nNegative control: `host-fit {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
+        "\nNegative control: `fos {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
         arguments.join(" "),
         log.rows,
         mega(ended.peak),

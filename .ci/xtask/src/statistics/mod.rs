@@ -35,7 +35,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let altered = control(&readme, &page)?;
     println!("`cargo xtask statistics {}`\n\n{}", form.name(), summary(&page)?);
     println!(
-        "From `host-fit calibrate --cases {CASES} --seed {}`, all of it in [calibration](calibration.md); README has the first and the third row. \
+        "From `fos calibrate --cases {CASES} --seed {}`, all of it in [calibration](calibration.md); README has the first and the third row. \
          Intervals are Clopper and Pearson's, and fit what was counted. Of both seeds every figure but times is as it must be, and \
          of {cases} cases with nothing missing {alarms} were false alarms: at most {:.1} %. The gate runs {in_gate} cases of seed {seed}.",
         SEEDS[0],

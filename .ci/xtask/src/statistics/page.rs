@@ -157,7 +157,7 @@ fn short(number: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The table of the page, of what `host-fit calibrate --json` gives.
+/// The table of the page, of what `fos calibrate --json` gives.
 pub(crate) fn table(calibrated: &[Value]) -> Result<String, Box<dyn Error>> {
     let mut text =
         String::from("| figure | value | 95 % interval | cases | must | aim |\n|---|---|---|---|---|---|\n");

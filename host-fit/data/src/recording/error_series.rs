@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::Recording;
 use super::channel::Channel;
 use super::error::RecordingError;
+use crate::closest::closest;
+use crate::column::AXES;
 use crate::unit::Unit;
 
 /// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
@@ -43,7 +45,18 @@ impl Recording {
             "gx" | "gy" | "gz" => format!("{axis}_rads"),
             other => other.to_owned(),
         };
-        self.channel(&full)
+        self.channel(&full).map_err(|error| match error {
+            RecordingError::NoChannel { name, closest: None, available } => {
+                let short = available.iter().filter(|name| AXES.contains(&name.as_str()));
+                let short = short.filter_map(|name| name.split('_').next());
+                RecordingError::NoChannel {
+                    closest: closest(&name, short).map(str::to_owned),
+                    name,
+                    available,
+                }
+            }
+            error => error,
+        })
     }
 
     /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel

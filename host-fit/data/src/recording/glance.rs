@@ -123,10 +123,12 @@ impl fmt::Display for Oddity {
                     "{column} repeats one value, {value}, for {stuck:.1} s of {all:.1} s: stuck, or not connected"
                 )
             }
-            Self::Spikes { column, count, worst: [time_s, value, times] } => write!(
-                f,
-                "{column}: {count} samples are no measurements, as {value:e} at {time_s:.3} s, {times:.0} standard deviations off; fits and diagnoses leave them out"
-            ),
+            Self::Spikes { column, count: 1, worst: [time_s, _, times] } => {
+                write!(f, "{column}: excluded 1 outlier ({times:.0} σ, at {time_s:.3} s)")
+            }
+            Self::Spikes { column, count, worst: [time_s, _, times] } => {
+                write!(f, "{column}: excluded {count} outliers, the largest {times:.0} σ at {time_s:.3} s")
+            }
             Self::Held { column, times, seconds, longest: [from_s, longest_s] } => {
                 write!(f, "{column} repeats one value for {longest_s:.1} s from {from_s:.1} s: excluded")?;
                 match times - 1 {

@@ -26,6 +26,16 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// As people read it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Missing => "missing effect",
+            Self::NothingMissing => "nothing missing",
+            Self::Unexplained => "unexplained",
+            Self::NotEnoughData => "not enough data",
+        }
+    }
+
     /// Whether the diagnosis reports a missing or an unexplained error.
     pub fn is_alarm(self) -> bool {
         matches!(self, Self::Missing | Self::Unexplained)
@@ -45,6 +55,7 @@ pub struct Diagnosis {
     /// The outcome in a sentence.
     pub sentence: String,
     /// Missing effects, best first, then faults of the data.
+    #[serde(serialize_with = "crate::rms::findings")]
     pub findings: Vec<Finding>,
     /// What else the log follows; leads and no findings.
     pub leads: Vec<Lead>,

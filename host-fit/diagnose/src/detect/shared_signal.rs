@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::correction;
 use super::error_in_blocks::ErrorInBlocks;
+use super::findings::listed;
 use fos_data::column::{AXES, Column};
 use fos_data::disturbance;
 use fos_data::interrupt::in_parallel;
@@ -81,6 +82,7 @@ pub fn with_shared_signal(
             answer.verdict = Verdict::Unexplained;
             answer.sentence = signal.sentence(&answer.target, recording);
         }
+        answer.notes.push(signal.describe(recording));
         answer.shared_signal = Some(signal.clone());
     }
     Ok(answers)
@@ -88,23 +90,22 @@ pub fn with_shared_signal(
 
 impl SharedSignal {
     fn sentence(&self, target: &str, recording: &Recording) -> String {
-        let others: Vec<&str> = self.axes.iter().map(String::as_str).filter(|axis| *axis != target).collect();
+        let others = self.axes.iter().filter(|axis| *axis != target);
         format!(
             "Something is missing that is not logged: a slow signal is common to this axis and {}. {}",
-            others.join(", "),
+            listed(others.cloned()),
             advice(recording)
         )
     }
 
-    /// What the axes share, in a sentence.
-    pub fn describe(&self, recording: &Recording) -> String {
+    /// What an axis shares with the others, in words.
+    fn describe(&self, recording: &Recording) -> String {
         let bounds = self
             .correlations
             .iter()
             .fold([1.0_f64, 0.0_f64], |[low, high], one| [low.min(*one), high.max(*one)]);
         format!(
-            "{} share one slow signal that no finding explains (correlation {:.2} … {:.2} of the changes of {:.0}-s means). {}",
-            self.axes.join(", "),
+            "shares a slow signal with other axes that no finding explains (correlation {:.2} … {:.2} of the changes of {:.0}-s means). {}",
             bounds[0],
             bounds[1],
             self.mean_s,

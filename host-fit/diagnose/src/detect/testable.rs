@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::answer::Untested;
+use super::findings::listed;
 use super::hypothesis::{Hypotheses, Hypothesis};
 use super::open::least_motion;
 use super::question::{DiagnoseError, Question};
@@ -91,7 +92,7 @@ impl Testable {
         columns.dedup();
         let needs = match columns.is_empty() {
             true => "a longer log at rest".to_owned(),
-            false => format!("more variation of {}", columns.join(" and ")),
+            false => format!("more variation of {}", listed(columns.into_iter())),
         };
         Untested { effect: effect.id.clone(), needs: vec![needs] }
     }

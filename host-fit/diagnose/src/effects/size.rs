@@ -41,6 +41,45 @@ impl SizeUnit {
         let (text, si) = if column.is_angular_rate() { ("dps", PI / 180.0) } else { ("mg", G * 1e-3) };
         Self { text: text.to_owned(), si }
     }
+
+    /// As people write it: `(°/s)/K` for `dps/K`.
+    pub fn spelled(&self) -> String {
+        self.with_names(|name| match name {
+            "dps" => "°/s",
+            "mdps" => "m°/s",
+            "dph" => "°/h",
+            "pct" => "%",
+            other => other,
+        })
+    }
+
+    /// The unit of a value times [`si`](Self::si): `(rad/s)/K` for `dps/K`.
+    pub fn in_si(&self) -> String {
+        self.with_names(|name| match name {
+            "dps" | "mdps" | "dph" => "rad/s",
+            "g" | "mg" | "µg" => "m/s²",
+            "%" | "ppm" => "1",
+            "pct" => "%",
+            "cm" => "m",
+            "mV" => "V",
+            "h" => "s",
+            other => other,
+        })
+    }
+
+    /// The same with other names of its parts; a part that is a ratio itself stands in brackets.
+    fn with_names<'a>(&'a self, name: impl Fn(&'a str) -> &'a str) -> String {
+        let is_sign = |letter: char| matches!(letter, '/' | '(' | ')' | '²' | '³');
+        let mut text = String::new();
+        for part in self.text.split_inclusive(is_sign) {
+            let old = part.trim_end_matches(is_sign);
+            let new = if old.is_empty() { "" } else { name(old) };
+            let is_alone = old.len() == self.text.len();
+            text += &if new.contains('/') && !is_alone { format!("({new})") } else { new.to_owned() };
+            text += &part[old.len()..];
+        }
+        text
+    }
 }
 
 impl FromStr for SizeUnit {
@@ -93,6 +132,17 @@ mod tests {
             let unit: SizeUnit = text.parse().unwrap();
             assert!((unit.si / si - 1.0).abs() < 1e-12, "{text}: {}", unit.si);
             assert_eq!(unit.to_string(), text);
+        }
+        for (text, spelled, si) in [
+            ("dps", "°/s", "rad/s"),
+            ("dps/K", "(°/s)/K", "(rad/s)/K"),
+            ("dps/(K/s)", "(°/s)/(K/s)", "(rad/s)/(K/s)"),
+            ("ppm/dps²", "ppm/(°/s)²", "1/(rad/s)²"),
+            ("mg/K²", "mg/K²", "(m/s²)/K²"),
+            ("dph/h", "(°/h)/h", "(rad/s)/s"),
+        ] {
+            let unit: SizeUnit = text.parse().unwrap();
+            assert_eq!([unit.spelled(), unit.in_si()], [spelled, si], "{text}");
         }
         assert!("dps/furlong".parse::<SizeUnit>().is_err());
     }

@@ -18,7 +18,7 @@ pub struct Refinement {
     /// The logs behind it.
     pub logs: LogSources,
     /// The model before anything was added, then after each effect.
-    #[serde(rename = "stairs")]
+    #[serde(rename = "stairs", serialize_with = "crate::rms::steps")]
     pub steps: Vec<RefinementStep>,
 }
 
@@ -63,6 +63,7 @@ pub struct Added {
     /// The effect itself: the study can be read without the file it came from.
     pub effect: Effect,
     /// What it was found to be, with the reduction that is predicted.
+    #[serde(serialize_with = "crate::rms::finding")]
     pub finding: Finding,
     /// The reduction that was measured, in the band of the effect.
     #[serde(rename = "realised_fall")]

@@ -3,7 +3,9 @@
 use fos_data::column::Column;
 use std::fmt::{self, Display, Formatter};
 
-use fos_core::{Axis, AxisParameters, Channel, Image, Range, Term};
+use fos_core::{Axis, AxisParameters, Channel, FittedOn, Image, Range, Source, Term};
+
+use crate::fit::input_text;
 
 use fos_data::text::number;
 use fos_data::visible::visible;
@@ -25,7 +27,11 @@ impl Display for Description<'_> {
             if info.sensor.is_empty() { "not named".into() } else { visible(info.sensor) }
         )?;
         writeln!(f, "sample rate  {:.4} Hz", 1.0 / image.period_s())?;
-        writeln!(f, "fitted on    {:?} values", image.fitted_on())?;
+        let fitted_on = match image.fitted_on() {
+            FittedOn::Raw => "raw",
+            FittedOn::FactoryCorrected => "factory-corrected",
+        };
+        writeln!(f, "fitted on    {fitted_on} values")?;
         writeln!(f, "provenance   {}", info.provenance.replace('\n', "\n             "))?;
         if !info.effects.is_empty() {
             writeln!(f, "effects      {}", info.effects.replace('\n', ", "))?;
@@ -43,11 +49,17 @@ impl Display for Description<'_> {
             writeln!(f, "quantity {index}   {name}")?;
         }
         for (input, index) in image.inputs().zip(0..) {
+            let source = match input.source {
+                Source::Quantity(quantity) => {
+                    info.quantities.lines().nth(quantity.into()).unwrap_or("unnamed")
+                }
+                Source::Remainder(_) => "r",
+                Source::Clock => "clock",
+            };
             writeln!(
                 f,
-                "input u{index}     {:?} of {:?}, centre {}, scale {}, fitted {} … {}",
-                input.transform,
-                input.source,
+                "input u{index}     {}, centre {}, scale {}, fitted {} … {}",
+                input_text(source, input.transform),
                 number(input.centre.into()),
                 number(input.scale.into()),
                 number(input.range.low.into()),

@@ -33,6 +33,7 @@ pub use axis_error::AxisError;
 pub use axis_report::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use exchange::Tie;
 pub use fos::{Selection, Step};
+pub(crate) use options::input_text;
 pub use options::{FitMethod, FitOptions, InputSpec, Stop, Train};
 pub use poses::FittedPose;
 pub use refit::{Refit, RefitError};

@@ -169,6 +169,9 @@ impl FromStr for Train {
         let value: f64 =
             number.trim().parse().map_err(|_| format!("{text:?} is neither like 50% nor like 180s"))?;
         let share = if text.ends_with('%') { value / 100.0 } else { value };
+        if !seconds && !text.ends_with('%') && value > 1.0 {
+            return Err(format!("{text} is neither a share nor a time: write {text}% or {text}s"));
+        }
         match seconds {
             true if value > 0.0 => Ok(Self::Seconds(value)),
             false if share > 0.0 && share <= 1.0 => Ok(Self::Share(share)),
@@ -232,19 +235,23 @@ impl FromStr for InputSpec {
 
 impl fmt::Display for InputSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let column = self.column.as_deref().unwrap_or("clock");
-        match self.transform {
-            Transform::Identity => f.write_str(column),
-            Transform::LowPass { tau_s } => write!(f, "{column}:lowpass({tau_s})"),
-            Transform::Rate { tau_s } => write!(f, "{column}:rate({tau_s})"),
-            Transform::Variance { tau_s } => write!(f, "{column}:variance({tau_s})"),
-            Transform::Backlash { half_width } => write!(f, "{column}:backlash({half_width})"),
-            Transform::Absolute => write!(f, "{column}:abs"),
-            Transform::Decay { tau_s } => write!(f, "{column}:decay({tau_s})"),
-            Transform::Time => write!(f, "{column}:time"),
-            Transform::Sine { frequency_hz } => write!(f, "{column}:sine({frequency_hz})"),
-            Transform::Cosine { frequency_hz } => write!(f, "{column}:cosine({frequency_hz})"),
-        }
+        f.write_str(&input_text(self.column.as_deref().unwrap_or("clock"), self.transform))
+    }
+}
+
+/// An input in words: `temp_c:lowpass(60)`.
+pub(crate) fn input_text<R: fmt::Display>(column: &str, transform: Transform<R>) -> String {
+    match transform {
+        Transform::Identity => column.to_owned(),
+        Transform::LowPass { tau_s } => format!("{column}:lowpass({tau_s})"),
+        Transform::Rate { tau_s } => format!("{column}:rate({tau_s})"),
+        Transform::Variance { tau_s } => format!("{column}:variance({tau_s})"),
+        Transform::Backlash { half_width } => format!("{column}:backlash({half_width})"),
+        Transform::Absolute => format!("{column}:abs"),
+        Transform::Decay { tau_s } => format!("{column}:decay({tau_s})"),
+        Transform::Time => format!("{column}:time"),
+        Transform::Sine { frequency_hz } => format!("{column}:sine({frequency_hz})"),
+        Transform::Cosine { frequency_hz } => format!("{column}:cosine({frequency_hz})"),
     }
 }
 

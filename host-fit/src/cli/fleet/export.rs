@@ -19,9 +19,9 @@ use fos_data::file::write_atomically;
 /// unit of both (fos_core::image::for_unit, in C fos_image_for_unit). A unit without a record runs on the image of its part. One that does not belong to its population has
 /// what its own log tells and nothing else.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit fleet export population.json -o shipment --sensor bmi270")]
+#[command(after_help = "Example: fos fleet export population.json -o shipment --sensor bmi270")]
 pub(super) struct Export {
-    /// The population: what `host-fit fleet` wrote, with its rows beside it
+    /// The population: what `fos fleet` wrote, with its rows beside it
     population: PathBuf,
     /// The folder to write: part.fosm, units.csv, and a file for each unit in units/
     #[arg(short, long, default_value = "shipment")]

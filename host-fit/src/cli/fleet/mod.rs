@@ -8,14 +8,14 @@ use clap::{Args, Subcommand};
 
 use super::output::Failure;
 
-/// What the units in a folder have in common: the mean of the part, how lots and units scatter, which units do not belong
+/// Compare many devices: mean of the part, scatter, odd devices
 ///
 /// Every unit is a log at rest of some minutes, in which the temperature changes. Its bias and its coefficients are estimated with their errors,
 /// and the scatter of the units is told apart from those. Rows are kept beside the output, and a run that was broken off goes on where it
 /// was. A unit that cannot be read is told and left out.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: host-fit fleet line3 -o population.json --regressor temp_c",
+    after_help = "Example: fos fleet line3 -o population.json --regressor temp_c",
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     disable_help_subcommand = true

@@ -12,7 +12,7 @@ use fos_fleet::Fleet;
 
 /// Write a population into one page: how units and lots scatter, which units do not belong, what to ship
 #[derive(Debug, Args)]
-#[command(after_help = "Example: host-fit fleet report population.json -o fleet.html")]
+#[command(after_help = "Example: fos fleet report population.json -o fleet.html")]
 pub(super) struct Report {
     /// The population; the rows of its units lie beside it, under the same name with .rows behind it
     population: PathBuf,

@@ -11,7 +11,7 @@ export class ApiError extends Error {
 }
 
 /** What is said where no answer comes at all. */
-const SILENT = "The server does not answer.\nhelp: is `host-fit serve` still running? The page goes on by itself when it is.";
+const SILENT = "The server does not answer.\nhelp: is `fos serve` still running? The page goes on by itself when it is.";
 
 /**
  * @param {string} path

@@ -45,7 +45,7 @@ export class MappingTable {
     this.#check();
   }
 
-  /** The column map, as host-fit takes it. */
+  /** The column map, as fos takes it. */
   specs() {
     return this.#choices.flatMap(({ column, target, unit }) => {
       if (target === LEFT_OUT) return `!${column.name}`;

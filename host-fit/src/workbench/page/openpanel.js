@@ -16,8 +16,8 @@ import { populationAddress } from "./populationpage.js";
 /** @type {{role: Role, text: string}[]} */
 const ROLES = [
   { role: "field", text: "the log to explain" },
-  { role: "quiet", text: "quiet log (optional)" },
-  { role: "judged", text: "later log to judge on (optional)" },
+  { role: "quiet", text: "reference log (optional)" },
+  { role: "judged", text: "later evaluation log (optional)" },
   { role: "none", text: "not used" },
 ];
 const MOST = 3;

@@ -227,7 +227,7 @@ function studyHead({ name, logs }) {
     log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
   return [
     el("h1", {}, name),
-    el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Quiet log", quiet), other("Judged on", judged)),
+    el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Reference log", quiet), other("Evaluated on", judged)),
     field.quality.length > 0
       ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${field.quality.length === 1 ? "One remark" : `${field.quality.length} remarks`} on the data`), el("ul", {}, field.quality.map((text) => el("li", {}, text))))
       : null,

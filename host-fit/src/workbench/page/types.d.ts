@@ -831,7 +831,7 @@ term: string,
 /** Coefficient, unit of the axis per unit of the product. */
 coefficient: number, };
 
-/** A population, as `host-fit fleet report --json` prints it, and its units. */
+/** A population, as `fos fleet report --json` prints it, and its units. */
 export type PopulationPage = { report: FleetReport,
 /** In the order of parts and names. */
 units: Array<UnitEntry>, };

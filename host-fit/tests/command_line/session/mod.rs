@@ -4,11 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn host_fit(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-fit"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("it starts")
+    Command::new(env!("CARGO_BIN_EXE_fos")).current_dir(folder).args(arguments).output().expect("it starts")
 }
 
 /// Runs what must succeed; what it printed.

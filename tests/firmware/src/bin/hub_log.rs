@@ -6,7 +6,7 @@
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
-//! `host-fit record`. Prints how many samples there were, a digest of all outputs, the same of a hub in fixed point and how far
+//! `fos record`. Prints how many samples there were, a digest of all outputs, the same of a hub in fixed point and how far
 //! that is from the other, and (board only) what each part costs.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -2,8 +2,8 @@
 
 use super::verdict::rms_reduction;
 use crate::detect::answer::{Finding, Size};
-use crate::effects::{Band, Detector, Effect, Library};
-use fos_data::text::number;
+use crate::effects::{Band, Detector, Effect, Library, SizeUnit};
+use fos_data::text::rounded;
 
 /// A parameter this near to a limit of the search is at it.
 const AT_LIMIT: f64 = 1.02;
@@ -56,11 +56,12 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     let (name, unit) = (&parameter.name, &parameter.unit);
     let at_low = value <= parameter.low * AT_LIMIT && !parameter.open_below;
     if at_low || value >= parameter.high / AT_LIMIT {
-        return Some(format!("its {name} of {value:.4} {unit} is a limit of the search"));
+        return Some(format!("its {name} of {} {unit} is a limit of the search", rounded(value, 3)));
     }
     let [_, high] = finding.params_interval.get(name)?;
-    (high.is_nan() || *high > NO_END * parameter.high)
-        .then(|| format!("the log does not bound its {name}: it may be as large as {high:.3e} {unit}"))
+    (high.is_nan() || *high > NO_END * parameter.high).then(|| {
+        format!("the log does not bound its {name}: it may be as large as {} {unit}", rounded(*high, 3))
+    })
 }
 
 /// A time constant of more than half the log: over the log such a low-pass is an integral of its input, whatever its
@@ -94,7 +95,7 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
     if let Some(why) = parameter(finding, effect).filter(|_| is_searched) {
         return Some(why);
     }
-    let typical: Vec<(String, f64)> = typical_sizes(effect, target);
+    let typical = typical_sizes(effect, target);
     let half = |size: &Size| 0.5 * (size.interval[1] - size.interval[0]);
     // of a curve or a moment no single coefficient has a typical size: what counts is whether the log supports it
     if typical.is_empty() || effect.search == Detector::Step {
@@ -103,11 +104,11 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
             .then(|| format!("the log fits as well without it (score {score:.1}, 0 is the least)"));
     }
     finding.sizes.iter().find_map(|size| {
-        let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
+        let (unit, typical) = typical.iter().find(|(unit, _)| unit.to_string() == size.unit)?;
         let half = half(size);
         let is_known = half <= *typical || half <= UNKNOWN * size.value.abs();
         (!is_known).then(|| {
-            let (half, typical) = (number(half), number(*typical));
+            let (half, typical, unit) = (rounded(half, 3), rounded(*typical, 3), unit.spelled());
             format!(
                 "the log determines its size only to ±{half} {unit}; typical sizes are up to {typical} {unit}"
             )
@@ -116,8 +117,8 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
 }
 
 /// Unit and largest typical value of the terms of an effect that have them.
-fn typical_sizes(effect: &Effect, target: &str) -> Vec<(String, f64)> {
-    let known = |term| Some((effect.unit(term, target)?.to_string(), effect.typical(term, target)?));
+fn typical_sizes(effect: &Effect, target: &str) -> Vec<(SizeUnit, f64)> {
+    let known = |term| Some((effect.unit(term, target)?, effect.typical(term, target)?));
     (0..effect.terms.len()).filter_map(known).collect()
 }
 
@@ -132,14 +133,16 @@ pub(super) fn beyond_typical(findings: &[Finding], library: &Library, target: &s
 fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
     let typical = typical_sizes(effect, target);
     finding.sizes.iter().find_map(|size| {
-        let (unit, typical) = typical.iter().find(|(unit, _)| *unit == size.unit)?;
+        let (unit, typical) = typical.iter().find(|(unit, _)| unit.to_string() == size.unit)?;
         let [low, high] = size.interval;
         let least = if low * high > 0.0 { low.abs().min(high.abs()) } else { 0.0 };
         let times = size.value.abs() / typical;
         (least > FAR_BEYOND * typical).then(|| {
             format!(
-                "{} of {:.4} {unit} is {times:.0} times the largest that is typical: another effect may stand behind it, or a column in another unit",
-                finding.name, size.value
+                "{} of {} {} is {times:.0} times the largest typical size: another effect may stand behind it, or a column in another unit",
+                finding.name,
+                rounded(size.value, 3),
+                unit.spelled()
             )
         })
     })

@@ -19,4 +19,4 @@ mod verdict;
 pub(super) use assembly::Assembly;
 pub(crate) use doubt::not_identifiable;
 pub use verdict::rms_reduction;
-pub(super) use verdict::{sentence, verdict};
+pub(super) use verdict::{listed, sentence, verdict};

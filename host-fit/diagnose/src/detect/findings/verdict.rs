@@ -3,6 +3,7 @@
 use crate::detect::answer::{Finding, Verdict};
 use crate::detect::open::{Lead, LeadKind};
 use crate::effects::Band;
+use fos_data::text::rounded;
 
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
 const OUTWEIGHS: f64 = 5.0;
@@ -131,7 +132,7 @@ pub fn rms_reduction(of_variance: f64) -> f64 {
 }
 
 /// A, B and C.
-fn listed(names: impl Iterator<Item = String>) -> String {
+pub(in crate::detect) fn listed(names: impl Iterator<Item = String>) -> String {
     let mut names: Vec<String> = names.collect();
     let last = names.pop().unwrap_or_default();
     if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
@@ -146,7 +147,7 @@ fn faults(findings: &[Finding]) -> String {
 
 /// The name of a finding with its parameters.
 fn with_params(finding: &Finding) -> String {
-    let params = finding.params.iter().map(|(name, value)| format!("{name} = {value:.4}"));
+    let params = finding.params.iter().map(|(name, value)| format!("{name} = {}", rounded(*value, 3)));
     let params: Vec<String> = params.collect();
     match params.is_empty() {
         true => finding.name.clone(),

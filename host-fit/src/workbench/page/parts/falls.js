@@ -46,9 +46,9 @@ function emptyCard({ state, axis }) {
 
 /** @param {Refinement} refinement @param {Scene} scene */
 function judgedOn({ logs }, { axis }) {
-  if (logs.judged) return ["Judged on ", el("b", {}, fileName(logs.judged.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.field.path)), "."];
+  if (logs.judged) return ["Evaluated on ", el("b", {}, fileName(logs.judged.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.field.path)), "."];
   const where = axis?.judged_s ? ` (${seconds(axis.judged_s[0])} to ${seconds(axis.judged_s[1])})` : "";
-  return ["Judged on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which nothing was fitted to.`];
+  return ["Evaluated on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which nothing was fitted to.`];
 }
 
 /** @param {Refinement} refinement @param {string} unit @param {boolean} isBusy @param {Context} context */

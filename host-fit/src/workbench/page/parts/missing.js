@@ -92,7 +92,7 @@ function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   // a stretch that is shaded in two parts is told once
   const says = (/** @type {import("../types.js").LogSummary | null} */ log) => [...new Set(log?.moved.ranges.map((range) => range.says))];
   const field = says(logs.field);
-  const others = /** @type {[string, string[]][]} */ ([["Quiet log", says(logs.quiet)], ["Log judged on", says(logs.judged)]]).filter(([, told]) => told.length > 0);
+  const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.quiet)], ["Evaluation log", says(logs.judged)]]).filter(([, told]) => told.length > 0);
   if (!isKept && field.length === 0 && others.length === 0) return null;
   const list = (/** @type {string[]} */ told) => el("ul", {}, told.slice(0, MOST_TOLD).map((text) => el("li", {}, text)), told.length > MOST_TOLD && el("li", {}, `and ${told.length - MOST_TOLD} more`));
   const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Leave them out again" : "Count them as any others");

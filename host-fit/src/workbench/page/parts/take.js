@@ -19,7 +19,7 @@ const FORMATS = [
   { format: "c", name: "C header", says: "The image, with a check for start-up" },
   { format: "report.html", name: "Report, HTML", says: "One file, with every figure" },
   { format: "report.md", name: "Report, Markdown", says: "For a repository" },
-  { format: "study", name: "Study", says: "Goes on with host-fit" },
+  { format: "study", name: "Study", says: "Goes on with fos" },
 ];
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */

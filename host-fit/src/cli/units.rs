@@ -1,0 +1,155 @@
+//! Units and numbers as people read them: °/s or °/h for a gyro, mg for an accelerometer, three significant digits.
+
+use clap::{Args, ValueEnum};
+
+use super::output::print_line;
+use fos_data::column::Column;
+use fos_data::text::rounded;
+use fos_diagnose::effects::SizeUnit;
+
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.80665;
+
+/// A gyro whose errors are smaller than this is shown in °/h, °/s.
+const IN_DEGREES_PER_HOUR: f64 = 0.1;
+
+/// The units of printed text.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Units {
+    /// °/s, °/h and mg
+    #[default]
+    Field,
+    /// rad/s and m/s²
+    Si,
+}
+
+/// How much is printed for people, and in which units.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(super) struct Printed {
+    /// Print everything: all terms, errors, stretches and tests
+    #[arg(long)]
+    pub(super) details: bool,
+    /// Units of the printed text; JSON and files are always in SI
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) units: Units,
+}
+
+impl Printed {
+    /// The last line of a summary says how to print the rest.
+    pub(super) fn print_hint(self) {
+        if !self.details {
+            print_line!("--details prints the rest");
+        }
+    }
+
+    /// The number of lines of one kind: all of them with `--details`.
+    pub(super) fn at_most(self, lines: usize) -> usize {
+        if self.details { usize::MAX } else { lines }
+    }
+
+    /// A coefficient in the unit of a data sheet, as `0.0205 (°/s)/K`.
+    pub(super) fn coefficient(self, value: f64, unit: &str) -> (String, String) {
+        match (self.units, unit.parse::<SizeUnit>()) {
+            (Units::Si, Ok(unit)) => (three(value * unit.si), unit.in_si()),
+            (Units::Field, Ok(unit)) => (three(value), unit.spelled()),
+            (_, Err(_)) => (three(value), unit.to_owned()),
+        }
+    }
+}
+
+/// The unit in which the errors of one axis are shown.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ErrorUnit {
+    /// As people write it; empty where the column does not state a unit.
+    pub(super) label: &'static str,
+    /// One of this unit in SI.
+    pub(super) si: f64,
+}
+
+impl ErrorUnit {
+    /// The unit in which errors of up to `largest`, in SI, are easy to read.
+    pub(super) fn of(column: &str, largest: f64, units: Units) -> Self {
+        let column = Column::named(column);
+        let degree = std::f64::consts::PI / 180.0;
+        let (label, si) = match units {
+            Units::Field if column.is_angular_rate() && largest < IN_DEGREES_PER_HOUR * degree => {
+                ("°/h", degree / 3600.0)
+            }
+            Units::Field if column.is_angular_rate() => ("°/s", degree),
+            Units::Field if column.is_specific_force() => ("mg", 1e-3 * GRAVITY),
+            _ => (column.unit().label(), 1.0),
+        };
+        Self { label, si }
+    }
+
+    /// A value in SI, without the unit.
+    pub(super) fn show(self, value: f64) -> String {
+        three(value / self.si)
+    }
+
+    /// The root of a variance in SI, without the unit; a dash where there is none.
+    pub(super) fn root(self, variance: Option<f64>) -> String {
+        variance.map_or_else(|| "–".to_owned(), |variance| self.show(variance.max(0.0).sqrt()))
+    }
+}
+
+/// Three significant digits, in plain notation from 0.00001 on.
+pub(super) fn three(value: f64) -> String {
+    match value.abs() {
+        small if (1e-5..1e-3).contains(&small) => {
+            let decimals = (2 - small.log10().floor() as i32) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => rounded(value, 3),
+    }
+}
+
+/// A share in per cent, as `78.5 %`.
+pub(super) fn percent(share: f64) -> String {
+    // a small negative share is 0.0, not -0.0
+    format!("{:.1} %", (1000.0 * share).round() / 10.0 + 0.0)
+}
+
+/// `1 segment`, `2 segments`.
+pub(super) fn counted(count: usize, one: &str) -> String {
+    format!("{count} {one}{}", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_shown_in_readable_units() {
+        let degree = std::f64::consts::PI / 180.0;
+        for (column, value, units, shown) in [
+            ("gx_rads", 0.1006 * degree, Units::Field, "0.101 °/s"),
+            ("gx_rads", 0.00679 * degree, Units::Field, "24.4 °/h"),
+            ("gx_rads", 0.001781, Units::Si, "0.00178 rad/s"),
+            ("az_mps2", 0.006938, Units::Field, "0.707 mg"),
+            ("az_mps2", 0.0, Units::Si, "0 m/s²"),
+            ("temp_c", 0.25, Units::Field, "0.250 °C"),
+        ] {
+            let unit = ErrorUnit::of(column, value, units);
+            assert_eq!(format!("{} {}", unit.show(value), unit.label), shown);
+        }
+    }
+
+    #[test]
+    fn coefficients_keep_their_size_in_both_units() {
+        let (field, si) = (Printed::default(), Printed { units: Units::Si, ..Printed::default() });
+        let shown = |printed: Printed, value, unit| {
+            let (value, unit) = printed.coefficient(value, unit);
+            format!("{value} {unit}")
+        };
+        assert_eq!(shown(field, 0.02045, "dps/K"), "0.0204 (°/s)/K");
+        assert_eq!(shown(si, 0.02045, "dps/K"), "0.000357 (rad/s)/K");
+        assert_eq!(shown(field, 1.5, "mg/K"), "1.50 mg/K");
+        assert_eq!(shown(si, 1.5, "mg/K"), "0.0147 (m/s²)/K");
+    }
+
+    #[test]
+    fn one_thing_is_singular() {
+        assert_eq!([counted(1, "segment"), counted(2, "segment")], ["1 segment", "2 segments"]);
+    }
+}
