@@ -3,10 +3,11 @@
 use fos_data::column::Column;
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::dependence::{Dependence, DependenceError, Trained, dependence};
 use crate::physical::{PhysicalError, in_known_pose};
+use crate::rms::WithRms;
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
@@ -51,7 +52,7 @@ pub struct Comparison {
     /// First and last time stamp of the judged rows, s.
     pub judged_s: (f64, f64),
     /// The axes of the model.
-    #[serde(serialize_with = "crate::rms::axes")]
+    #[serde(serialize_with = "with_rms")]
     pub axes: Vec<AxisComparison>,
 }
 
@@ -304,5 +305,31 @@ impl Study {
     /// Lag-1 autocorrelation of each axis' training data: what the Gauss-Markov rival is made of.
     pub fn lag_1(&self) -> Vec<f64> {
         self.axes.iter().map(|report| report.lag_1).collect()
+    }
+}
+
+/// Axes with the RMS of the slow error in a free run: of the constant mean, and of the model.
+fn with_rms<S: Serializer>(axes: &[AxisComparison], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(axes.iter().map(|axis| {
+        let [before, after] = axis.slow_errors();
+        WithRms {
+            rms_before: before,
+            rms_after: after,
+            rms_reduction: before
+                .zip(after)
+                .filter(|(before, _)| *before > 0.0)
+                .map(|(before, after)| 1.0 - after / before),
+            ..WithRms::new(axis)
+        }
+    }))
+}
+
+impl AxisComparison {
+    /// RMS of the slow error in a free run, in the unit of the axis: of the constant mean, and of the model.
+    pub fn slow_errors(&self) -> [Option<f64>; 2] {
+        [Rival::Mean.name(), MODEL].map(|name| {
+            let errors = self.errors.iter().find(|errors| errors.model == name);
+            errors.and_then(|errors| errors.slow_error_coast).map(f64::sqrt)
+        })
     }
 }

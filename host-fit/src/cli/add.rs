@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, library};
 use super::diagnose::print_diagnosis;
-use super::output::{Failure, print_json, print_line, spinner};
+use super::output::{Failure, print_hint, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
 use super::units::Printed;
 use crate::plots;
@@ -93,7 +93,7 @@ impl Add {
         if let Some(folder) = &self.figures {
             print_line!("figure written to {}", folder.display());
         }
-        self.printed.print_hint();
+        print_hint(self.printed);
         Ok(())
     }
 }

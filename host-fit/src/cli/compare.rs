@@ -7,7 +7,7 @@ use clap::Args;
 use super::arguments::{OutputFolder, Reading, describe};
 use super::comparison_summary::{LEGEND, summary};
 use super::error_table::{error_table, error_unit};
-use super::output::{Failure, grouped, print_json, print_line, print_warning, progress, table};
+use super::output::{Failure, grouped, print_hint, print_json, print_line, print_warning, progress, table};
 use super::units::{ErrorUnit, Printed, three};
 use fos_diagnose::compare::{AxisComparison, Comparison, Judgement, compare_study, lags_off};
 use fos_diagnose::dependence::Dependence;
@@ -87,7 +87,7 @@ impl Compare {
         if let Some(folder) = &self.figures {
             print_line!("\nfigures written to {}", folder.display());
         }
-        self.printed.print_hint();
+        print_hint(self.printed);
         Ok(())
     }
 

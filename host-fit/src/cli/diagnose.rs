@@ -9,8 +9,8 @@ use comfy_table::CellAlignment;
 use super::arguments::{Reading, library};
 use super::numbers::{IN_UNIT, within};
 use super::output::{
-    Failure, first, grouped, percent, print_json, print_line, print_verdict, print_warning, spinner, table,
-    with_flags,
+    Failure, first, grouped, percent, print_hint, print_json, print_line, print_verdict, print_warning,
+    spinner, table, with_flags,
 };
 use super::refinement::{LogArguments, column_of, read_logs};
 use super::units::{Printed, three};
@@ -183,7 +183,7 @@ pub(super) fn print_diagnosis(diagnosis: &Diagnosis, printed: Printed) {
         print_line!("  tested: {}", diagnosis.tested.join(", "));
     }
     print_tests(std::slice::from_ref(diagnosis));
-    printed.print_hint();
+    print_hint(printed);
 }
 
 /// One row for each axis, then the remarks on all of them.

@@ -9,7 +9,7 @@ use super::arguments::{OutputFile, Reading, axes, describe, read_all};
 use super::comparison_summary::{LEGEND, Row, table_of};
 use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
-use super::output::{Failure, grouped, number, print_json, print_line, progress, table};
+use super::output::{Failure, grouped, number, print_hint, print_json, print_line, progress, table};
 use super::physical_terms::physical_terms;
 use super::units::{Printed, counted, three};
 use fos_data::file::compare_and_swap::FileVersion;
@@ -150,7 +150,7 @@ impl Fit {
         }
         print_study(&study, self.printed);
         print_line!("\nstudy written to {}", self.output.display());
-        self.printed.print_hint();
+        print_hint(self.printed);
         Ok(())
     }
 }

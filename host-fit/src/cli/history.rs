@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::OutputFolder;
-use super::output::{Failure, print_json, print_line};
+use super::output::{Failure, print_hint, print_json, print_line};
 use super::refinement::print_refinement;
 use super::units::Printed;
 use crate::plots;
@@ -43,7 +43,7 @@ impl History {
             return Ok(());
         }
         study.refinements.iter().for_each(|refinement| print_refinement(refinement, self.printed));
-        self.printed.print_hint();
+        print_hint(self.printed);
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ use comfy_table::{CellAlignment, Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::units;
+use super::units::{self, Printed};
 use crate::escaping::{quoted, visible_json};
 use fos_data::recording::{Oddity, RecordingError};
 pub(super) use fos_data::text::number;
@@ -235,6 +235,13 @@ pub(super) fn grouped<'a>(remarks: impl IntoIterator<Item = (&'a str, String)>, 
         false => format!("{}: {remark}", of.join(", ")),
     };
     found.into_iter().map(line).collect()
+}
+
+/// The last line of a summary says how to print the rest.
+pub(super) fn print_hint(printed: Printed) {
+    if !printed.details {
+        print_line!("--details prints the rest");
+    }
 }
 
 /// At most so many lines, the last of which says how many more there are.

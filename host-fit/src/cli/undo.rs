@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Failure, print_json, print_line};
+use super::output::{Failure, print_hint, print_json, print_line};
 use super::refinement::{column_of, print_refinement};
 use super::units::Printed;
 use fos_diagnose::study::Study;
@@ -37,7 +37,7 @@ impl Undo {
         }
         print_line!("taken back: {effect}");
         refinement.iter().for_each(|refinement| print_refinement(refinement, self.printed));
-        self.printed.print_hint();
+        print_hint(self.printed);
         Ok(())
     }
 }

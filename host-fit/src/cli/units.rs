@@ -2,7 +2,6 @@
 
 use clap::{Args, ValueEnum};
 
-use super::output::print_line;
 use fos_data::column::Column;
 use fos_data::text::rounded;
 use fos_diagnose::effects::SizeUnit;
@@ -35,13 +34,6 @@ pub(super) struct Printed {
 }
 
 impl Printed {
-    /// The last line of a summary says how to print the rest.
-    pub(super) fn print_hint(self) {
-        if !self.details {
-            print_line!("--details prints the rest");
-        }
-    }
-
     /// The number of lines of one kind: all of them with `--details`.
     pub(super) fn at_most(self, lines: usize) -> usize {
         if self.details { usize::MAX } else { lines }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::open::Lead;
-use super::shared_signal::SharedSignal;
 use crate::effects::Band;
+use crate::rms::{WithRms, rms_reduction};
 use fos_fit::noise::NoiseLevels;
 
 /// The outcome in one word.
@@ -55,7 +55,7 @@ pub struct Diagnosis {
     /// The outcome in a sentence.
     pub sentence: String,
     /// Missing effects, best first, then faults of the data.
-    #[serde(serialize_with = "crate::rms::findings")]
+    #[serde(serialize_with = "with_rms")]
     pub findings: Vec<Finding>,
     /// What else the log follows; leads and no findings.
     pub leads: Vec<Lead>,
@@ -211,4 +211,39 @@ pub struct NoiseReport {
     pub block_s: f64,
     /// How many blocks there are.
     pub blocks: usize,
+}
+
+/// A slow signal that several axes of a log share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct SharedSignal {
+    /// The axes that share it, as columns.
+    pub axes: Vec<String>,
+    /// Correlation of each of these axes with the others, of changes from one mean to the next.
+    pub correlations: Vec<f64>,
+    /// Length of the means, s.
+    pub mean_s: f64,
+    /// Time of each mean, s after the first sample, and the signal there, in standard deviations.
+    pub course: Vec<[f64; 2]>,
+}
+
+impl<'a> WithRms<'a, Finding> {
+    fn of_finding(finding: &'a Finding) -> Self {
+        Self {
+            rms_reduction: Some(rms_reduction(finding.predicted_reduction)),
+            rms_reduction_interval: Some(finding.predicted_reduction_interval.map(rms_reduction)),
+            measured_rms_reduction: finding.measured_reduction.map(rms_reduction),
+            ..Self::new(finding)
+        }
+    }
+}
+
+/// Findings with the predicted and the measured reduction of the RMS.
+fn with_rms<S: Serializer>(findings: &[Finding], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(findings.iter().map(WithRms::of_finding))
+}
+
+/// A finding with the predicted and the measured reduction of the RMS.
+pub(crate) fn finding_with_rms<S: Serializer>(finding: &Finding, serializer: S) -> Result<S::Ok, S::Error> {
+    WithRms::of_finding(finding).serialize(serializer)
 }

@@ -3,10 +3,11 @@
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
-use super::findings::{rms_reduction, sentence, verdict};
+use super::findings::{sentence, verdict};
 use super::open::{Lead, LeadKind};
 use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
+use crate::rms::rms_reduction;
 use fos_data::disturbance;
 use fos_data::recording::Recording;
 

@@ -42,17 +42,19 @@ mod rests_tests;
 #[cfg(test)]
 mod thermometer_tests;
 
+pub use crate::rms::rms_reduction;
+pub(crate) use answer::finding_with_rms;
 pub use answer::{
-    CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, Size, Untested, Verdict,
+    CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, SharedSignal, Size, Untested,
+    Verdict,
 };
 pub(crate) use correction::{as_after_steps, is_step, step_time};
 pub use correction::{correction, is_fast};
 pub use diagnose::{diagnose, estimate};
 pub use error_in_blocks::ErrorInBlocks;
 pub(crate) use findings::not_identifiable;
-pub use findings::rms_reduction;
 pub use measured_reduction::with_measured_reduction;
 pub use open::Lead;
 pub(crate) use question::is_bias_known;
 pub use question::{DiagnoseError, Given, MIN_BLOCKS, Question};
-pub use shared_signal::{SharedSignal, with_shared_signal};
+pub use shared_signal::with_shared_signal;

@@ -5,9 +5,8 @@
 //! the walks themselves are not. Therefore changes are compared (Granger and Newbold 1974, spurious regressions).
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use serde::{Deserialize, Serialize};
 
-use super::answer::{Diagnosis, Finding, Verdict};
+use super::answer::{Diagnosis, Finding, SharedSignal, Verdict};
 use super::correction::correction;
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::listed;
@@ -33,20 +32,6 @@ const FEWEST: usize = 3;
 
 /// Changes beyond so many standard deviations count as this many: one shock in all axes is no slow signal.
 const MOST: f64 = 3.0;
-
-/// A slow signal that several axes of a log share.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
-pub struct SharedSignal {
-    /// The axes that share it, as columns.
-    pub axes: Vec<String>,
-    /// Correlation of each of these axes with the others, of changes from one mean to the next.
-    pub correlations: Vec<f64>,
-    /// Length of the means, s.
-    pub mean_s: f64,
-    /// Time of each mean, s after the first sample, and the signal there, in standard deviations.
-    pub course: Vec<[f64; 2]>,
-}
 
 /// Axes in the same blocks of a log.
 struct Together {

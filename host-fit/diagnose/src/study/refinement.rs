@@ -1,9 +1,11 @@
 //! What a study remembers of refining an axis: the logs, and every step.
 
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeSeq;
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::detect::Finding;
 use crate::effects::Effect;
+use crate::rms::{WithRms, rms_reduction};
 use fos_data::recording::{LoadOptions, Source};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
@@ -18,7 +20,7 @@ pub struct Refinement {
     /// The logs behind it.
     pub logs: LogSources,
     /// The model before anything was added, then after each effect.
-    #[serde(rename = "stairs", serialize_with = "crate::rms::steps")]
+    #[serde(rename = "stairs", serialize_with = "with_rms")]
     pub steps: Vec<RefinementStep>,
 }
 
@@ -63,7 +65,7 @@ pub struct Added {
     /// The effect itself: the study can be read without the file it came from.
     pub effect: Effect,
     /// What it was found to be, with the reduction that is predicted.
-    #[serde(serialize_with = "crate::rms::finding")]
+    #[serde(serialize_with = "crate::detect::finding_with_rms")]
     pub finding: Finding,
     /// The reduction that was measured, in the band of the effect.
     #[serde(rename = "realised_fall")]
@@ -121,6 +123,23 @@ impl Refinement {
     pub fn last(&self) -> Option<&RefinementStep> {
         self.steps.last()
     }
+}
+
+/// Steps with the RMS of the slow error before and after each, and the measured reduction in the band of the effect.
+fn with_rms<S: Serializer>(steps: &[RefinementStep], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut sequence = serializer.serialize_seq(Some(steps.len()))?;
+    let mut rms_before = None;
+    for step in steps {
+        let rms_after = Some(step.left.slow.sqrt());
+        sequence.serialize_element(&WithRms {
+            rms_before,
+            rms_after,
+            rms_reduction: step.added.as_ref().map(|added| rms_reduction(added.measured_reduction)),
+            ..WithRms::new(step)
+        })?;
+        rms_before = rms_after;
+    }
+    sequence.end()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What speaks against a slow effect that was found: it is no claim then, and says why.
 
-use super::verdict::rms_reduction;
 use crate::detect::answer::{Finding, Size};
 use crate::effects::{Band, Detector, Effect, Library, SizeUnit};
+use crate::rms::rms_reduction;
 use fos_data::text::rounded;
 
 /// A parameter this near to a limit of the search is at it.

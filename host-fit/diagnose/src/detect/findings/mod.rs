@@ -18,5 +18,4 @@ mod verdict;
 
 pub(super) use assembly::Assembly;
 pub(crate) use doubt::not_identifiable;
-pub use verdict::rms_reduction;
 pub(super) use verdict::{listed, sentence, verdict};

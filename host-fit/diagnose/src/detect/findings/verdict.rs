@@ -3,6 +3,7 @@
 use crate::detect::answer::{Finding, Verdict};
 use crate::detect::open::{Lead, LeadKind};
 use crate::effects::Band;
+use crate::rms::rms_reduction;
 use fos_data::text::rounded;
 
 /// Findings are kept beside an unexplained rest if they explain so many times as much.
@@ -124,11 +125,6 @@ fn drop(claims: &[&Finding]) -> String {
     };
     let of = if is_wide(claims[0].band) { "of the samples" } else { "of the slow error" };
     format!("; with {with} the RMS {of} should fall by {:.1} %", 100.0 * reduction)
-}
-
-/// The reduction of an RMS that goes with this reduction of its square, a variance.
-pub fn rms_reduction(of_variance: f64) -> f64 {
-    1.0 - (1.0 - of_variance).max(0.0).sqrt()
 }
 
 /// A, B and C.
