@@ -9,9 +9,9 @@ use clap::Args;
 
 use super::output::{Failure, first, warning_in_words};
 use super::units::{Printed, counted, three};
-use fos_data::disturbance;
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Rate, Recording, RecordingError, Stamps, load};
 use fos_data::stillness::Stillness;
+use fos_data::{disturbance, file};
 use fos_diagnose::effects::{EffectError, Library};
 
 /// A file that a command writes.
@@ -154,8 +154,10 @@ fn load_log(log: &Path, options: &LoadOptions) -> Result<Recording, Failure> {
 /// The file begins as a study does.
 pub(super) fn is_study(path: &Path) -> bool {
     let mut begin = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(200).read_to_end(&mut begin));
-    read.is_ok() && begin.starts_with(b"{") && String::from_utf8_lossy(&begin).contains("fos-study/")
+    let Ok(file) = file::open(path) else { return false };
+    file.take(200).read_to_end(&mut begin).is_ok()
+        && begin.starts_with(b"{")
+        && String::from_utf8_lossy(&begin).contains("fos-study/")
 }
 
 /// Reads several logs of one unit as one recording, never spliced.

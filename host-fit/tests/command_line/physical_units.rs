@@ -14,10 +14,10 @@ fn noise(row: usize, of: u64) -> f64 {
     (x ^ (x >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
-/// The coefficient and its standard error of the line that ends so.
+/// The coefficient and its standard error of the term that ends so.
 fn coefficient(printed: &str, of: &str) -> (f64, f64) {
     let (before, _) = printed.split_once(of).unwrap_or_else(|| panic!("no {of}:\n{printed}"));
-    let line = before.rsplit('\n').next().expect("a line");
+    let line = before.rsplit(['\n', ';', ':']).next().expect("a term");
     let (value, error) = line.trim().split_once(" ± ").unwrap_or_else(|| panic!("{line}"));
     (value.parse().expect("a number"), error.trim().parse().expect("a number"))
 }
@@ -49,18 +49,31 @@ fn coefficients_are_those_that_made_the_log() {
         "temp_c",
         "--physical",
         "supply_v",
+        "--units",
+        "si",
         "-o",
         "unit.json",
     ];
     let printed = done(folder, &both);
-    let fit = ["fit", "log.csv", "--axis", "gy", "--physical", "temp_c:rate(5)", "-o", "unit.json"];
+    let fit = [
+        "fit",
+        "log.csv",
+        "--axis",
+        "gy",
+        "--physical",
+        "temp_c:rate(5)",
+        "--units",
+        "si",
+        "-o",
+        "unit.json",
+    ];
     let warming = done(folder, &fit);
     for (printed, of, known) in [
-        (&printed, "(rad/s)/°C of temp_c", 2e-4),
+        (&printed, "(rad/s)/K of temp_c", 2e-4),
         (&printed, "(rad/s)/V of supply_v", -3e-3),
-        (&printed, "(m/s²)/°C of temp_c", 4e-3),
+        (&printed, "(m/s²)/K of temp_c", 4e-3),
         (&printed, "(m/s²)/V of supply_v", 0.05),
-        (&warming, "(rad/s)/(°C/s) of temp_c:rate(5)", 0.04),
+        (&warming, "(rad/s)/(K/s) of temp_c:rate(5)", 0.04),
     ] {
         let (found, error) = coefficient(printed, of);
         assert!((found - known).abs() < 4.0 * error, "{of}: {found} ± {error}, made with {known}");

@@ -61,7 +61,7 @@ fn an_axis_that_stands_still_is_left_out_unless_it_is_asked_for() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");
     let told = said(folder.path(), &["diagnose", "a.csv", "--json"]);
-    assert!(told.contains("left out: gx_rads repeats one value, 0.0"), "{told}");
+    assert!(told.contains("excluded: gx_rads repeats one value, 0.0"), "{told}");
     let refused = fails(folder.path(), 1, &["diagnose", "a.csv", "--axis", "gx"]);
     assert!(refused.contains("gx_rads repeats one value, 0.0"), "{refused}");
     flight.rate.iter_mut().for_each(|rate| *rate = [0.0; 3]);
