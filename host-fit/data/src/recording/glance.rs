@@ -54,7 +54,6 @@ pub enum Oddity {
     Held {
         /// As in the log format, as `gx_rads`.
         column: String,
-        /// How often.
         times: usize,
         /// Total duration, s.
         seconds: f64,
@@ -85,7 +84,6 @@ pub enum Oddity {
     },
     /// Two axes hold the same values.
     Same {
-        /// The columns.
         columns: [String; 2],
     },
     /// The accelerometers together do not show gravity.

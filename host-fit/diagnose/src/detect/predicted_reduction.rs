@@ -13,7 +13,6 @@ use fos_fit::noise::{Fitted, Regression, UnknownLevels};
 /// Draws of noise and coefficients.
 const DRAWS: usize = 300;
 
-/// Seed of the draws.
 const SEED: u64 = 0x0f05;
 
 /// Share of the variance of block means that goes with a correction: median, 5 % and 95 % quantile.

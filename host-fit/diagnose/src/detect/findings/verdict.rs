@@ -130,7 +130,6 @@ pub fn rms_reduction(of_variance: f64) -> f64 {
     1.0 - (1.0 - of_variance).max(0.0).sqrt()
 }
 
-/// A, B and C.
 fn listed(names: impl Iterator<Item = String>) -> String {
     let mut names: Vec<String> = names.collect();
     let last = names.pop().unwrap_or_default();
