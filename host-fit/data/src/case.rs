@@ -131,10 +131,7 @@ pub enum CaseError {
     },
     /// A log of that name is there in no format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
-    NoLog {
-        folder: PathBuf,
-        name: String,
-    },
+    NoLog { folder: PathBuf, name: String },
     /// A log cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),

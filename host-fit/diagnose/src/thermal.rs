@@ -36,9 +36,7 @@ pub enum LeftError {
     #[error(
         "{log}: no row at rest is left to judge on\nhelp: a smaller `train`, or another log to `judge` on"
     )]
-    NothingLeft {
-        log: String,
-    },
+    NothingLeft { log: String },
 }
 
 /// A correction by temperature: of a column at a temperature, in the column's unit.

@@ -65,10 +65,7 @@ pub enum EstimateError {
     #[error(
         "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
     )]
-    Regressor {
-        regressor: String,
-        reason: String,
-    },
+    Regressor { regressor: String, reason: String },
     #[error(
         "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its coefficients need at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions"
     )]

@@ -40,18 +40,12 @@ pub enum GatheredError {
         "the unit {unit:?}{} is there twice\nhelp: one row for each unit of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
         of_part(part)
     )]
-    Twice {
-        unit: String,
-        part: String,
-    },
+    Twice { unit: String, part: String },
     /// A row has not all numbers that it speaks of.
     #[error(
         "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
-    NotWhole {
-        unit: String,
-        column: String,
-    },
+    NotWhole { unit: String, column: String },
     /// Bytes that are no gathered rows.
     #[error("no gathered rows: {0}\nhelp: what this version has gathered; gather the rows anew")]
     NotGathered(String),

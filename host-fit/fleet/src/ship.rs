@@ -70,19 +70,13 @@ pub enum ShipError {
     #[error(
         "{}the rows do not say what was seen of {input}\nhelp: look at the fleet anew: these are rows of an earlier version", named(.part)
     )]
-    NotSeen {
-        part: String,
-        input: String,
-    },
+    NotSeen { part: String, input: String },
     /// The model does not fit an image.
     #[error(transparent)]
     Image(#[from] UnusableImage),
     /// A record cannot be made.
     #[error("{unit}: {error}\nhelp: a shorter name, of at most 65535 bytes")]
-    Unit {
-        unit: String,
-        error: UnitError,
-    },
+    Unit { unit: String, error: UnitError },
 }
 
 fn named(part: &str) -> String {

@@ -124,9 +124,7 @@ pub enum MapError {
     File(#[from] FileError),
     /// A map that is no text.
     #[error("column map {path}: it is no text\nhelp: write a table [columns] of channel = \"column:unit\"")]
-    NotText {
-        path: String,
-    },
+    NotText { path: String },
 }
 
 #[derive(Deserialize)]

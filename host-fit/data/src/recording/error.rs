@@ -87,10 +87,7 @@ pub enum RecordingError {
     #[error(
         "{path} and {others} have no channel in common\nhelp: name their columns in the column map, as in gx_rads=gyro_x:dps"
     )]
-    NothingInCommon {
-        path: String,
-        others: String,
-    },
+    NothingInCommon { path: String, others: String },
     #[cfg(feature = "parquet")]
     /// Parquet that cannot be read or written.
     #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
@@ -183,9 +180,7 @@ pub enum RecordingError {
     },
     /// Rows of two devices in turn.
     #[error("{}: every second row differs in its stamp and in its values: the rows are of two devices in turn\nhelp: give the rows of each device as a log of its own, or record each on a topic of its own", path.display())]
-    TwoDevices {
-        path: PathBuf,
-    },
+    TwoDevices { path: PathBuf },
     /// An option that this file has no use for.
     #[error("{}: {option} has no effect here: {offers}\nhelp: {help}", path.display())]
     NoEffect {
@@ -198,10 +193,7 @@ pub enum RecordingError {
     },
     /// A folder or an archive with more logs than one.
     #[error("{}: there is more than one log in it: {}\nhelp: choose one of them as the topic, as in {}, or give the logs one by one", path.display(), logs.join(", "), logs.first().map_or("", String::as_str))]
-    SeveralLogs {
-        path: PathBuf,
-        logs: Vec<String>,
-    },
+    SeveralLogs { path: PathBuf, logs: Vec<String> },
     /// A channel without a single number.
     #[error(
         "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave out the axis and what needs it, or name the column that holds it in the column map, as in {name}=column"
@@ -346,10 +338,7 @@ pub enum RecordingError {
     },
     /// A row that cannot be used, in strict mode.
     #[error("{}:{row}\nhelp: correct or remove that row, or load without `strict` to skip such rows", path.display())]
-    BadRow {
-        path: PathBuf,
-        row: Box<BadRow>,
-    },
+    BadRow { path: PathBuf, row: Box<BadRow> },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(
         "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (`columns` '!column')",
@@ -408,9 +397,7 @@ pub enum RecordingError {
     },
     /// A file name that does not tell the format to write.
     #[error("{}: cannot tell the format from the name\nhelp: end it in .csv, .csv.gz or .parquet", path.display())]
-    UnknownFormat {
-        path: PathBuf,
-    },
+    UnknownFormat { path: PathBuf },
     /// A column map that was not understood.
     #[error(transparent)]
     Map(#[from] MapError),

@@ -83,9 +83,7 @@ pub enum Oddity {
         step: f64,
     },
     /// Two axes hold the same values.
-    Same {
-        columns: [String; 2],
-    },
+    Same { columns: [String; 2] },
     /// The accelerometers together do not show gravity.
     NotGravity {
         /// What they show: the median, m/s² as read.

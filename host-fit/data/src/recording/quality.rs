@@ -87,10 +87,7 @@ pub struct BadRow {
 #[serde(rename_all = "snake_case")]
 pub enum Place {
     /// Line of a text file, the first is 1, and the cell in it, the first is 1 (0: the whole line).
-    Line {
-        line: u64,
-        cell: u64,
-    },
+    Line { line: u64, cell: u64 },
     /// Data row, the first is 1; for files without lines.
     Row(u64),
 }

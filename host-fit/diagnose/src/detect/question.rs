@@ -68,17 +68,12 @@ pub enum DiagnoseError {
     #[error(
         "{effect}: how sure its coefficients are cannot be told from this log: their covariance is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
     )]
-    UnknownCoefficients {
-        effect: String,
-    },
+    UnknownCoefficients { effect: String },
     /// An effect that was asked for does not show in the log.
     #[error(
         "{effect} cannot be estimated from this log: {reason}\nhelp: a log in which what the effect follows is logged and changes"
     )]
-    NotThere {
-        effect: String,
-        reason: String,
-    },
+    NotThere { effect: String, reason: String },
     /// An axis that does not measure.
     #[error(
         "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with `axis`"

@@ -259,10 +259,7 @@ pub enum EffectError {
     #[error(
         "nothing in the library is found as {search:?} on {column}\nhelp: undo the step whose effect has taken the place of the built-in one, and add it under another identifier"
     )]
-    NoneFoundAs {
-        search: Detector,
-        column: String,
-    },
+    NoneFoundAs { search: Detector, column: String },
 }
 
 fn did_you_mean(closest: Option<&str>) -> String {

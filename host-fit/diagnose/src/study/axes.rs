@@ -9,10 +9,7 @@ use super::refinement::Refinement;
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
     #[error("the study has no axis {column}; it has {}\nhelp: name one of them", .axes.join(", "))]
-    NoAxis {
-        column: String,
-        axes: Vec<String>,
-    },
+    NoAxis { column: String, axes: Vec<String> },
     #[error("nothing was added to {0}\nhelp: add an effect first")]
     NothingAdded(String),
 }

@@ -107,10 +107,7 @@ pub enum StudyError {
     },
     /// Its fields contradict one another.
     #[error("{path}: {reason}: such a study was not written by this program\nhelp: fit the log again")]
-    Unsound {
-        path: String,
-        reason: String,
-    },
+    Unsound { path: String, reason: String },
     #[error(
         "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
     )]

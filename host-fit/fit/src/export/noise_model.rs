@@ -40,9 +40,7 @@ pub enum NoiseModelError {
     #[error(
         "{column} is missing: such a file has the noise of three accelerometers and three gyros\nhelp: ask all six axes of a log that has them"
     )]
-    Missing {
-        column: &'static str,
-    },
+    Missing { column: &'static str },
 }
 
 impl NoiseModel {

@@ -57,10 +57,7 @@ pub enum AxisError {
     #[error(
         "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"
     )]
-    Constant {
-        column: String,
-        value: f64,
-    },
+    Constant { column: String, value: f64 },
     /// An input that does not change where it is fitted.
     #[error(
         "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of `physical` and `input`, or fit on rows in which it changes (`train`)"
@@ -80,26 +77,17 @@ pub enum AxisError {
     },
     /// The candidates do not make a pool.
     #[error("{column}: {source}\nhelp: a smaller `max_lag`, `input_lags` or `degree`")]
-    Candidates {
-        column: String,
-        source: CandidatesError,
-    },
+    Candidates { column: String, source: CandidatesError },
     /// The search or the final solution.
     #[error(
         "{column}: {source}\nhelp: a longer log at rest without empty cells, a larger `train`, a smaller `max_lag`, or fewer inputs (`physical`, `input`)"
     )]
-    Search {
-        column: String,
-        source: FitError,
-    },
+    Search { column: String, source: FitError },
     /// An autoregression cannot be estimated.
     #[error(
         "{column}: {source}\nhelp: a smaller `max_lag`, a longer log at rest without empty cells, or `method` fos"
     )]
-    Autoregression {
-        column: String,
-        source: AutoregressionError,
-    },
+    Autoregression { column: String, source: AutoregressionError },
     /// The model does not follow the rows that it was fitted to.
     #[error(
         "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or leave out inputs that hardly change in it (`physical`, `input`)"
@@ -116,10 +104,7 @@ pub enum AxisError {
     #[error(
         "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
     )]
-    Model {
-        column: String,
-        source: ModelError,
-    },
+    Model { column: String, source: ModelError },
 }
 
 fn what_fits(joined_by: &str, fits: &str) -> String {

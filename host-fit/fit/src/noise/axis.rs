@@ -63,10 +63,7 @@ pub enum AxisNoiseError {
     #[error(
         "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
-    Constant {
-        column: String,
-        value: f64,
-    },
+    Constant { column: String, value: f64 },
 }
 
 /// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.

@@ -26,8 +26,7 @@ use super::{file_of, folder, read, recorded};
 #[test]
 #[ignore = "writes files: tests/fixtures/README.md"]
 fn write_the_fixtures_of_new_versions() {
-    let new: Vec<_> =
-        FORMATS.iter().filter(|format| !recorded(&file_of(format)).exists()).collect();
+    let new: Vec<_> = FORMATS.iter().filter(|format| !recorded(&file_of(format)).exists()).collect();
     for format in &new {
         let path = file_of(format);
         if !path.exists() {

@@ -40,8 +40,7 @@ fn every_fixture_gives_its_recorded_results() {
     for format in FORMATS {
         let path = file_of(format);
         let bytes = read(&path);
-        let outputs =
-            (format.outputs)(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let outputs = (format.outputs)(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let expected = String::from_utf8(read(&recorded(&path))).expect("UTF-8");
         assert!(outputs == expected, "{}: the results are now\n{outputs}", path.display());
         println!("| {} | {} | {} |", format.title, format.version, bytes.len());
@@ -58,11 +57,7 @@ fn writers_give_the_bytes_of_the_fixtures() {
     ] {
         let format = FORMATS.iter().find(|format| format.name == name).expect("a format");
         // nothing but the writer decides: no fit is in them
-        assert!(
-            make() == read(&file_of(format)),
-            "{}: other bytes, and no other version",
-            format.title
-        );
+        assert!(make() == read(&file_of(format)), "{}: other bytes, and no other version", format.title);
     }
     let study = folder().join("study_v1.json");
     let written = Study::read(&study).expect("it is read").to_bytes();
@@ -73,8 +68,7 @@ fn writers_give_the_bytes_of_the_fixtures() {
 #[test]
 fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
     // `reference`: answers computed by others, with a README of its own
-    let mut known: Vec<PathBuf> =
-        ["README.md", "reference"].map(|name| folder().join(name)).into();
+    let mut known: Vec<PathBuf> = ["README.md", "reference"].map(|name| folder().join(name)).into();
     for format in FORMATS {
         let path = file_of(format);
         known.extend([recorded(&path), path]);
