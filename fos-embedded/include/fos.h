@@ -40,7 +40,7 @@
 
 // Version of this interface: raised with what is added. What a header before declares stays as it is, so that a program
 // compiled with it links and runs unchanged: with a library whose fos_api_version() is this or more.
-#define FOS_API_VERSION 2
+#define FOS_API_VERSION 1
 
 // Axes of a sensor, at these places of every array of six: accelerometer x, y, z, then gyro x, y, z.
 #define FOS_AXES 6

@@ -2,10 +2,11 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use fos_core::image::VERSION;
 use fos_core::{Correction, Image, Sample, Validity};
 use fos_data::stillness;
 use fos_diagnose::compare::lags_off;
-use fos_fit::export::{NoColumn, current, description, model_of, version};
+use fos_fit::export::{NoColumn, description, model_of};
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -96,8 +97,7 @@ impl Predictor {
     #[new]
     fn new(py: Python<'_>, image: &[u8], axes: Vec<String>) -> PyResult<Self> {
         let refused = |text: String| said(py, "ImageError", &format!("the image cannot be run: {text}"));
-        let bytes = current(image).map_err(|error| refused(error.to_string()))?;
-        let parsed = Image::parse(&bytes).map_err(|error| refused(error.to_string()))?;
+        let parsed = Image::parse(image).map_err(|error| refused(error.to_string()))?;
         let fresh: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
         let model =
             model_of(&parsed, &axes).map_err(|error: NoColumn| said(py, "ImageError", &error.to_string()))?;
@@ -112,7 +112,7 @@ impl Predictor {
             "provenance": lines(info.provenance),
             "terms": model.n_terms(),
             "bytes": image.len(),
-            "version": version(image),
+            "version": VERSION,
             "description": description(&parsed),
         });
         Ok(Self { state: Mutex::new(fresh.clone()), fresh, model, about: about.to_string() })

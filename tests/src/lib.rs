@@ -9,6 +9,14 @@ pub mod page;
 pub mod reference;
 pub mod series;
 
+use std::env;
+
+/// Returns true if `FOS_THOROUGH` is set: tests then run every combination and enough random cases for narrow
+/// statistical bounds. Otherwise they run a selection.
+pub fn is_thorough() -> bool {
+    env::var_os("FOS_THOROUGH").is_some()
+}
+
 /// README's device example compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

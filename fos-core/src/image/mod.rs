@@ -21,7 +21,7 @@ pub use write::encode;
 pub const MAGIC: [u8; 4] = *b"FOSM";
 
 /// The format version that this crate writes, and the only one it reads.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 1;
 
 /// Bytes before the body: magic, version, flags (0), length of the body, length of the information, checksum.
 pub const HEADER_LENGTH: usize = 20;

@@ -9,7 +9,7 @@ use crate::raw::Faults;
 
 /// Version of this interface: raised with what is added. What a header before declares stays as it is, so that a program
 /// compiled with it links and runs unchanged: with a library whose fos_api_version() is this or more.
-pub const FOS_API_VERSION: u32 = 2;
+pub const FOS_API_VERSION: u32 = 1;
 
 /// Axes of a sensor, at these places of every array of six: accelerometer x, y, z, then gyro x, y, z.
 pub const FOS_AXES: usize = 6;

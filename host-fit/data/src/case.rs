@@ -18,11 +18,9 @@ pub struct CaseMeta {
     /// [`SCHEMA`]; a description that somebody wrote by hand may leave it out.
     #[serde(default = "this_schema")]
     pub schema: String,
-    /// Name of the case.
     pub case: String,
     /// Column to be explained.
     pub target: String,
-    /// Kind of device.
     #[serde(default)]
     pub device: String,
     /// How it was used, in words.
@@ -116,7 +114,6 @@ pub enum CaseError {
         /// What the reader said.
         reason: String,
     },
-    /// Another version.
     #[error(
         "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
     )]
@@ -134,12 +131,7 @@ pub enum CaseError {
     },
     /// A log of that name is there in no format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
-    NoLog {
-        /// That of the case.
-        folder: PathBuf,
-        /// Name without ending.
-        name: String,
-    },
+    NoLog { folder: PathBuf, name: String },
     /// A log cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
@@ -148,13 +140,10 @@ pub enum CaseError {
 /// A case with its logs read.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What is known.
     pub meta: CaseMeta,
     /// A log in which nothing is missing; absent where the case has none.
     pub baseline: Option<Recording>,
-    /// The log to explain.
     pub field: Recording,
-    /// The log to correct.
     pub eval: Option<Recording>,
 }
 

@@ -18,7 +18,6 @@ use crate::unit::Unit;
 /// The accelerometers, x, y, z.
 pub const ACCELEROMETERS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 
-/// The gyros, x, y, z.
 pub const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 
 /// The magnetometers, x, y, z.
@@ -39,9 +38,7 @@ const VALIDITY: &str = "validity_";
 /// Three axes of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Triad {
-    /// Specific force.
     Accelerometers,
-    /// Angular rate.
     Gyros,
 }
 
@@ -60,7 +57,6 @@ impl Triad {
 pub struct Column<'a>(&'a str);
 
 impl<'a> Column<'a> {
-    /// Of this name.
     pub fn named(name: &'a str) -> Self {
         Self(name)
     }

@@ -19,7 +19,6 @@ pub struct StopRequest(Arc<AtomicBool>);
 /// How an interruptible computation ended, where it gave no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interrupted {
-    /// As was asked.
     Stopped,
     /// By a defect of this program.
     Panicked,

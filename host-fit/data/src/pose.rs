@@ -24,7 +24,6 @@ const FEWEST_ROWS: usize = 5;
 /// A pose is held for so many windows in a row: a knock or a hand is none.
 const HELD_WINDOWS: usize = 3;
 
-/// A pose that is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
     /// From the first row in which it is held to the last, before another is.
@@ -135,7 +134,6 @@ fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize
 /// Levels of the accelerometers that are others after a pause, by less than makes another pose for certain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelsAfterPauses {
-    /// Number of pauses.
     pub count: usize,
     /// End of the pause with the largest change, s as stamped.
     pub time_s: f64,

@@ -3,7 +3,6 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-/// Why it is not read.
 #[derive(Debug)]
 pub enum Refused {
     /// No JSON, or without a field that it must have.

@@ -25,7 +25,6 @@ const AROUND: usize = 25;
 /// More than this share of the rows are no spikes: the noise comes and goes.
 const MOST: f64 = 1e-3;
 
-/// Spikes of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spikes {
     /// Their rows, in order.
@@ -122,7 +121,6 @@ impl WithSimd for Inside<'_> {
 /// Windows that are looked at at once.
 const LANES: usize = 8;
 
-/// Values of a window.
 const WINDOW: usize = 2 * REACH + 1;
 
 /// The medians of windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the

@@ -21,9 +21,7 @@ const VARIANCE_RATIO: f64 = 9.0;
 /// Where a recording is still, and how that is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stillness {
-    /// One flag per row.
     pub still: Vec<bool>,
-    /// How it is known.
     pub known_by: KnownBy,
     /// When the unit was moved though it was meant to be at rest; those rows are not still.
     pub disturbances: Vec<Disturbance>,

@@ -79,7 +79,6 @@ impl Unit {
 /// A straight line, `scale · x + offset`: how a cell becomes a value in the channel's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Affine {
-    /// Value per cell unit.
     pub(crate) scale: f64,
     /// Value of a cell that reads zero, in the unit of the result.
     pub(crate) offset: f64,

@@ -38,7 +38,6 @@ pub struct Answers {
 /// The answer to one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// Name of the case.
     pub case: String,
     /// What is missing; absent if the case could not be read or judged.
     #[serde(flatten)]
@@ -69,22 +68,17 @@ pub enum BatchError {
     /// A file cannot be read or written, as the system says.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A correction.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A case.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// A diagnosis.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
-    /// There is no case.
     #[error("{}: no folder in it has a meta.json\nhelp: each case is a folder with a meta.json and its logs", .0.display())]
     NoCases(PathBuf),
     /// The folder cannot be listed.
     #[error("{}: {source}", path.display())]
     Folder {
-        /// As it was given.
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,

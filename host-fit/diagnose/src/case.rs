@@ -24,7 +24,6 @@ pub fn question_of_logs<'a>(
     }
 }
 
-/// What the case asks.
 pub fn question<'a>(case: &'a Case, library: &'a Library) -> Question<'a> {
     question_of_logs(&case.meta, &case.field, case.baseline.as_ref(), case.eval.as_ref(), library)
 }

@@ -24,7 +24,6 @@ impl<K: Eq + Hash, V: Clone> Memo<K, V> {
         self.lock().get(key).cloned()
     }
 
-    /// Keeps a value.
     pub(crate) fn keep(&self, key: K, value: V) -> V {
         self.lock().insert(key, value.clone());
         value

@@ -11,7 +11,6 @@ use fos_fit::playback::Playback;
 /// Why the physical part cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum PhysicalError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// fos-core refuses the model.

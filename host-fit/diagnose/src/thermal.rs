@@ -15,7 +15,6 @@ use crate::physical::{PhysicalError, physical};
 pub struct LeftByTemperature {
     /// As in the log format.
     pub column: String,
-    /// Unit of the column.
     pub unit: String,
     /// With nothing corrected.
     pub nothing: f64,
@@ -29,20 +28,15 @@ pub struct LeftByTemperature {
 /// Why the errors cannot be computed.
 #[derive(Debug, thiserror::Error)]
 pub enum LeftError {
-    /// Of the log.
     #[error(transparent)]
     Thermal(#[from] ThermalError),
-    /// Of the model.
     #[error(transparent)]
     Physical(#[from] PhysicalError),
     /// Nothing is left to judge on.
     #[error(
         "{log}: no row at rest is left to judge on\nhelp: a smaller `train`, or another log to `judge` on"
     )]
-    NothingLeft {
-        /// The log.
-        log: String,
-    },
+    NothingLeft { log: String },
 }
 
 /// A correction by temperature: of a column at a temperature, in the column's unit.

@@ -20,7 +20,6 @@ pub struct Cost {
     pub terms: usize,
     /// Factors of all terms.
     pub factors: usize,
-    /// Inputs.
     pub inputs: usize,
     /// RAM of terms and inputs, bytes.
     pub ram_bytes: usize,
@@ -29,7 +28,6 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of a unit.
     pub fn of(model: &UnitModel) -> Self {
         let terms = || model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic));
         let factors = terms().map(|term| term.factors.len()).sum();

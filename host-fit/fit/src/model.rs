@@ -52,7 +52,6 @@ pub struct LoggedQuantity {
 pub struct NamedInput {
     /// As in tables: `temp_c`, `lowpass(r, 10 s)`.
     pub name: String,
-    /// The input itself.
     #[serde(flatten)]
     pub input: Input<f64>,
 }
@@ -62,7 +61,6 @@ pub struct NamedInput {
 pub struct FittedAxis {
     /// The column that was fitted.
     pub column: String,
-    /// Its numbers.
     #[serde(with = "StoredParameters")]
     pub parameters: AxisParameters<f64>,
     /// p: terms over inputs only.
@@ -106,7 +104,6 @@ pub struct FittedTerm {
     pub coefficient: f64,
     /// Its standard error, scaled units; absent where it was not estimated.
     pub standard_error: Option<f64>,
-    /// The factors.
     pub factors: Vec<Factor>,
 }
 

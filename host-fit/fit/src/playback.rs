@@ -51,7 +51,6 @@ fn gated((axis, reference): (&FittedAxis, &Reference<'_>)) -> Option<AxisParamet
 /// What lies before a row that does not follow the row before it.
 #[derive(Debug, Clone, Copy)]
 enum Break {
-    /// So many ticks.
     Missing(u32),
     /// Everything: the unit was switched on anew.
     Recording,

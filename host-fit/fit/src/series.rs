@@ -35,7 +35,6 @@ pub enum SeriesError {
     /// The series is no recording: too short, or at no rate that a sensor has.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// It cannot be fitted.
     #[error(transparent)]
     Axis(#[from] AxisError),
     /// fos-core refuses the model.

@@ -53,20 +53,15 @@ pub enum ThermalError {
     /// A column is not there.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// No thermometer.
     #[error(
         "{log}: it has no temperature, temp_c: a table by temperature needs one\nhelp: log the temperature of the sensor's die beside the axes, or map another column to temp_c"
     )]
-    NoThermometer {
-        /// The log.
-        log: String,
-    },
+    NoThermometer { log: String },
     /// Too little is known at rest.
     #[error(
         "{log}: {blocks} blocks at rest with a temperature are too few for a cubic of it; {FEWEST_BLOCKS} are needed\nhelp: let the unit lie still from cold to warm, for half an hour or more"
     )]
     TooShort {
-        /// The log.
         log: String,
         /// Blocks that there are.
         blocks: usize,
@@ -75,14 +70,7 @@ pub enum ThermalError {
     #[error(
         "{log}: on the rows that are fitted the temperature goes from {low_c:.2} to {high_c:.2} °C, less than the {NARROWEST_K} K that a cubic of it needs\nhelp: cool the unit for half an hour, then log it lying still while it warms up as far as it will in use; a larger `train` takes more of this log"
     )]
-    TooNarrow {
-        /// The log.
-        log: String,
-        /// Lowest temperature.
-        low_c: f64,
-        /// Highest.
-        high_c: f64,
-    },
+    TooNarrow { log: String, low_c: f64, high_c: f64 },
 }
 
 impl ThermalTable {

@@ -87,7 +87,6 @@ struct Sums {
     xx: [f64; 2],
 }
 
-/// Sums over lots.
 #[derive(Debug, Clone, Copy, Default)]
 struct Totals([f64; 15]);
 
@@ -100,7 +99,6 @@ struct Likelihood {
     /// Ω = 1ᵀV⁻¹1, its derivatives by B and A with the sign turned.
     precision: f64,
     loss: [f64; 2],
-    /// d ln L by B and A.
     score: [f64; 2],
     /// Expected information: BB, BA, AA.
     information: [f64; 3],
@@ -282,7 +280,6 @@ impl Coefficient {
         Variances { units: units * square, lots: lots * square }
     }
 
-    /// The same, scaled.
     fn fit(&self, start: Variances) -> Variances {
         let lots = if self.apart { APART } else { 0.0 };
         let mut now = if self.has_lots { start } else { Variances { lots, ..start } };

@@ -30,7 +30,6 @@ const BETWEEN_UNITS: f64 = 0.3;
 pub struct Estimate {
     /// [`BIAS`], or the regressor as it is asked for; those alone that the log tells.
     pub names: Vec<String>,
-    /// The coefficients.
     pub values: Vec<f64>,
     /// Their covariance, row by row: noise of the estimate, white, flicker and random walk.
     pub covariance: Vec<Vec<f64>>,
@@ -45,7 +44,6 @@ pub(crate) struct Measured {
     pub(crate) values: DVector<f64>,
 }
 
-/// An axis of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisEstimate {
     /// As in the log format, as `gx_rads`.
@@ -61,25 +59,17 @@ pub struct AxisEstimate {
 /// Why an axis cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum EstimateError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// A regressor cannot be read.
     #[error(
         "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
     )]
-    Regressor {
-        /// As it was given.
-        regressor: String,
-        /// What is wrong.
-        reason: String,
-    },
-    /// Too little at rest.
+    Regressor { regressor: String, reason: String },
     #[error(
         "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its coefficients need at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions"
     )]
     TooShort {
-        /// The axis.
         column: String,
         /// Time at rest in blocks with enough samples, s.
         seconds: f64,

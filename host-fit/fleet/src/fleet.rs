@@ -40,7 +40,6 @@ pub struct Fleet {
     pub units: usize,
     /// SHA-256 of the SHA-256 of their rows, of the JSON of each, by part and unit; hexadecimal.
     pub rows_sha256: String,
-    /// Each part, by name.
     pub parts: Vec<PartSummary>,
     /// Units of which nothing, or not everything, could be told.
     pub failed: Vec<FailedUnit>,
@@ -49,12 +48,10 @@ pub struct Fleet {
     pub duplicates: Vec<DuplicateUnit>,
 }
 
-/// A part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartSummary {
     /// Its name; empty if the fleet names none.
     pub part: String,
-    /// Its axes.
     pub axes: Vec<AxisSummary>,
     /// Units that do not belong, the furthest first.
     pub odd: Vec<OddUnit>,
@@ -63,14 +60,12 @@ pub struct PartSummary {
     pub units_needed: Option<usize>,
 }
 
-/// An axis of a part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisSummary {
     /// As in the log format, as `gx_rads`.
     pub column: String,
     /// Its population; none where too few units tell a coefficient.
     pub population: Option<Population>,
-    /// Why there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without: Option<String>,
     /// White noise, flicker and random walk of the median unit, as in `NoiseLevels`.
@@ -83,7 +78,6 @@ pub struct AxisSummary {
 /// An effect in a population.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectShare {
-    /// As in the library.
     pub effect: String,
     /// Units that have it, and units that were asked.
     pub units: [usize; 2],
@@ -96,9 +90,7 @@ pub struct EffectShare {
 /// A unit that does not belong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OddUnit {
-    /// Its name.
     pub unit: String,
-    /// Its lot.
     pub lot: Option<String>,
     /// The axis that shows it best.
     pub column: String,
@@ -111,18 +103,14 @@ pub struct OddUnit {
 /// A unit that tells nothing, or not everything.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FailedUnit {
-    /// Its name.
     pub unit: String,
-    /// Why.
     pub reasons: Vec<String>,
 }
 
 /// A unit whose log is that of another one, bit by bit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DuplicateUnit {
-    /// Its part.
     pub part: String,
-    /// Its name.
     pub unit: String,
     /// The unit whose log counts.
     pub same_as: String,
@@ -153,7 +141,6 @@ impl PartSummary {
 /// Why the rows of a fleet cannot be kept.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
-    /// As the system says.
     #[error("{}: {source}\nhelp: the rows of a fleet are kept there, so that it goes on where it was broken off", path.display())]
     Rows {
         /// Where rows are kept.
@@ -164,7 +151,6 @@ pub enum FleetError {
     /// It is no population, or of another schema.
     #[error("{}: no population: {reason}\nhelp: a population of schema {SCHEMA}, made of the units anew", path.display())]
     NotAPopulation {
-        /// As it was given.
         path: PathBuf,
         /// What is wrong, with its line and column.
         reason: String,
@@ -186,13 +172,11 @@ pub enum FleetError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
         reason: String,
     },
     /// Something else is there.
     #[error("{}: there is a file of that name that has no rows of a fleet; it would be lost\nhelp: write to another file, or move that one away", .0.display())]
     NotRows(PathBuf),
-    /// As the system says.
     #[error(transparent)]
     File(#[from] FileError),
 }

@@ -16,10 +16,8 @@ pub const UNITS: &str = "units.csv";
 /// Why a folder is no fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// It cannot be listed.
     #[error("{}: {source}", path.display())]
     List {
-        /// As it was given.
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
@@ -30,14 +28,11 @@ pub enum FolderError {
     /// Its table cannot be read.
     #[error("{}:{line}: {reason}\nhelp: a header `unit,part,lot,log`, then a line for each log of each unit; part and lot may be empty, and logs are looked for beside the table", path.display())]
     Table {
-        /// The table.
         path: PathBuf,
         /// Line, from 1.
         line: u64,
-        /// What is wrong.
         reason: String,
     },
-    /// Nothing is in it.
     #[error("{}: no logs in it, nor in the folders in it\nhelp: a log for each unit, in a folder for each lot, or a table {UNITS} with a header `unit,part,lot,log`", .0.display())]
     Empty(PathBuf),
 }

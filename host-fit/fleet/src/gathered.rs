@@ -22,7 +22,6 @@ const LEVELS: usize = 3;
 /// Why rows are no fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum GatheredError {
-    /// There is none.
     #[error("there is no row of a unit\nhelp: a row for each unit of the fleet")]
     Nothing,
     /// Two were asked different things.
@@ -30,7 +29,6 @@ pub enum GatheredError {
         "the units {first:?} and {other:?} were asked different things: {what}\nhelp: ask all units for the same regressors, diagnosed or not, and read all logs alike"
     )]
     Asked {
-        /// A unit.
         first: String,
         /// One that was asked something else.
         other: String,
@@ -42,22 +40,12 @@ pub enum GatheredError {
         "the unit {unit:?}{} is there twice\nhelp: one row for each unit of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
         of_part(part)
     )]
-    Twice {
-        /// Its name.
-        unit: String,
-        /// Its part.
-        part: String,
-    },
+    Twice { unit: String, part: String },
     /// A row has not all numbers that it speaks of.
     #[error(
         "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
-    NotWhole {
-        /// Its unit.
-        unit: String,
-        /// The axis.
-        column: String,
-    },
+    NotWhole { unit: String, column: String },
     /// Bytes that are no gathered rows.
     #[error("no gathered rows: {0}\nhelp: what this version has gathered; gather the rows anew")]
     NotGathered(String),
@@ -86,18 +74,14 @@ struct Shape(Vec<AxisShape>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 struct AxisShape {
-    /// A text.
     column: u32,
-    /// Coefficients, texts.
     names: Vec<u32>,
     diagnosed: bool,
 }
 
-/// A unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Held {
     unit: Box<str>,
-    /// Texts.
     part: u32,
     lot: Option<u32>,
     /// The place of its shape.
@@ -118,7 +102,6 @@ struct Held {
 struct Found {
     /// The place of the axis.
     axis: u16,
-    /// A text.
     effect: u32,
     predicted_reduction: f64,
 }
@@ -140,9 +123,7 @@ pub(crate) struct GatheredUnit<'a> {
     held: &'a Held,
 }
 
-/// An axis of it.
 pub(crate) struct GatheredAxis {
-    /// The coefficients.
     pub(crate) estimate: Estimate,
     /// White noise, flicker and random walk.
     pub(crate) noise: [f64; LEVELS],
@@ -155,12 +136,10 @@ impl GatheredAxis {
 }
 
 impl Gathered {
-    /// Units.
     pub fn len(&self) -> usize {
         self.units.len()
     }
 
-    /// There is none.
     pub fn is_empty(&self) -> bool {
         self.units.is_empty()
     }
@@ -250,7 +229,6 @@ impl Gathered {
         Ok(())
     }
 
-    /// For another process.
     pub fn to_bytes(&self) -> Vec<u8> {
         let written = Written {
             schema: SCHEMA,
@@ -373,17 +351,14 @@ impl AxisShape {
 }
 
 impl<'a> GatheredUnit<'a> {
-    /// Its name.
     pub(crate) fn name(self) -> &'a str {
         &self.held.unit
     }
 
-    /// Its part.
     pub(crate) fn part(self) -> &'a str {
         &self.of.texts[self.held.part as usize]
     }
 
-    /// Its lot.
     pub(crate) fn lot(self) -> Option<&'a str> {
         self.held.lot.map(|lot| self.of.texts[lot as usize].as_str())
     }
@@ -413,7 +388,6 @@ impl<'a> GatheredUnit<'a> {
         self.shape().iter().map(move |axis| self.of.texts[axis.column as usize].as_str())
     }
 
-    /// An axis of those.
     pub(crate) fn axis(self, column: &str) -> Option<GatheredAxis> {
         let (place, numbers) = self.place(column)?;
         let shape = &self.shape()[place];

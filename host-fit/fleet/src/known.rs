@@ -7,7 +7,6 @@ use nalgebra::{DMatrix, DVector};
 /// Where a coefficient is not known its row and column are 0, which no covariance could say.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Known {
-    /// Λ, n × n.
     pub(crate) information: DMatrix<f64>,
     /// Λ·x.
     pub(crate) weighted: DVector<f64>,
@@ -16,9 +15,7 @@ pub(crate) struct Known {
 /// The same beside a scatter that it is seen through.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Seen {
-    /// (Λ⁻¹ + C)⁻¹.
     pub(crate) information: DMatrix<f64>,
-    /// That times x.
     pub(crate) weighted: DVector<f64>,
     /// ln det (I + Λ·C).
     pub(crate) log_determinant: f64,

@@ -31,7 +31,6 @@ const NORMAL: f64 = 1.644_854;
 pub struct Member<'a> {
     /// Units of one lot have a part of their deviation in common; none: its lot is not known, and it is one of its own.
     pub lot: Option<&'a str>,
-    /// What its log tells.
     pub estimate: &'a Estimate,
 }
 
@@ -40,7 +39,6 @@ pub struct Member<'a> {
 pub struct Population {
     /// The coefficients, in the order of everything below.
     pub names: Vec<String>,
-    /// Members.
     pub units: usize,
     /// The mean of the part, μ, in the coefficients' SI units.
     pub mean: Vec<f64>,
@@ -69,7 +67,6 @@ pub struct Scatter {
     pub units: f64,
     /// Its 90 % interval.
     pub units_interval: [f64; 2],
-    /// Between lots.
     pub lots: f64,
     /// Its 90 % interval.
     pub lots_interval: [f64; 2],
@@ -84,7 +81,6 @@ pub struct Scatter {
 pub struct Lot {
     /// As the rows name it; empty for units whose lot is not known.
     pub name: String,
-    /// Members.
     pub units: usize,
     /// Mean of the lot: μ + a.
     pub mean: Vec<f64>,
@@ -121,7 +117,6 @@ pub enum PopulationError {
     TooFew {
         /// Its place among the names.
         coefficient: usize,
-        /// Units that tell it.
         known: usize,
     },
 }

@@ -25,7 +25,6 @@ pub struct Asked {
     pub regressors: Vec<String>,
     /// Every axis is diagnosed too. It takes longer than all else.
     pub diagnosed: bool,
-    /// How logs are read.
     pub read: LoadOptions,
 }
 
@@ -91,10 +90,8 @@ pub struct LogSummary {
     pub corrected_by: Option<String>,
 }
 
-/// An axis of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRow {
-    /// Its coefficients.
     #[serde(flatten)]
     pub estimate: AxisEstimate,
     /// What a diagnosis says of it; none where none was asked for.
@@ -114,7 +111,6 @@ pub struct AxisDiagnosis {
 /// An effect that was found on a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundEffect {
-    /// As in the library.
     pub effect: String,
     /// Share of the error of its band that should go with it.
     pub predicted_reduction: f64,

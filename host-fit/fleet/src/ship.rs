@@ -38,7 +38,6 @@ const COAST_LIMIT_S: f64 = 1.0;
 pub struct Shipment {
     /// The model of the part.
     pub model: UnitModel,
-    /// Its image.
     pub image: Vec<u8>,
     /// A record for each unit of which anything is known, in the order of the rows.
     pub units: Vec<ShippedUnit>,
@@ -49,9 +48,7 @@ pub struct Shipment {
 /// A unit and its record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShippedUnit {
-    /// Its name.
     pub unit: String,
-    /// Its lot.
     pub lot: Option<String>,
     /// It does not belong to its population: its own log alone counts, where it tells anything.
     pub odd: bool,
@@ -73,23 +70,13 @@ pub enum ShipError {
     #[error(
         "{}the rows do not say what was seen of {input}\nhelp: look at the fleet anew: these are rows of an earlier version", named(.part)
     )]
-    NotSeen {
-        /// The part.
-        part: String,
-        /// The input.
-        input: String,
-    },
+    NotSeen { part: String, input: String },
     /// The model does not fit an image.
     #[error(transparent)]
     Image(#[from] UnusableImage),
     /// A record cannot be made.
     #[error("{unit}: {error}\nhelp: a shorter name, of at most 65535 bytes")]
-    Unit {
-        /// Its name.
-        unit: String,
-        /// Why.
-        error: UnitError,
-    },
+    Unit { unit: String, error: UnitError },
 }
 
 fn named(part: &str) -> String {

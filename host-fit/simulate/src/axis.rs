@@ -5,22 +5,16 @@ use serde::{Deserialize, Serialize};
 /// An axis of the accelerometer or gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Axis {
-    /// Accelerometer, x.
     #[serde(rename = "ax_mps2")]
     Ax,
-    /// Accelerometer, y.
     #[serde(rename = "ay_mps2")]
     Ay,
-    /// Accelerometer, z.
     #[serde(rename = "az_mps2")]
     Az,
-    /// Gyro, x.
     #[serde(rename = "gx_rads")]
     Gx,
-    /// Gyro, y.
     #[serde(rename = "gy_rads")]
     Gy,
-    /// Gyro, z.
     #[serde(rename = "gz_rads")]
     Gz,
 }
@@ -29,7 +23,6 @@ impl Axis {
     /// All six, in the order of a log.
     pub const ALL: [Self; 6] = [Self::Ax, Self::Ay, Self::Az, Self::Gx, Self::Gy, Self::Gz];
 
-    /// Its column in a log.
     pub fn column(self) -> &'static str {
         fos_data::column::AXES[self as usize]
     }

@@ -33,7 +33,6 @@ pub struct SimulatedCase {
 /// The truth behind a case.
 #[derive(Debug, Clone, Serialize)]
 pub struct Truth {
-    /// The plan.
     pub plan: CasePlan,
     /// What was planted, in the order of the plan.
     pub planted: Vec<Planted>,
@@ -45,7 +44,6 @@ pub struct Truth {
     pub bias: f64,
     /// Spectral level of the target's fast noise at zero frequency, one-sided, unit/√Hz.
     pub white_density: f64,
-    /// Noise of the target.
     pub noise: AxisNoise,
     /// When the field is disturbed.
     pub disturbed_field: Vec<Disturbed>,

@@ -11,7 +11,6 @@ use fos_data::recording::{Recording, RecordingError, write_columns};
 /// A case folder that could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseFolderError {
-    /// A log.
     #[error(transparent)]
     Log(#[from] RecordingError),
     /// A JSON file, or the folder.

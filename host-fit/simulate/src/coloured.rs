@@ -23,14 +23,12 @@ pub struct GaussMarkov {
 pub struct Colour {
     /// φ1, φ2.
     pub ar: [f64; 2],
-    /// θ.
     pub ma: f64,
     /// Standard deviation of e, that of v being 1.
     pub innovation: f64,
 }
 
 impl Colour {
-    /// No colour.
     pub const WHITE: Self = Self { ar: [0.0; 2], ma: 0.0, innovation: 1.0 };
 
     /// Of these coefficients, normalised to unit variance: its spectrum averages to that of white noise over the band.
@@ -81,7 +79,6 @@ pub struct AxisNoise {
     pub period_s: f64,
     /// Standard deviation of the fast noise per sample, unit of the axis.
     pub white: f64,
-    /// Its colour.
     pub colour: Colour,
     /// The flicker, as a sum.
     pub flicker: Vec<GaussMarkov>,

@@ -42,11 +42,9 @@ pub enum Effect {
     RandomTelegraph,
     NoiseTemperature,
     DeadZone,
-    /// In no library.
     Outside(Outside),
 }
 
-/// What no library has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Outside {
     /// Temperature times supply, both about their means.
@@ -79,7 +77,6 @@ pub enum Band {
     Wide,
     /// In the data rather than the sensor.
     Data,
-    /// As noise.
     Stochastic,
 }
 
@@ -145,12 +142,10 @@ impl Effect {
         Self::all().find(|effect| effect.description().name == name)
     }
 
-    /// In no library.
     pub fn is_outside(self) -> bool {
         matches!(self, Self::Outside(_))
     }
 
-    /// What is known of it.
     pub fn description(self) -> Description {
         use Band::{Data, Slow, Stochastic, Wide};
         let tau = |low, high| Some(("tau_s", [low, high]));

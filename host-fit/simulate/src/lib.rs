@@ -15,6 +15,8 @@
 //! | `suite` | many cases, to measure rates |
 
 #![forbid(unsafe_code)]
+// a doc comment says more than the name, or is not written
+#![allow(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod band_limited;

@@ -34,7 +34,6 @@ impl Attitude {
         }
     }
 
-    /// Any attitude.
     pub(super) fn any(random: &mut Random) -> Self {
         Self { to_unit: random_rotation(random), field_ut: earth_field(random) }
     }
@@ -60,7 +59,6 @@ fn random_rotation(random: &mut Random) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&axis, std::f64::consts::PI * between(random, 0.0, 1.0).cbrt())
 }
 
-/// One pose throughout.
 pub(super) fn hold(world: &mut World, pose: &Attitude, n: usize) {
     world.force_mps2 = pose.force().map(|value| vec![value; n]);
     world.field_ut = pose.field().map(|value| vec![value; n]);

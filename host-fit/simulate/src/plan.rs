@@ -30,13 +30,10 @@ impl Default for Durations {
     }
 }
 
-/// What a case is for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Nothing is missing.
     Nothing,
-    /// One effect.
     Single(Level),
     /// Two effects that can be told apart.
     Pair,
@@ -132,7 +129,6 @@ impl CasePlan {
 /// A plan that cannot be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// No such part.
     #[error("there is no part {0:?}; choose from {parts}", parts = PARTS.map(|part| part.name).join(", "))]
     Part(String),
     /// The set-up cannot show the effect on this axis.
@@ -140,7 +136,6 @@ pub enum PlanError {
     Unsuited {
         /// What was to be planted.
         effect: Effect,
-        /// The set-up.
         setup: Setup,
         /// The axis that it should show on.
         target: Axis,
@@ -150,10 +145,8 @@ pub enum PlanError {
     Nothing {
         /// What was to be planted.
         effect: Effect,
-        /// Its parameter.
         parameter: f64,
     },
-    /// A log is too short.
     #[error("a log must last 60 s or more")]
     Short,
     /// A size is not positive, a parameter is no number.

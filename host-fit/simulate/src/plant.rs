@@ -4,10 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::effect::Effect;
 
-/// An effect to plant.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plant {
-    /// What is planted.
     pub effect: Effect,
     /// Its parameter (`Effect::description` says which); drawn if `None`. For a fault of the data it decides the size.
     pub parameter: Option<f64>,

@@ -21,11 +21,9 @@ use super::world::World;
 /// What was planted, as it came out.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planted {
-    /// What was planted.
     pub effect: Effect,
     /// In means, in single samples, in the data themselves, or as noise.
     pub band: Band,
-    /// In no library.
     pub outside: bool,
     /// Its parameter by name.
     pub params: BTreeMap<&'static str, f64>,
@@ -33,7 +31,6 @@ pub struct Planted {
     pub follows: Option<&'static str>,
     /// Coefficients of its regressors, unit of the target over that of the regressor.
     pub coefficients: Vec<f64>,
-    /// Size d.
     pub size: f64,
     /// Size left after the best other slow effect of the library; slow effects only.
     pub left_after_best_rival: Option<f64>,

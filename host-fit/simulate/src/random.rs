@@ -28,7 +28,6 @@ pub(super) enum Stream {
     Disturbance(u64),
     /// Samples of a log that are no measurements.
     Wild(u64),
-    /// One case of a suite.
     Suite(u64),
 }
 
@@ -51,7 +50,6 @@ pub(super) fn random(seed: u64, stream: Stream) -> Random {
     random
 }
 
-/// Standard normal.
 pub(super) fn normal(random: &mut Random) -> f64 {
     StandardNormal.sample(random)
 }
@@ -76,7 +74,6 @@ pub(super) fn chance(random: &mut Random, probability: f64) -> bool {
     random.random_range(0.0..1.0) < probability
 }
 
-/// Plus or minus one.
 pub(super) fn sign(random: &mut Random) -> f64 {
     if chance(random, 0.5) { 1.0 } else { -1.0 }
 }

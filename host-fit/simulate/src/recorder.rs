@@ -38,7 +38,6 @@ pub(super) struct Logged {
 }
 
 impl Logged {
-    /// Their names.
     pub(super) fn names(&self) -> Vec<&'static str> {
         let all = [
             (self.temp, &["temp_c"][..]),

@@ -35,7 +35,6 @@ impl Anchor {
     }
 }
 
-/// A named column.
 pub(super) type NamedSeries = (String, Vec<f64>);
 
 /// Columns whose weighted sum is the error of a slow effect of the library, or of a line; none where chance decides.

@@ -57,7 +57,6 @@ impl Blocks {
         Self(self.0.iter().map(|rows| rows.start / by..rows.end / by).collect())
     }
 
-    /// Block means.
     pub(super) fn means(&self, series: &[f64]) -> Vec<f64> {
         let mean = |rows: &Range<usize>| series[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
         self.0.iter().map(mean).collect()
@@ -126,7 +125,6 @@ pub(super) struct Whitener {
 }
 
 impl Whitener {
-    /// Of a covariance.
     pub(super) fn new(covariance: DMatrix<f64>) -> Option<Self> {
         let n = covariance.nrows();
         let factor = Cholesky::new(covariance)?;

@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use super::noise::{Noise, NoiseSizes};
 
-/// Columns of the axes.
 pub(super) const GRAVITY: f64 = 9.80665;
 const DPS: f64 = std::f64::consts::PI / 180.0;
 const MILLI_G: f64 = GRAVITY * 1e-3;
@@ -40,7 +39,6 @@ const BIAS: [f64; 6] = [20.0 * MILLI_G, -15.0 * MILLI_G, 30.0 * MILLI_G, 0.5 * D
 const MOTION_S: f64 = 30.0;
 const REST_S: f64 = 60.0;
 
-/// What to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Simulation {
     /// Duration, s.

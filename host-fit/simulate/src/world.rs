@@ -32,7 +32,6 @@ pub(super) struct World {
 }
 
 impl World {
-    /// Samples in all.
     pub(super) fn len(&self) -> usize {
         self.temp_c.len()
     }

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::arguments::is_study;
 use super::output::{Failure, print_json, print_line, print_text};
-use crate::export::{current, description, version};
+use crate::export::description;
 use fos_data::file;
 
 /// Show what is in a model image
@@ -28,14 +28,11 @@ impl Inspect {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bytes = file::read(&self.image)?;
         let of_image = |error| not_an_image(&self.image, &error);
-        let today = current(&bytes).map_err(of_image)?;
-        let image = Image::parse(&today).map_err(of_image)?;
-        // it has one: it was read
-        let version = version(&bytes).unwrap_or(VERSION);
+        let image = Image::parse(&bytes).map_err(of_image)?;
         if self.json {
-            return print_json(&as_json(&image, version));
+            return print_json(&as_json(&image));
         }
-        print_line!("{} bytes, format version {version}, checksum right", bytes.len());
+        print_line!("{} bytes, format version {VERSION}, checksum right", bytes.len());
         print_text!("{}", description(&image));
         Ok(())
     }
@@ -52,7 +49,7 @@ pub(super) fn not_an_image(path: &Path, error: &impl Display) -> String {
     format!("{}: {error}{help}", path.display())
 }
 
-fn as_json(image: &Image<'_>, version: u16) -> Value {
+fn as_json(image: &Image<'_>) -> Value {
     let info = image.info();
     let terms = |terms: fos_core::image::Terms<'_>| -> Vec<Value> {
         terms.map(|term| json!({ "coefficient": term.coefficient, "factors": term.factors() })).collect()
@@ -68,7 +65,7 @@ fn as_json(image: &Image<'_>, version: u16) -> Value {
         })
         .collect();
     json!({
-        "format_version": version,
+        "format_version": VERSION,
         "sensor": info.sensor,
         "quantities": info.quantities.lines().collect::<Vec<_>>(),
         "effects": info.effects.lines().collect::<Vec<_>>(),

@@ -8,7 +8,6 @@ use fos_core::Image;
 use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;
 use super::output::{Failure, optional, print_json, print_line, spinner, table};
-use crate::export::current;
 use crate::hub_log::hub_log;
 use crate::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_data::file;
@@ -47,8 +46,7 @@ impl Replay {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bytes = file::read(&self.image)?;
         let of_image = |error| not_an_image(&self.image, &error);
-        let today = current(&bytes).map_err(of_image)?;
-        let image = Image::parse(&today).map_err(of_image)?;
+        let image = Image::parse(&bytes).map_err(of_image)?;
         let recording = self.reading.read(&self.log)?;
         let stillness = stillness::find(&recording);
         let spinner = spinner("replaying");

@@ -20,8 +20,8 @@ pub use ardupilot::ArduPilot;
 pub use c_source::c_source;
 pub use error::ExportError;
 pub use fos_fit::export::{
-    NoiseModel, NoiseModelError, NoiseUnits, SHARE, UnusableImage, allan_csv, current, description, image,
-    imu_yaml, orb_slam3, version, vins,
+    NoiseModel, NoiseModelError, NoiseUnits, SHARE, UnusableImage, allan_csv, description, image, imu_yaml,
+    orb_slam3, vins,
 };
 pub use px4::Px4;
 pub use refusal::Refusal;

@@ -103,7 +103,7 @@ fn json_is_json_and_nothing_else() {
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     let image: serde_json::Value =
         serde_json::from_str(&done(folder, &["inspect", "unit.fosm", "--json"])).expect("JSON");
-    assert_eq!(image["format_version"], 2);
+    assert_eq!(image["format_version"], 1);
     let replayed = done(folder, &["replay", "unit.fosm", "log.parquet", "--json"]);
     let replayed: serde_json::Value = serde_json::from_str(&replayed).expect("JSON");
     assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));

@@ -13,6 +13,7 @@ use std::process::{Command, Output};
 
 use checks::{c_differs, markdown_differs, page_differs, reaches_a_terminal, rust_differs};
 use fos_diagnose::study::Study;
+use fos_testkit::is_thorough;
 use serde_json::{Value, json};
 
 /// What each target takes for its own, and every character without a shape.
@@ -173,6 +174,9 @@ fn strings_of_a_study(runs: &mut Runs, folder: &Path, good: &Value) -> (usize, u
             together = before;
         }
     }
+    if !is_thorough() {
+        studies = studies.into_iter().step_by(12).collect();
+    }
     studies.push(together);
     for study in &studies {
         fs::write(folder.join("study.json"), study.to_string()).expect("written");
@@ -182,7 +186,7 @@ fn strings_of_a_study(runs: &mut Runs, folder: &Path, good: &Value) -> (usize, u
         assert_eq!(c_differs(&found.c, &benign.c), None, "{}", found.c);
         assert_eq!(rust_differs(&found.rust, &benign.rust), None, "{}", found.rust);
     }
-    assert!(taken > 10, "{taken}");
+    assert!(taken > studies.len() / 8, "{taken} of {}", studies.len());
     (studies.len(), taken)
 }
 

@@ -13,9 +13,11 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use fos_data::column::AXES;
+use fos_testkit::is_thorough;
 
-/// Tables of an ordinary run.
-const TABLES: u64 = 12;
+/// Tables of an ordinary and of a thorough run.
+const TABLES: u64 = 3;
+const THOROUGH: u64 = 12;
 
 /// Processor time that a command may take, s; the slowest takes a tenth of it, and the time does not depend on what else
 /// the machine does.
@@ -317,9 +319,9 @@ fn failures(table: &Table, seed: u64) -> Vec<String> {
 #[test]
 fn every_command_answers_or_refuses_random_tables() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
-    let tables = number("FOS_RANDOM_TABLES");
+    let tables = number("FOS_RANDOM_TABLES").or(is_thorough().then_some(THOROUGH));
     let first = number("FOS_RANDOM_SEED").unwrap_or(0);
-    let longest = if tables.is_some() { 2e4 } else { 2e3 };
+    let longest = if number("FOS_RANDOM_TABLES").is_some() { 2e4 } else { 2e3 };
     let seeds = first..first + tables.unwrap_or(TABLES);
     let failed: Vec<String> = seeds
         .into_par_iter()

@@ -24,24 +24,14 @@ fn a_file_of_another_version_is_refused_by_name() {
     let folder = folder.path();
     let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).expect("written");
 
-    for version in [1, 2] {
-        write("read.fosm", &fixture(&format!("model_v{version}.fosm")));
-        let said = done(folder, &["inspect", "read.fosm"]);
-        assert!(
-            said.contains(&format!("format version {version}")),
-            "what is refused is the version: {said}"
-        );
-    }
-    let mut image = fixture("model_v2.fosm");
-    image[4] = 3;
-    write("later.fosm", &image);
-    refused(folder, &["inspect", "later.fosm"], ["later.fosm", "version 3", "reads version 2"]);
-    refused(folder, &["replay", "later.fosm", "no.csv"], ["later.fosm", "version 3", "reads version 2"]);
-    // one of the first version that was damaged is no image of the second
     let mut image = fixture("model_v1.fosm");
-    image[40] ^= 1;
-    write("damaged.fosm", &image);
-    refused(folder, &["inspect", "damaged.fosm"], ["damaged.fosm", "damaged", "checksum"]);
+    write("read.fosm", &image);
+    let said = done(folder, &["inspect", "read.fosm"]);
+    assert!(said.contains("format version 1"), "what is refused is the version: {said}");
+    image[4] = 2;
+    write("later.fosm", &image);
+    refused(folder, &["inspect", "later.fosm"], ["later.fosm", "version 2", "reads version 1"]);
+    refused(folder, &["replay", "later.fosm", "no.csv"], ["later.fosm", "version 2", "reads version 1"]);
 
     write("later.json", br#"{ "schema": "fos-study/2" }"#);
     refused(folder, &["compare", "later.json"], ["later.json", "fos-study/2", r#"reads "fos-study/1""#]);

@@ -5,6 +5,7 @@ use fos_diagnose::case::question_of_logs;
 use fos_diagnose::detect::{Diagnosis, diagnose};
 use fos_diagnose::effects::{Detector, Library};
 use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, SimulatedCase, simulate_case};
+use fos_testkit::is_thorough;
 
 const NAN: f64 = f64::NAN;
 
@@ -75,13 +76,16 @@ fn alike(one: &Diagnosis, other: &Diagnosis) -> bool {
 /// without a memory were dropped in silence: a thermal hysteresis was named for a plain temperature coefficient.
 #[test]
 fn empty_cells_at_the_edges_change_no_diagnosis() {
-    let cases = [
-        case("temp_linear", Setup::Bench, 1),
-        case("temp_poly", Setup::Bench, 2),
-        case("thermal_lag", Setup::Desk, 3),
-        case("supply_sensitivity", Setup::Desk, 2),
-        case("mag_sensitivity", Setup::PoseRig, 5),
-    ];
+    let mut cases = vec![("thermal_lag", Setup::Desk, 3)];
+    if is_thorough() {
+        cases.extend([
+            ("temp_linear", Setup::Bench, 1),
+            ("temp_poly", Setup::Bench, 2),
+            ("supply_sensitivity", Setup::Desk, 2),
+            ("mag_sensitivity", Setup::PoseRig, 5),
+        ]);
+    }
+    let cases: Vec<_> = cases.into_iter().map(|(effect, setup, seed)| case(effect, setup, seed)).collect();
     let (mut same, mut control) = (0, 0);
     for case in &cases {
         let rows = case.field[0].1.len();

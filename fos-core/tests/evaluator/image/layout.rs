@@ -180,7 +180,7 @@ pub fn bytes(fields: &[Field]) -> Vec<u8> {
 pub fn header(body: &[u8], information: &[u8]) -> Vec<Field> {
     let mut fields = vec![
         field("magic: FOSM", b"FOSM"),
-        field("version: 2", &2_u16.to_le_bytes()),
+        field("version: 1", &1_u16.to_le_bytes()),
         field("flags: 0", &0_u16.to_le_bytes()),
         field("length of the body", &(body.len() as u32).to_le_bytes()),
         field("length of the information", &(information.len() as u32).to_le_bytes()),

@@ -35,7 +35,6 @@ pub(super) struct Axes<'a> {
 /// Rows whose shared excess a channel explains.
 #[derive(Debug)]
 pub(super) struct Explained {
-    /// Name of the channel.
     pub(super) channel: String,
     /// The rows.
     pub(super) rows: Range<usize>,

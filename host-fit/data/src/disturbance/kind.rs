@@ -12,7 +12,6 @@ use crate::statistics::median;
 pub struct Disturbance {
     /// Its rows, the margins of the sensor's ring-down included.
     pub rows: Range<usize>,
-    /// What it looks like.
     pub kind: Kind,
     /// Turned by so much, rad, by its gyros; `None` without all three.
     pub turned_rad: Option<f64>,
@@ -56,7 +55,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// In a word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Knock => "knock",

@@ -38,7 +38,6 @@ const VIOLENT: f64 = 4.6;
 pub(super) struct Shared {
     /// For a while: events and slow motion.
     pub(super) moved: Vec<Range<usize>>,
-    /// Lasting vibration.
     pub(super) shaken: Vec<Range<usize>>,
     /// Stretches that a logged channel explains: no motion.
     pub(super) explained: Vec<Explained>,

@@ -23,7 +23,6 @@ pub struct FileVersion {
 /// A file that cannot be written back.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareAndSwapError {
-    /// The system refused.
     #[error(transparent)]
     File(#[from] FileError),
     /// Somebody else was quicker.

@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot {action}: {source}{}", path.display(), help(action, source))]
 pub struct FileError {
-    /// As it was given.
     pub path: PathBuf,
-    /// What was tried.
     pub action: &'static str,
     /// What the system said.
     pub source: io::Error,
@@ -21,7 +19,6 @@ pub(super) const WRITE: &str = "write it";
 pub(super) const COPY: &str = "copy what comes through it to a temporary file";
 pub(super) const MAKE: &str = "make the folder";
 
-/// What to do about it.
 fn help(action: &str, error: &io::Error) -> &'static str {
     let reads = [OPEN, READ].contains(&action);
     match error.kind() {

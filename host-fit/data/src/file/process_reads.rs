@@ -52,7 +52,6 @@ impl Identity {
 /// Where a file is, or will be.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
-    /// What is there.
     Taken(Identity),
     /// A free name in a folder.
     Free(Identity, PathBuf),

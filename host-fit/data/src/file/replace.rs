@@ -80,7 +80,6 @@ impl TemporarySibling {
         Ok(Self { file, path })
     }
 
-    /// To be written to.
     pub fn file(&self) -> &File {
         self.file.as_file()
     }

@@ -29,7 +29,6 @@ pub(super) fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usi
     n
 }
 
-/// What a cell says.
 pub(super) enum Cell {
     Number(f64),
     Empty,

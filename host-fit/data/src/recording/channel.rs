@@ -10,7 +10,6 @@ use crate::unit::Unit;
 pub struct Channel {
     /// Name, with the unit as its last part where it is known: `gx_rads`, `temp_c`.
     pub name: String,
-    /// Unit of the values.
     pub unit: Unit,
     /// One value per row, in `unit`. NaN: the cell is empty or not finite.
     /// Shared by the recordings that are made of one another.

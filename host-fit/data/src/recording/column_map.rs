@@ -81,7 +81,6 @@ pub enum MapError {
     UnknownUnit {
         /// As it was written, `target=column…`.
         spec: String,
-        /// The unit in it.
         unit: String,
     },
     /// Arithmetic that is not a chain of `+ - * /` with finite numbers.
@@ -104,9 +103,7 @@ pub enum MapError {
         spec: String,
         /// As in the log format, as `gx_rads`.
         target: String,
-        /// Unit of the channel.
         expected: Unit,
-        /// Unit in the entry.
         unit: String,
     },
     /// Two entries for one channel.
@@ -116,9 +113,7 @@ pub enum MapError {
     Twice {
         /// As in the log format, as `gx_rads`.
         target: String,
-        /// Its first column.
         first: String,
-        /// Its second column.
         second: String,
     },
     /// A TOML map that is not TOML, or not of the documented shape.
@@ -129,10 +124,7 @@ pub enum MapError {
     File(#[from] FileError),
     /// A map that is no text.
     #[error("column map {path}: it is no text\nhelp: write a table [columns] of channel = \"column:unit\"")]
-    NotText {
-        /// As it was given.
-        path: String,
-    },
+    NotText { path: String },
 }
 
 #[derive(Deserialize)]

@@ -173,7 +173,6 @@ enum Kind {
     Undecided(usize),
     /// Each different content gets a number, in order of appearance.
     Labels(usize),
-    /// Not looked at.
     LeftOut,
 }
 

@@ -8,7 +8,6 @@ use super::{Boundary, Recording};
 /// A log that is recorded in bursts at regular intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DutyCycle {
-    /// Number of bursts.
     pub bursts: usize,
     /// Length of a usual burst, s.
     pub burst_s: f64,

@@ -16,7 +16,6 @@ pub enum RecordingError {
     /// A format that this build leaves out.
     #[error("{}: this build knows nothing of {feature}\nhelp: build fos-data with its feature {feature:?}, which is on by default", path.display())]
     NotBuiltIn {
-        /// As it was given.
         path: PathBuf,
         /// The feature that knows the format.
         feature: &'static str,
@@ -32,7 +31,6 @@ pub enum RecordingError {
         "{path} runs at {rate_hz:.3} Hz, the logs before it at {expected_hz:.3} Hz: the lags of one model cannot serve both\nhelp: fit them one by one"
     )]
     RatesDiffer {
-        /// As it was given.
         path: String,
         /// Its rate, Hz.
         rate_hz: f64,
@@ -44,9 +42,7 @@ pub enum RecordingError {
         "{path} and {others} do not go together: the {sensor} of {others} are {here}, those of {path} {there}\nhelp: fit logs of one sensor, recorded in one way; `topic` chooses the sensor of a log"
     )]
     OtherSensor {
-        /// As it was given.
         path: String,
-        /// The logs before it.
         others: String,
         /// Accelerometers or gyros.
         sensor: &'static str,
@@ -61,9 +57,7 @@ pub enum RecordingError {
         path.display(), quoted(column)
     )]
     HeaderUnit {
-        /// As it was given.
         path: PathBuf,
-        /// The column.
         column: String,
         /// The unit as the header states it.
         unit: Box<str>,
@@ -78,11 +72,9 @@ pub enum RecordingError {
         path.display(), map.join(" ")
     )]
     GravityUnit {
-        /// As it was given.
         path: PathBuf,
         /// The unit that they are said to be in.
         unit: Box<str>,
-        /// Where that is said.
         stated: &'static str,
         /// Median of the magnitude, in the unit of the file.
         magnitude: f64,
@@ -95,17 +87,11 @@ pub enum RecordingError {
     #[error(
         "{path} and {others} have no channel in common\nhelp: name their columns in the column map, as in gx_rads=gyro_x:dps"
     )]
-    NothingInCommon {
-        /// As it was given.
-        path: String,
-        /// The logs before it.
-        others: String,
-    },
+    NothingInCommon { path: String, others: String },
     #[cfg(feature = "parquet")]
     /// Parquet that cannot be read or written.
     #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
     Parquet {
-        /// As it was given.
         path: PathBuf,
         /// What the library says.
         source: parquet::errors::ParquetError,
@@ -113,7 +99,6 @@ pub enum RecordingError {
     /// Not a table of text, nor anything else known.
     #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet, or in a known format of others", path.display())]
     NotALog {
-        /// As it was given.
         path: PathBuf,
         /// What is not as it should be.
         problem: String,
@@ -121,7 +106,6 @@ pub enum RecordingError {
     /// Something else, which is known.
     #[error("{}: {is}\nhelp: {help}", path.display())]
     OtherFormat {
-        /// As it was given.
         path: PathBuf,
         /// What it is known as, in a sentence.
         is: String,
@@ -131,9 +115,7 @@ pub enum RecordingError {
     /// Not of the format that it was said to be in.
     #[error("{}: it is not of the format {format} ({}): there are {}\nhelp: leave the format out, so that it is found by the content, or name the columns in the column map", path.display(), format.id(), available.join(", "))]
     NotOfFormat {
-        /// As it was given.
         path: PathBuf,
-        /// The format.
         format: Format,
         /// The columns that it has.
         available: Vec<String>,
@@ -145,9 +127,7 @@ pub enum RecordingError {
         at.map_or_else(String::new, |at| format!(", byte {at}"))
     )]
     Damaged {
-        /// As it was given.
         path: PathBuf,
-        /// What it is.
         format: &'static str,
         /// Where, in bytes from the begin.
         at: Option<u64>,
@@ -157,9 +137,7 @@ pub enum RecordingError {
     /// A known format without what is needed.
     #[error("{}: {format}: {problem}\nhelp: {help}", path.display())]
     NoSensors {
-        /// As it was given.
         path: PathBuf,
-        /// What it is.
         format: &'static str,
         /// What is missing, and what is there.
         problem: String,
@@ -173,7 +151,6 @@ pub enum RecordingError {
         maps.iter().map(|map| map.join(" ")).collect::<Vec<_>>().join("; or ")
     )]
     Undecided {
-        /// As it was given.
         path: PathBuf,
         /// The channels and their candidates.
         problem: String,
@@ -193,7 +170,6 @@ pub enum RecordingError {
         if *needs_rate { "; and give the sample rate (`rate_hz`)" } else { "" }
     )]
     NoHeader {
-        /// As it was given.
         path: PathBuf,
         /// The columns and their medians.
         shows: String,
@@ -204,36 +180,25 @@ pub enum RecordingError {
     },
     /// Rows of two devices in turn.
     #[error("{}: every second row differs in its stamp and in its values: the rows are of two devices in turn\nhelp: give the rows of each device as a log of its own, or record each on a topic of its own", path.display())]
-    TwoDevices {
-        /// As it was given.
-        path: PathBuf,
-    },
+    TwoDevices { path: PathBuf },
     /// An option that this file has no use for.
     #[error("{}: {option} has no effect here: {offers}\nhelp: {help}", path.display())]
     NoEffect {
-        /// As it was given.
         path: PathBuf,
         /// The option and its value.
         option: String,
         /// What the file offers instead.
         offers: String,
-        /// What to do.
         help: &'static str,
     },
     /// A folder or an archive with more logs than one.
     #[error("{}: there is more than one log in it: {}\nhelp: choose one of them as the topic, as in {}, or give the logs one by one", path.display(), logs.join(", "), logs.first().map_or("", String::as_str))]
-    SeveralLogs {
-        /// As it was given.
-        path: PathBuf,
-        /// The logs.
-        logs: Vec<String>,
-    },
+    SeveralLogs { path: PathBuf, logs: Vec<String> },
     /// A channel without a single number.
     #[error(
         "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave out the axis and what needs it, or name the column that holds it in the column map, as in {name}=column"
     )]
     NoValues {
-        /// As it was given.
         path: String,
         /// As in the log format, as `gx_rads`.
         name: String,
@@ -245,7 +210,6 @@ pub enum RecordingError {
         "{path}: the device moves from {from_s:.1} s to {to_s:.1} s: the 1-s means of {column} scatter by {scatter:.2} {unit}, those of a MEMS sensor at rest by less than {limit:.2} {unit}; {rest_s:.0} s at rest remain\nhelp: record the device lying still; or log its true motion in reference columns, as ref_gx_rads; or read the log with `keep_moved` if the device did lie still"
     )]
     Moves {
-        /// As it was given.
         path: String,
         /// Begin of the longest motion, s as stamped.
         from_s: f64,
@@ -268,7 +232,6 @@ pub enum RecordingError {
         path.display()
     )]
     NotUnpacked {
-        /// As it was given.
         path: PathBuf,
         /// The last line that can be read, the first is 1; 0 if there is none.
         line: u64,
@@ -278,7 +241,6 @@ pub enum RecordingError {
     /// Rows that are not in the order of time.
     #[error("{}: {column} goes back {backs} times in {rows} rows: they are not in the order of time, or two logs are mixed\nhelp: sort the rows by {column}; give logs that were merged one by one", path.display())]
     OutOfOrder {
-        /// As it was given.
         path: PathBuf,
         /// The column of time stamps.
         column: String,
@@ -290,7 +252,6 @@ pub enum RecordingError {
     /// Two columns have one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {
-        /// As it was given.
         path: PathBuf,
         /// As in the header, which has it twice.
         name: String,
@@ -298,7 +259,6 @@ pub enum RecordingError {
     /// The column map names a column that is not there.
     #[error("{}: the column map names \"{column}\", which the log does not have{}\nhelp: names are those of the header, with its capitals", path.display(), suggest(closest, available))]
     UnknownColumn {
-        /// As it was given.
         path: PathBuf,
         /// As the file or the column map names it.
         column: String,
@@ -319,7 +279,6 @@ pub enum RecordingError {
         }
     )]
     TextColumn {
-        /// As it was given.
         path: PathBuf,
         /// As the file or the column map names it.
         column: String,
@@ -334,7 +293,6 @@ pub enum RecordingError {
         perhaps_of(perhaps)
     )]
     NoTime {
-        /// As it was given.
         path: PathBuf,
         /// The column most like a time.
         closest: Option<String>,
@@ -349,7 +307,6 @@ pub enum RecordingError {
         path.display()
     )]
     NoClock {
-        /// As it was given.
         path: PathBuf,
         /// The column of the stamps.
         column: String,
@@ -360,7 +317,6 @@ pub enum RecordingError {
         path.display()
     )]
     NoSuchClock {
-        /// As it was given.
         path: PathBuf,
         /// The column of the stamps.
         column: String,
@@ -376,19 +332,13 @@ pub enum RecordingError {
     /// Too little to work with.
     #[error("{}: {rows} usable rows\nhelp: a log has at least 2; was it cut short?", path.display())]
     TooFewRows {
-        /// As it was given.
         path: PathBuf,
         /// Usable rows.
         rows: usize,
     },
     /// A row that cannot be used, in strict mode.
     #[error("{}:{row}\nhelp: correct or remove that row, or load without `strict` to skip such rows", path.display())]
-    BadRow {
-        /// As it was given.
-        path: PathBuf,
-        /// The row.
-        row: Box<BadRow>,
-    },
+    BadRow { path: PathBuf, row: Box<BadRow> },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(
         "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (`columns` '!column')",
@@ -397,13 +347,11 @@ pub enum RecordingError {
         path.display()
     )]
     TooManyBadRows {
-        /// As it was given.
         path: PathBuf,
         /// Rows that cannot be used.
         unusable: u64,
         /// Rows in the file.
         rows: u64,
-        /// The first of them.
         first: Box<BadRow>,
         /// Highest fraction that is skipped.
         limit: f64,
@@ -428,7 +376,6 @@ pub enum RecordingError {
         perhaps_of(perhaps)
     )]
     NoAxes {
-        /// As it was given.
         path: String,
         /// Columns that hold text.
         text_columns: Vec<String>,
@@ -446,15 +393,11 @@ pub enum RecordingError {
         name: String,
         /// Values in the first column.
         expected: usize,
-        /// Values in this one.
         found: usize,
     },
     /// A file name that does not tell the format to write.
     #[error("{}: cannot tell the format from the name\nhelp: end it in .csv, .csv.gz or .parquet", path.display())]
-    UnknownFormat {
-        /// As it was given.
-        path: PathBuf,
-    },
+    UnknownFormat { path: PathBuf },
     /// A column map that was not understood.
     #[error(transparent)]
     Map(#[from] MapError),

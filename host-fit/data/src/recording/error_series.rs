@@ -16,11 +16,9 @@ use crate::unit::Unit;
 pub struct ErrorSeries<'a> {
     /// Name of the measured channel.
     pub channel: String,
-    /// Unit of the values.
     pub unit: Unit,
     /// One value per row, in `unit`; NaN where the measurement or the reference is missing.
     pub values: Cow<'a, [f64]>,
-    /// What was subtracted.
     pub reference: Reference,
 }
 

@@ -54,7 +54,6 @@ pub enum Oddity {
     Held {
         /// As in the log format, as `gx_rads`.
         column: String,
-        /// How often.
         times: usize,
         /// Total duration, s.
         seconds: f64,
@@ -84,10 +83,7 @@ pub enum Oddity {
         step: f64,
     },
     /// Two axes hold the same values.
-    Same {
-        /// The columns.
-        columns: [String; 2],
-    },
+    Same { columns: [String; 2] },
     /// The accelerometers together do not show gravity.
     NotGravity {
         /// What they show: the median, m/s² as read.

@@ -58,7 +58,6 @@ pub struct Segment {
     pub tick: u64,
     /// Samples missing between the segment before and this one.
     pub missing_before: u64,
-    /// Why it starts here.
     pub boundary: Boundary,
 }
 
@@ -68,7 +67,6 @@ pub struct Segment {
 pub enum Boundary {
     /// The recording starts.
     Start,
-    /// Samples are missing.
     Gap,
     /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds and more. No sample was
     /// lost; `missing_before` is how many would have been taken.
@@ -87,7 +85,6 @@ const PAUSE_S: f64 = 10.0;
 /// A boundary known without looking at stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mark {
-    /// First row after it.
     pub(super) row: usize,
     pub(super) boundary: Boundary,
     /// Samples known to be missing.

@@ -13,7 +13,6 @@ pub(super) struct Guess {
     pub(super) target: String,
     /// The unit, in a spelling that a column map takes; none for a channel without one.
     pub(super) unit: Option<&'static str>,
-    /// What that rests on.
     pub(super) why: String,
     /// The name alone says so.
     pub(super) sure: bool,
@@ -317,7 +316,6 @@ fn same(columns: &[(&str, &[f64])], one: &Candidate, other: &Candidate) -> bool 
     apart.is_empty() || one.unit.is_some() == other.unit.is_some() && high - low <= 0.5 * period
 }
 
-/// Different values.
 fn distinct(values: &[f64]) -> usize {
     let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
     bits.sort_unstable();

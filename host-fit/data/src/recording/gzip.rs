@@ -6,7 +6,6 @@ use flate2::bufread::GzDecoder;
 
 /// What the members hold, one after the other.
 pub(super) struct Members<R> {
-    /// None at the end.
     member: Option<GzDecoder<R>>,
 }
 

@@ -34,11 +34,9 @@ pub struct Preview {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ColumnPreview {
-    /// As the file has it.
     pub name: String,
     /// The same as it stands in an entry of a column map.
     pub quoted: String,
-    /// Its first values.
     pub values: Vec<String>,
     /// The channel that it seems to be.
     pub target: Option<String>,

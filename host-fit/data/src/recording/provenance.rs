@@ -16,7 +16,6 @@ use crate::column::Triad;
 pub struct Provenance {
     /// That of the accelerometers.
     pub accelerometers: SensorProvenance,
-    /// That of the gyros.
     pub gyros: SensorProvenance,
 }
 
@@ -64,7 +63,6 @@ pub enum Frame {
     Board,
     /// Those of the vehicle.
     Vehicle,
-    /// Those of the phone.
     Phone,
 }
 
@@ -75,7 +73,6 @@ impl Provenance {
         Self { accelerometers: sensor.clone(), gyros: sensor }
     }
 
-    /// That of a triad.
     pub fn of(&self, triad: Triad) -> &SensorProvenance {
         match triad {
             Triad::Accelerometers => &self.accelerometers,

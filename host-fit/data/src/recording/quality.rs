@@ -87,12 +87,7 @@ pub struct BadRow {
 #[serde(rename_all = "snake_case")]
 pub enum Place {
     /// Line of a text file, the first is 1, and the cell in it, the first is 1 (0: the whole line).
-    Line {
-        /// The line.
-        line: u64,
-        /// The cell in it.
-        cell: u64,
-    },
+    Line { line: u64, cell: u64 },
     /// Data row, the first is 1; for files without lines.
     Row(u64),
 }
@@ -101,7 +96,6 @@ pub enum Place {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Problem {
-    /// A cell is no number.
     NotANumber,
     /// The row has more or fewer cells than the header.
     CellCount {

@@ -74,7 +74,6 @@ impl Digest {
         Digest { hash: Some(Sha256::new()), bytes: 0 }
     }
 
-    /// Takes none.
     pub(super) fn none() -> Digest {
         Digest { hash: None, bytes: 0 }
     }
@@ -94,7 +93,6 @@ impl Digest {
         }
     }
 
-    /// Names what was read.
     pub(super) fn finish(self, path: &Path) -> Source {
         match self.hash {
             Some(hash) => Source::of(path, self.bytes, &hash.finalize()),

@@ -20,7 +20,6 @@ pub(super) struct Table {
     pub(super) is_unnamed: bool,
 }
 
-/// One column.
 #[derive(Debug)]
 pub(super) struct Column {
     pub(super) name: String,

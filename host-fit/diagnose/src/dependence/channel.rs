@@ -7,7 +7,6 @@ use super::likelihood::{Remainder, Test};
 use fos_fit::noise::Fitted;
 use fos_fit::noise::{Gls, NoiseLevels};
 
-/// Bins of equal count.
 const BINS: usize = 12;
 
 /// A bin of fewer blocks is not shown: where a temperature turns, single blocks rise among falling ones.
@@ -26,7 +25,6 @@ const KNOTS: [f64; 5] = [0.05, 0.275, 0.5, 0.725, 0.95];
 pub struct Bin {
     /// Mean of the channel in it.
     pub channel: f64,
-    /// Blocks in it.
     pub blocks: usize,
     /// Plain mean of what is left, in the axis' unit.
     pub mean: f64,

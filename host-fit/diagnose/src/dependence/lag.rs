@@ -9,7 +9,6 @@ use fos_fit::noise::{Blocks, Fitted, Gls, NoiseLevels};
 /// Delays, s.
 const DELAYS_S: [f64; 7] = [0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 
-/// How many.
 pub(super) const N_DELAYS: usize = DELAYS_S.len();
 
 /// A delay beyond this share of the log leaves too little of the channel.
@@ -18,7 +17,6 @@ const LONGEST_SHARE: f64 = 0.25;
 /// Delays whose gain is less than this below the best are not told from it: 95 % point of χ²₁.
 const NOT_TOLD: f64 = 3.84;
 
-/// One delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Delay {
@@ -36,7 +34,6 @@ pub struct Delay {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LagProfile {
-    /// By ascending delay.
     pub delays: Vec<Delay>,
     /// The delay that explains most, s.
     pub best_s: f64,
@@ -181,7 +178,6 @@ mod tests {
     use super::*;
     use fos_data::recording::{LoadOptions, Source};
 
-    /// A column as it was.
     fn delayed(recording: &Recording, column: &[f64], delay_s: f64) -> Vec<f64> {
         let Shift(pieces) = Shift::new(recording, delay_s);
         assert!(pieces.windows(2).all(|pair| pair[0].end == pair[1].start), "{pieces:?}");

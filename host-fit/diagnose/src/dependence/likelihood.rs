@@ -25,7 +25,6 @@ pub(crate) struct Remainder<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Test {
-    /// Coefficients.
     pub terms: usize,
     /// 2Δ ln L, the noise levels fitted with and without them.
     pub gain: f64,

@@ -95,7 +95,6 @@ impl ChannelDependence {
 pub struct Trained<'a> {
     /// The log that was fitted.
     pub recording: &'a Recording,
-    /// Where it is still.
     pub stillness: &'a Stillness,
     /// The rows.
     pub rows: Range<usize>,
@@ -162,7 +161,6 @@ pub fn dependence(
 /// The judged rows of an axis.
 struct Judged {
     blocks: Blocks,
-    /// Of what is left.
     means: Vec<f64>,
     /// Of a block as it was asked for, s.
     length_s: f64,
@@ -194,7 +192,6 @@ impl ChannelInBlocks {
         (spread > CHANGES * size).then_some(Self(delayed))
     }
 
-    /// Without a delay.
     fn means(&self) -> &[f64] {
         &self.0[0]
     }
@@ -203,7 +200,6 @@ impl ChannelInBlocks {
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum DependenceError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// fos-core refuses the model.

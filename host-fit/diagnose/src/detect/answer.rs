@@ -50,7 +50,6 @@ pub struct Diagnosis {
     pub target: String,
     /// Unit of the column, which noise and corrections are in.
     pub unit: String,
-    /// The outcome.
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
@@ -82,13 +81,11 @@ pub struct Diagnosis {
     pub shared_signal: Option<SharedSignal>,
 }
 
-/// A missing effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Finding {
     /// As in the library, as `thermal_lag`.
     pub effect: String,
-    /// As in a sentence.
     pub name: String,
     /// In block means, in single samples, in the data themselves, or as noise.
     pub band: Band,
@@ -135,7 +132,6 @@ pub struct Finding {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Size {
-    /// The regressor.
     pub of: String,
     /// In `unit`.
     pub value: f64,
@@ -152,7 +148,6 @@ pub struct Size {
 pub struct Separation {
     /// Identifier of the rival.
     pub effect: String,
-    /// The experiment.
     pub experiment: String,
 }
 
@@ -165,7 +160,6 @@ pub struct CorrectionTerm {
     pub regressor: String,
     /// Coefficient, unit of the axis per unit of the product.
     pub coefficient: f64,
-    /// Its standard error.
     pub standard_error: f64,
 }
 

@@ -21,7 +21,6 @@ const SIDES_DIFFER: f64 = 1.5;
 const PARTS: usize = 6;
 const PARTS_WITH_VALUES: usize = 4;
 
-/// A dead zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeadZone {
     /// The value that is held, unit of the axis.
@@ -33,9 +32,7 @@ pub(crate) struct DeadZone {
 /// Whether a log would show a dead zone: the axis passes through its most frequent values in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Searched {
-    /// There is one.
     Found(DeadZone),
-    /// There is none.
     None,
     /// The axis does not turn slowly to both sides.
     NotShown,

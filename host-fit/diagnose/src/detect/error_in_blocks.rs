@@ -17,7 +17,6 @@ const STOP_MARGIN: f64 = 4.0;
 /// Share of rows at rest from which on a log counts as one at rest, with motion in between that nobody vouches for.
 const AT_REST: f64 = 0.5;
 
-/// A log reduced.
 #[derive(Debug, Clone)]
 pub struct ErrorInBlocks {
     /// The error of the axis, one value per row, in its unit.

@@ -30,7 +30,6 @@ pub(crate) enum Fault {
         /// The lower and upper stop, unit of the axis, as far as either was hit.
         limits: (Option<f64>, Option<f64>),
     },
-    /// Samples are missing.
     Dropped {
         /// Share of the samples.
         share: f64,

@@ -29,7 +29,6 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Borrowed columns.
     pub(super) fn columns(&self) -> Vec<&[f64]> {
         self.columns.iter().map(Vec::as_slice).collect()
     }

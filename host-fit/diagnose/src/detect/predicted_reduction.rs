@@ -19,7 +19,6 @@ const DRAWS: usize = 300;
 /// mean takes out of the slow error is added to its variance. A slow effect is the same in both.
 const MAX_BLOCKS: f64 = 4096.0;
 
-/// Seed of the draws.
 const SEED: u64 = 0x0f05;
 
 /// Share of the variance of block means that goes with a correction: median, 5 % and 95 % quantile.

@@ -9,7 +9,6 @@ use crate::effects::Library;
 /// What to explain, and what is known beside it.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
-    /// The log to explain.
     pub field: &'a Recording,
     /// A quiet log of the same unit, in which nothing is missing.
     pub quiet: Option<&'a Recording>,
@@ -24,7 +23,6 @@ pub struct Question<'a> {
     pub full_scale: Option<f64>,
     /// Least significant bit of the axis, in its unit.
     pub lsb: Option<f64>,
-    /// The effects to try.
     pub library: &'a Library,
     /// Effects that the model already has, with their parameters: they are never found again.
     pub given: &'a [Given],
@@ -50,7 +48,6 @@ impl<'a> Question<'a> {
 /// An effect that a model already has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Given {
-    /// Its identifier.
     pub effect: String,
     /// The value of its parameter.
     pub value: Option<f64>,
@@ -59,7 +56,6 @@ pub struct Given {
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
 pub enum DiagnoseError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// An effect is not known.
@@ -72,28 +68,18 @@ pub enum DiagnoseError {
     #[error(
         "{effect}: how sure its coefficients are cannot be told from this log: their covariance is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
     )]
-    UnknownCoefficients {
-        /// Its identifier.
-        effect: String,
-    },
+    UnknownCoefficients { effect: String },
     /// An effect that was asked for does not show in the log.
     #[error(
         "{effect} cannot be estimated from this log: {reason}\nhelp: a log in which what the effect follows is logged and changes"
     )]
-    NotThere {
-        /// The effect.
-        effect: String,
-        /// Why.
-        reason: String,
-    },
+    NotThere { effect: String, reason: String },
     /// An axis that does not measure.
     #[error(
         "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
     Stuck {
-        /// The column.
         column: String,
-        /// The value.
         value: f64,
         /// How long it is stuck, s.
         seconds: f64,
@@ -105,9 +91,7 @@ pub enum DiagnoseError {
         "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with `axis`"
     )]
     CoarseSteps {
-        /// The column.
         column: String,
-        /// The value.
         value: f64,
         /// The step of the other axes of its triad, in its unit.
         step: f64,
@@ -119,7 +103,6 @@ pub enum DiagnoseError {
         MIN_BLOCKS as f64 * length_s
     )]
     TooShort {
-        /// The column.
         column: String,
         /// Blocks in which it is known.
         blocks: usize,

@@ -40,7 +40,6 @@ pub(super) enum Misshape {
         follows: Option<Followed>,
         /// Standard deviation of the logarithm of the level that is explained.
         spread: f64,
-        /// Gain minus price.
         score: f64,
     },
 }
@@ -65,7 +64,6 @@ impl Misshape {
 /// A quantity that a noise level follows.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Followed {
-    /// Its column.
     pub(super) column: String,
     /// Change of the logarithm of the level per unit of the quantity, and its standard error.
     pub(super) slope: [f64; 2],
@@ -148,7 +146,6 @@ fn log_level(recording: &Recording, blocks: &Blocks, column: &str) -> Option<Vec
     levels.iter().all(|level| level.is_finite()).then_some(levels)
 }
 
-/// Orthonormal columns.
 #[derive(Debug, Clone, Default)]
 struct Basis {
     columns: Vec<Vec<f64>>,

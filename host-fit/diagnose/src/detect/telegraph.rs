@@ -36,7 +36,6 @@ pub(super) struct Telegraph {
     pub(super) difference: [f64; 2],
     /// Mean time in the lower and in the upper level, s.
     pub(super) dwell_s: [f64; 2],
-    /// Transitions.
     pub(super) transitions: usize,
     /// By how much −2 ln L falls with it.
     pub(super) gain: f64,

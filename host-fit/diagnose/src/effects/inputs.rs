@@ -26,7 +26,6 @@ pub struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Of this recording.
     pub fn new(recording: &'a Recording) -> Self {
         Self { recording, kept: Memo::default(), held: Memo::default() }
     }

@@ -57,7 +57,6 @@ pub struct Effect {
     pub any_terms: bool,
     /// What happens in the sensor.
     pub mechanism: String,
-    /// The error it makes.
     pub equation: String,
     /// How large it is on phone-class parts.
     #[serde(default)]
@@ -88,13 +87,11 @@ pub struct Effect {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Band {
-    /// In block means.
     Slow,
     /// In the samples.
     Wide,
     /// In the data before any physics.
     Data,
-    /// As noise.
     Stochastic,
 }
 
@@ -103,12 +100,9 @@ pub enum Band {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Targets {
-    /// All.
     #[default]
     Any,
-    /// Gyros.
     Gyro,
-    /// Accelerometers.
     Accelerometer,
 }
 
@@ -223,7 +217,6 @@ pub enum EffectError {
     /// The file of an effect cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// It is no effect.
     #[error(
         "{place}: not an effect: {reason}\nhelp: the example of the library is a complete file to start from"
     )]
@@ -240,7 +233,6 @@ pub enum EffectError {
     Taken {
         /// File, line and column.
         place: String,
-        /// The identifier.
         id: String,
         /// Where the other effect is.
         other: String,
@@ -250,33 +242,24 @@ pub enum EffectError {
     NoRival {
         /// File, line and column.
         place: String,
-        /// What it names.
         id: String,
         /// The most similar identifier.
         closest: Option<String>,
-        /// All identifiers.
         known: Vec<String>,
     },
     /// There is no such effect.
     #[error("there is no effect {id:?}{}\nhelp: the library has {}", did_you_mean(.closest.as_deref()), .known.join(", "))]
     Unknown {
-        /// What was asked for.
         id: String,
         /// The most similar identifier.
         closest: Option<String>,
-        /// All identifiers.
         known: Vec<String>,
     },
     /// What was found is no effect that is known.
     #[error(
         "nothing in the library is found as {search:?} on {column}\nhelp: undo the step whose effect has taken the place of the built-in one, and add it under another identifier"
     )]
-    NoneFoundAs {
-        /// How it was found.
-        search: Detector,
-        /// Where.
-        column: String,
-    },
+    NoneFoundAs { search: Detector, column: String },
 }
 
 fn did_you_mean(closest: Option<&str>) -> String {

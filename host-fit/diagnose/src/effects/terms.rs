@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use fos_fit::fit::InputSpec;
 
-/// A product of inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Product {
     /// The factors of the product.
@@ -32,7 +31,6 @@ impl Product {
 /// A regressor: the sum of products, which share a coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regressor {
-    /// Its products.
     pub products: Vec<Product>,
 }
 

@@ -11,7 +11,6 @@ use crate::study::StudyAxisError;
 /// Why an effect cannot be added.
 #[derive(Debug, thiserror::Error)]
 pub enum RefineError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The effect cannot be estimated.
@@ -36,16 +35,13 @@ pub enum RefineError {
         "{log} does not go with the study: the study's {column} is {study}, that of the log {found}\nhelp: a log of the same sensor, recorded in the same way; `topic` chooses the sensor of a log"
     )]
     OtherSensor {
-        /// The log.
         log: String,
-        /// The axis.
         column: String,
         /// What the study's is, in words.
         study: String,
         /// What the log's is, in words.
         found: String,
     },
-    /// It is there already.
     #[error(
         "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"
     )]
@@ -55,9 +51,7 @@ pub enum RefineError {
         "{effect} is not identifiable from this log: {reason}\nhelp: record a log that shows it: {experiment}"
     )]
     NotIdentifiable {
-        /// The effect.
         effect: String,
-        /// Why.
         reason: String,
         /// The experiment that would identify it.
         experiment: String,
@@ -67,7 +61,6 @@ pub enum RefineError {
         "{effect} was not added: with it the {what} over the evaluation log grows {growth}\nhelp: record a log that shows the effect: {experiment}"
     )]
     MakesWorse {
-        /// The effect.
         effect: String,
         /// Which error: the mean or the RMS.
         what: &'static str,
@@ -81,7 +74,6 @@ pub enum RefineError {
         "{column} was refined on other data: {changes}; steps on different data cannot be compared\nhelp: put the same logs back to go on, or take the steps back first (undo)"
     )]
     OtherLogs {
-        /// The axis.
         column: String,
         /// What differs from then, in words.
         changes: String,

@@ -43,7 +43,6 @@ pub struct Evidence {
 pub struct Against {
     /// As in the log format, as `temp_c`.
     pub column: String,
-    /// Its block means.
     pub values: Vec<f64>,
 }
 

@@ -14,7 +14,6 @@ pub struct Logs {
     pub quiet: Option<Recording>,
     /// The log that errors are of; without one the last part of the field log is kept back.
     pub judged: Option<Recording>,
-    /// How they were read.
     pub read: LoadOptions,
 }
 

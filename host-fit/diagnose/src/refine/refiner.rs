@@ -38,7 +38,6 @@ const MOST: usize = 6;
 pub struct Refiner<'a> {
     /// The rows that effects are estimated from.
     pub(super) field: Cow<'a, Recording>,
-    /// A quiet log.
     quiet: Option<&'a Recording>,
     /// The log that errors are of, and the rows of it that were not fitted.
     judged: &'a Recording,

@@ -8,15 +8,8 @@ use super::refinement::Refinement;
 /// Why a study does not do to an axis what is asked.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
-    /// It has no such axis.
     #[error("the study has no axis {column}; it has {}\nhelp: name one of them", .axes.join(", "))]
-    NoAxis {
-        /// What was asked for.
-        column: String,
-        /// What there is.
-        axes: Vec<String>,
-    },
-    /// Nothing was added.
+    NoAxis { column: String, axes: Vec<String> },
     #[error("nothing was added to {0}\nhelp: add an effect first")]
     NothingAdded(String),
 }

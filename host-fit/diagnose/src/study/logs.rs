@@ -14,14 +14,12 @@ pub enum LogAgainError {
     /// It is there, and cannot be read as a log.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// It is nowhere.
     #[error(
         "{log}: the log that {} names is not there; looked for as {}\nhelp: put it back, or beside the study, or name another log in the command",
         study.display(),
         in_words(tried)
     )]
     NotThere {
-        /// As it was given.
         log: String,
         /// The file of the study that names it.
         study: PathBuf,
@@ -39,9 +37,7 @@ pub enum LogAgainError {
         log: PathBuf,
         /// The file of the study that names it.
         study: PathBuf,
-        /// Its digest.
         found: String,
-        /// What the study says.
         named: String,
     },
 }

@@ -35,7 +35,6 @@ pub struct Study {
     pub tool: Tool,
     /// The recording that was fitted.
     pub data: Data,
-    /// How it was fitted.
     pub settings: FitOptions,
     /// The model as it is now.
     pub model: UnitModel,
@@ -54,7 +53,6 @@ pub struct Study {
 pub struct Tool {
     /// As on the command line.
     pub name: String,
-    /// Its version.
     pub version: String,
 }
 
@@ -63,7 +61,6 @@ pub struct Tool {
 pub struct Data {
     /// File, size and digest, of every log.
     pub sources: Vec<Source>,
-    /// How they were read.
     #[serde(flatten)]
     pub read: LoadOptions,
     /// Rows read.
@@ -85,7 +82,6 @@ pub struct Data {
 pub struct StudyStep {
     /// What was done: the name of a rival, or of the step.
     pub name: String,
-    /// Errors of each axis.
     pub errors: Vec<ModelErrors>,
 }
 
@@ -101,7 +97,6 @@ pub enum StudyError {
     /// It is not a study, or is damaged.
     #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: a study is what a fit writes")]
     NotAStudy {
-        /// As it was given.
         path: String,
         /// Line of the error, from 1.
         line: usize,
@@ -112,18 +107,11 @@ pub enum StudyError {
     },
     /// Its fields contradict one another.
     #[error("{path}: {reason}: such a study was not written by this program\nhelp: fit the log again")]
-    Unsound {
-        /// As it was given.
-        path: String,
-        /// What is wrong.
-        reason: String,
-    },
-    /// Another version.
+    Unsound { path: String, reason: String },
     #[error(
         "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
     )]
     Schema {
-        /// As it was given.
         path: String,
         /// The schema that it names.
         found: String,
@@ -131,7 +119,6 @@ pub enum StudyError {
 }
 
 impl Tool {
-    /// This program.
     pub fn this() -> Self {
         Self { name: "host-fit".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
     }

@@ -17,7 +17,6 @@ use fos_fit::model::UnitModel;
 pub struct Refinement {
     /// The axis, by its column.
     pub column: String,
-    /// The logs behind it.
     pub logs: LogSources,
     /// The model before anything was added, then after each effect.
     #[serde(rename = "stairs", serialize_with = "with_rms")]
@@ -36,7 +35,6 @@ pub struct LogSources {
     pub judged: Option<Source>,
     /// Rows of the field log that effects are estimated from, from the first on.
     pub fitted_rows: usize,
-    /// How they were read.
     #[serde(flatten)]
     pub read: LoadOptions,
 }
@@ -47,7 +45,6 @@ pub struct LogSources {
 pub struct RefinementStep {
     /// What was added; none in the state before.
     pub added: Option<Added>,
-    /// The axis alone.
     #[cfg_attr(feature = "page-types", ts(type = "unknown"))]
     pub model: UnitModel,
     /// All errors, on the judged rows.

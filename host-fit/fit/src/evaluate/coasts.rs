@@ -38,7 +38,6 @@ pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: u
     n_axes: usize,
     /// Those to each horizon, and blocks.
     waiting: [Waiting<R, TERMS, HISTORY>; 4],
-    /// By horizon.
     left: [Vec<Left>; 3],
 }
 

@@ -22,7 +22,6 @@ impl Rival {
     /// Constant mean, first-order Gauss-Markov, last value.
     pub const ALL: [Rival; 3] = [Rival::Mean, Rival::GaussMarkov, Rival::LastValue];
 
-    /// As in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mean => "constant mean",

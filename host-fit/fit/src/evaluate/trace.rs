@@ -70,7 +70,6 @@ pub(crate) fn trace_to_horizons<R: Real>(
 /// Which coasts there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Coasted {
-    /// To the horizons.
     Horizons,
     /// Over all rows too.
     AllRows,

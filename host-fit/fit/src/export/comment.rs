@@ -1,6 +1,5 @@
 //! Names in the comments of files for others, whose readers take ASCII alone.
 
-/// One line of ASCII.
 pub fn in_ascii(text: &str) -> String {
     text.chars().map(|letter| if letter.is_ascii_graphic() || letter == ' ' { letter } else { '?' }).collect()
 }

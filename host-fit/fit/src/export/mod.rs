@@ -3,7 +3,7 @@
 //!
 //! | file | writes |
 //! |---|---|
-//! | `image`, `earlier` | the image that a device reads; those of earlier versions as today's |
+//! | `image` | the image that a device reads |
 //! | `description`, `model_of` | an image in words, and as a model again |
 //! | `allan_csv` | the noise of a log as a table |
 //! | `noise_model` | one number of noise for three axes, for the files below |
@@ -13,7 +13,6 @@
 mod allan_csv;
 mod comment;
 mod description;
-mod earlier;
 mod image;
 mod imu_yaml;
 mod model_of;
@@ -24,7 +23,6 @@ mod slam;
 pub use allan_csv::{SHARE, allan_csv};
 pub use comment::in_ascii;
 pub use description::description;
-pub use earlier::{current, version};
 pub use image::{UnusableImage, image};
 pub use imu_yaml::imu_yaml;
 pub use model_of::{NoColumn, model_of};

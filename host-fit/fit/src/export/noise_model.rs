@@ -13,7 +13,6 @@ pub struct NoiseModel {
     pub rate_hz: f64,
     /// Of the accelerometers.
     pub accel: TriadNoise,
-    /// Of the gyros.
     pub gyro: TriadNoise,
 }
 
@@ -21,7 +20,6 @@ pub struct NoiseModel {
 /// sensor that does not deserve it and diverges; one that is told too much only learns more slowly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriadNoise {
-    /// N.
     pub white: Worst,
     /// K.
     pub walk: Worst,
@@ -39,14 +37,10 @@ pub struct Worst {
 /// A log from which no file for a filter can be written.
 #[derive(Debug, thiserror::Error)]
 pub enum NoiseModelError {
-    /// Not all six axes.
     #[error(
         "{column} is missing: such a file has the noise of three accelerometers and three gyros\nhelp: ask all six axes of a log that has them"
     )]
-    Missing {
-        /// The column.
-        column: &'static str,
-    },
+    Missing { column: &'static str },
 }
 
 impl NoiseModel {

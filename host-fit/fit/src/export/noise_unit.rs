@@ -3,9 +3,7 @@
 /// Units of the noise of an axis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NoiseUnits {
-    /// Of N.
     pub white: String,
-    /// Of B.
     pub flicker: String,
     /// Of K.
     pub walk: String,

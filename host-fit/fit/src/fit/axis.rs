@@ -47,9 +47,7 @@ const SHORTEST_COAST_S: f64 = 1.0;
 /// A fitted axis: a unit of that axis alone, and how it was found.
 #[derive(Debug, Clone)]
 pub struct AxisFit {
-    /// The model.
     pub model: UnitModel,
-    /// How it was found.
     pub report: AxisReport,
 }
 

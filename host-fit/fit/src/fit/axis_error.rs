@@ -19,13 +19,11 @@ pub enum AxisError {
         what_fits(", or ", fits)
     )]
     TooShort {
-        /// The column.
         column: String,
         /// Rows at rest in the training part.
         rows: usize,
         /// Rows needed.
         needed: usize,
-        /// Candidates.
         candidates: usize,
         /// Options that the rows are enough for; empty if there are none.
         fits: String,
@@ -36,9 +34,7 @@ pub enum AxisError {
         what_fits(", as ", fits)
     )]
     TooMany {
-        /// The column.
         column: String,
-        /// Candidates.
         candidates: usize,
         /// Options that give fewer.
         fits: String,
@@ -49,7 +45,6 @@ pub enum AxisError {
         first.0, force(&first.1), second.0, force(&second.1)
     )]
     TwoPoses {
-        /// The column.
         column: String,
         /// Since when the first is held, s as stamped, and what the accelerometers show in it, m/s².
         first: (f64, Vec<f64>),
@@ -62,12 +57,7 @@ pub enum AxisError {
     #[error(
         "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"
     )]
-    Constant {
-        /// The column.
-        column: String,
-        /// The value.
-        value: f64,
-    },
+    Constant { column: String, value: f64 },
     /// An input that does not change where it is fitted.
     #[error(
         "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of `physical` and `input`, or fit on rows in which it changes (`train`)"
@@ -75,7 +65,6 @@ pub enum AxisError {
     Steady {
         /// The column of the input.
         column: String,
-        /// Its value.
         value: f64,
     },
     /// An input that has no value where it is fitted.
@@ -88,56 +77,34 @@ pub enum AxisError {
     },
     /// The candidates do not make a pool.
     #[error("{column}: {source}\nhelp: a smaller `max_lag`, `input_lags` or `degree`")]
-    Candidates {
-        /// The column.
-        column: String,
-        /// Why.
-        source: CandidatesError,
-    },
+    Candidates { column: String, source: CandidatesError },
     /// The search or the final solution.
     #[error(
         "{column}: {source}\nhelp: a longer log at rest without empty cells, a larger `train`, a smaller `max_lag`, or fewer inputs (`physical`, `input`)"
     )]
-    Search {
-        /// The column.
-        column: String,
-        /// Why.
-        source: FitError,
-    },
+    Search { column: String, source: FitError },
     /// An autoregression cannot be estimated.
     #[error(
         "{column}: {source}\nhelp: a smaller `max_lag`, a longer log at rest without empty cells, or `method` fos"
     )]
-    Autoregression {
-        /// The column.
-        column: String,
-        /// Why.
-        source: AutoregressionError,
-    },
+    Autoregression { column: String, source: AutoregressionError },
     /// The model does not follow the rows that it was fitted to.
     #[error(
         "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or leave out inputs that hardly change in it (`physical`, `input`)"
     )]
     Diverges {
-        /// The column.
         column: String,
         /// The largest error of a prediction, in the axis' unit.
         off: f64,
         /// The least error in the fitted rows, in the axis' unit.
         low: f64,
-        /// The largest.
         high: f64,
     },
     /// fos-core refuses the model.
     #[error(
         "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
     )]
-    Model {
-        /// The column.
-        column: String,
-        /// Why.
-        source: ModelError,
-    },
+    Model { column: String, source: ModelError },
 }
 
 fn what_fits(joined_by: &str, fits: &str) -> String {

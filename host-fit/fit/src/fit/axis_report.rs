@@ -9,11 +9,9 @@ use super::poses::FittedPose;
 /// How one axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisReport {
-    /// The column.
     pub column: String,
     /// The reference column that was subtracted; none if the log is taken as static.
     pub reference_column: Option<String>,
-    /// By which method.
     pub method: FitMethod,
     /// Candidates searched, or lags of an autoregression.
     pub candidates: usize,
@@ -52,7 +50,6 @@ fn is_zero(count: &usize) -> bool {
 /// A term of the physical part of which the data say nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
-    /// Its input.
     pub input: String,
     /// Its coefficient as estimated, scaled units.
     pub coefficient: f64,
@@ -65,7 +62,6 @@ pub struct LeftOut {
 pub struct SelectionStep {
     /// The monomial, in words.
     pub monomial: String,
-    /// Its factors.
     pub factors: Vec<Factor>,
     /// Q: drop of the mean square error, scaled units.
     pub mse_reduction: f64,

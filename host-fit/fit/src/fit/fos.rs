@@ -34,10 +34,8 @@ pub const COLLINEAR: f64 = 1e-12;
 /// the two factors of a product.
 const ROUNDING: f64 = 1e-15;
 
-/// One term chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Index in the pool.
     pub candidate: usize,
     /// Q: drop in mean square error, unit of y².
     pub mse_reduction: f64,
@@ -121,7 +119,6 @@ pub(super) struct Expansion<'g> {
 }
 
 impl<'g> Expansion<'g> {
-    /// The constant alone.
     pub(super) fn of_constant(gram: &'g Gram) -> Self {
         let factor = Factorisation::of_constant(gram);
         let open = (0..gram.size()).map(|candidate| {

@@ -68,7 +68,6 @@ impl Triangle {
         Self { values: vec![0.0; width * width], width }
     }
 
-    /// R(i, j)
     pub(super) fn at(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.width + j]
     }

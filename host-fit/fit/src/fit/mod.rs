@@ -74,7 +74,6 @@ impl FromStr for Search {
     }
 }
 
-/// Why there is no fit.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum FitError {
     /// The signals do not fit the pool.

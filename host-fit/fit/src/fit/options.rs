@@ -11,7 +11,6 @@ use super::{Search, autoregression};
 use crate::signal::wavelet::Denoising;
 use fos_data::stored_as_text;
 
-/// How to fit an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitOptions {
     /// How the stochastic part is found. Default: Fast Orthogonal Search.
@@ -122,7 +121,6 @@ pub enum Stop {
     Multiplicity,
     /// Korenberg's test, made for a single candidate: it admits a spurious term in nearly every record.
     Korenberg,
-    /// Never.
     Never,
 }
 
@@ -185,7 +183,6 @@ impl FromStr for Train {
 pub struct InputSpec {
     /// The column, or `None` for the clock.
     pub column: Option<String>,
-    /// What becomes of it.
     pub transform: Transform<f64>,
 }
 

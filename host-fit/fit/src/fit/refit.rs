@@ -57,7 +57,6 @@ pub enum RefitError {
         "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
     )]
     Term {
-        /// Index of the term.
         term: usize,
         /// The term as people write it.
         text: String,
@@ -73,7 +72,6 @@ pub enum RefitError {
     /// A term is a sum of the constant and the terms before it.
     #[error("term {term}, {text}, is a sum of the constant and the terms before it: leave it out")]
     Collinear {
-        /// Index of the term.
         term: usize,
         /// The term as people write it.
         text: String,

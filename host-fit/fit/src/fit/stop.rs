@@ -35,7 +35,6 @@ impl Default for StopRule {
 /// search takes the best of M, so a bound for one admits spurious terms almost surely when M is large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoiseRule {
-    /// No test.
     Off,
     /// Korenberg's rule as published, Q < 4/(n + 1)·MSE: the 95 % band of one correlation. On white noise it
     /// admits a spurious term from a pool of 65 in more than nine records of ten.
@@ -64,7 +63,6 @@ impl NoiseRule {
 /// of zero counting as [`EXACT`]. A term is worth having where it does not raise the cost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Worth {
-    /// t.
     threshold: f64,
     /// What an MSE is held to be at least, unit of y².
     exact: f64,
@@ -114,7 +112,6 @@ pub enum Stopped {
     Noise {
         /// Its index in the pool.
         candidate: usize,
-        /// Its Q.
         mse_reduction: f64,
         /// The Q it would have needed.
         needed: f64,

@@ -51,7 +51,6 @@ impl Product {
         Self(packed.iter().rev().fold(0, |product, factor| product << FACTOR_BITS | u128::from(*factor)))
     }
 
-    /// Number of factors.
     pub(super) fn degree(self) -> u32 {
         (u128::BITS - self.0.leading_zeros()).div_ceil(FACTOR_BITS)
     }

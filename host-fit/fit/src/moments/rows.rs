@@ -22,12 +22,10 @@ pub enum SignalsError {
     /// The pool or model names an input that was not given.
     #[error("input {input} is used, but only {given} inputs were given")]
     MissingInput {
-        /// Index of the input.
         input: usize,
         /// Number of inputs among the signals.
         given: usize,
     },
-    /// No signals at all.
     #[error("no signals were given: the first one is the output")]
     NoOutput,
     /// A column is not as long as the output.
@@ -45,7 +43,6 @@ pub enum SignalsError {
     Segment {
         /// Index of the segment.
         index: usize,
-        /// Its end.
         end: usize,
         /// Samples of each signal.
         samples: usize,
@@ -55,7 +52,6 @@ pub enum SignalsError {
     Lag {
         /// Largest lag the rows were made for.
         allowed: usize,
-        /// Largest lag needed.
         needed: usize,
     },
 }

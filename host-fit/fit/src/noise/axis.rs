@@ -23,7 +23,6 @@ const SHORTEST_S: f64 = 0.5;
 pub struct AxisNoise {
     /// As in the log format, as `gx_rads`.
     pub column: String,
-    /// Unit of the column.
     pub unit: String,
     /// Time at rest that it is of, s.
     pub seconds: f64,
@@ -48,12 +47,10 @@ pub enum AxisNoiseError {
     /// A column is not there.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// Too little at rest.
     #[error(
         "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its noise needs at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions; three hours show the random walk of most parts"
     )]
     TooShort {
-        /// The column.
         column: String,
         /// Time at rest in blocks with enough samples, s.
         seconds: f64,
@@ -66,12 +63,7 @@ pub enum AxisNoiseError {
     #[error(
         "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
-    Constant {
-        /// The column.
-        column: String,
-        /// The value.
-        value: f64,
-    },
+    Constant { column: String, value: f64 },
 }
 
 /// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.

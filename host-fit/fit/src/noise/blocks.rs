@@ -53,7 +53,6 @@ pub struct Blocks {
 #[derive(Debug)]
 pub struct Averaging<'b> {
     blocks: &'b Blocks,
-    /// That comes next.
     row: usize,
     /// Of the values that count, of the block that comes next.
     sum: f64,
@@ -81,7 +80,6 @@ impl Averaging<'_> {
     }
 }
 
-/// One block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Place on the grid: its middle is (index + ½)·length after the first sample.

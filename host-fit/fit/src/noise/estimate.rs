@@ -53,7 +53,6 @@ impl Level {
     }
 }
 
-/// Noise of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseEstimate {
     /// N, unit·√s, which is unit/√Hz of a two-sided spectrum: the mean over t seconds has variance N²/t.
@@ -200,7 +199,6 @@ impl Likelihood<'_> {
     }
 }
 
-/// The other two.
 fn without(level: usize, levels: &LogLevels) -> [f64; 2] {
     match level {
         0 => [levels[1], levels[2]],

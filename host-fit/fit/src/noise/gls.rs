@@ -15,7 +15,6 @@ const COLLINEAR: f64 = 1e-7;
 /// levels of [`Blocks::restarts`] are eliminated while whitening: each costs nothing here.
 #[derive(Debug, Clone)]
 pub struct Gls {
-    /// Orthonormal columns.
     basis: Vec<Vec<f64>>,
     /// Column j of the whitened regressors is Σ_i basis_i·triangle\[j\]\[i\].
     triangle: Vec<Vec<f64>>,

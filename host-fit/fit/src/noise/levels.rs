@@ -36,7 +36,6 @@ const WALL_STEP: f64 = 0.5;
 /// Noise levels fitted to data together with a regression.
 #[derive(Debug, Clone)]
 pub struct Fitted {
-    /// The levels.
     pub levels: NoiseLevels,
     /// The regression under them.
     pub gls: Gls,
@@ -137,7 +136,6 @@ impl NoiseLevels {
         Self { white: logs[0].exp(), flicker: logs[1].exp(), walk: logs[2].exp(), gauss_markov: None }
     }
 
-    /// Logarithms.
     pub fn logs(&self) -> LogLevels {
         [self.white.ln(), self.flicker.ln(), self.walk.ln()]
     }
@@ -148,16 +146,13 @@ impl NoiseLevels {
 pub struct Regression<'a> {
     /// Equally long stretches of rows; those with too little data are left out.
     pub blocks: &'a Blocks,
-    /// The output.
     pub y: &'a [f64],
-    /// The regressors.
     pub regressors: &'a [&'a [f64]],
     /// What is known of the levels.
     pub prior: &'a LevelPrior,
 }
 
 impl Regression<'_> {
-    /// Under given levels.
     pub fn at(&self, levels: NoiseLevels) -> Fitted {
         let gls = Gls::new(self.blocks, &levels, self.y, self.regressors);
         let deviance = gls.deviance() + self.prior.deviance(&levels.logs());

@@ -25,7 +25,6 @@ const FLICKER_PER_WHITE: f64 = 0.35;
 const NEXT_LOG: [f64; 3] = [0.01, 0.02, 0.06];
 
 impl LevelPrior {
-    /// From a data sheet.
     pub fn of_data_sheet(sheet: &DataSheet) -> Self {
         // one-sided density D: the mean over t seconds has variance D²/2t
         let white = sheet.noise_density / 2.0_f64.sqrt();

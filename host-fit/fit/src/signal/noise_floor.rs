@@ -32,7 +32,6 @@ pub struct NoiseFloor {
     pub standard_error: f64,
     /// 95 % confidence interval of the variance, unit².
     pub interval: (f64, f64),
-    /// Samples used.
     pub samples: usize,
     /// Step of the converter, where the values show one.
     pub quantisation: Option<Quantisation>,

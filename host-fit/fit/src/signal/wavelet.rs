@@ -49,7 +49,6 @@ pub struct Wavelet {
 /// How a series is de-noised, as on the command line: `db4:4:soft`, `db4:3:approximation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Denoising {
-    /// The wavelet.
     pub wavelet: Wavelet,
     /// Levels of decomposition, 1 to [`MAX_LEVELS`].
     pub levels: usize,
@@ -205,7 +204,6 @@ impl Decomposition {
         midpoint_median(&mut sizes) / MEDIAN_TO_DEVIATION * (2.0 * (self.lengths[0] as f64).ln()).sqrt()
     }
 
-    /// Shrinks the details.
     pub fn shrink(&mut self, details: Details) {
         let threshold = self.universal_threshold();
         for detail in self.details.iter_mut().flatten() {

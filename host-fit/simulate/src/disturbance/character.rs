@@ -10,7 +10,6 @@ use crate::random::Random;
 pub(crate) enum Character {
     /// It goes through the part's digital filter.
     Filtered(Filter),
-    /// It is not normal.
     Scattered(Distribution),
 }
 
@@ -24,7 +23,6 @@ impl Character {
         }
     }
 
-    /// The noise, made so.
     pub(crate) fn apply(&self, noise: &[f64], random: &mut Random) -> Vec<f64> {
         match self {
             Self::Filtered(filter) => filter.apply(noise),

@@ -20,7 +20,6 @@ pub(crate) enum Distribution {
 const FAST: usize = 101;
 
 impl Distribution {
-    /// One of the families.
     pub(crate) fn draw(random: &mut Random) -> Self {
         match between(random, 0.0, 4.0) as usize {
             0 => Self::Power(between(random, 1.2, 1.9)),

@@ -3,7 +3,6 @@
 
 use crate::random::{Random, between};
 
-/// A filter of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Filter {
     /// Mean of the last few samples.
@@ -34,7 +33,6 @@ impl Filter {
         }
     }
 
-    /// What goes through.
     pub(crate) fn apply(&self, values: &[f64]) -> Vec<f64> {
         match self {
             Self::MovingAverage(length) => convolved(values, &vec![1.0 / *length as f64; *length]),

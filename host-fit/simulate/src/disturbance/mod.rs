@@ -26,18 +26,14 @@ pub use motion::Disturbed;
 pub(super) use motion::Motion;
 pub(super) use wild::spoil;
 
-/// What disturbs a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Disturbance {
-    /// Nothing.
     #[default]
     Clean,
     /// Somebody knocks the table, 2 to 8 times.
     Knocks,
-    /// Somebody walks by.
     Footsteps,
-    /// Doors slam.
     Doors,
     /// The building sways for 10 to 40 % of the time.
     Sway,

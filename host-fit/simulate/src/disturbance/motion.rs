@@ -18,7 +18,6 @@ pub(super) fn times(world: &World, [fewest, most]: [f64; 2], random: &mut Random
 pub struct Disturbed {
     /// From here, s after the first sample.
     pub from_s: f64,
-    /// To here.
     pub to_s: f64,
 }
 

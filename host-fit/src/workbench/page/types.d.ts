@@ -132,9 +132,7 @@ export type Beat = { revision: number, job: Job | null, };
 /** What is left in one bin of a channel. */
 export type Bin = {
 /** Mean of the channel in it. */
-channel: number,
-/** Blocks in it. */
-blocks: number,
+channel: number, blocks: number,
 /** Plain mean of what is left, in the axis' unit. */
 mean: number,
 /** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
@@ -254,13 +252,9 @@ cautions: Array<string>,
 figure: Figure, };
 
 /** A column of a file, and what it may be. */
-export type ColumnPreview = {
-/** As the file has it. */
-name: string,
+export type ColumnPreview = { name: string,
 /** The same as it stands in an entry of a column map. */
-quoted: string,
-/** Its first values. */
-values: Array<string>,
+quoted: string, values: Array<string>,
 /** The channel that it seems to be. */
 target: string | null,
 /** The unit that it seems to be in. */
@@ -292,24 +286,19 @@ export type CorrectionTerm = {
  * later log. */
 regressor: string,
 /** Coefficient, unit of the axis per unit of the product. */
-coefficient: number,
-/** Its standard error. */
-standard_error: number, };
+coefficient: number, standard_error: number, };
 
 /** What the terms and inputs of an axis cost; the axis itself and what all axes share come on top. */
 export type Cost = {
 /** Physical and stochastic together. */
 terms: number,
 /** Factors of all terms. */
-factors: number,
-/** Inputs. */
-inputs: number,
+factors: number, inputs: number,
 /** RAM of terms and inputs, bytes. */
 ram_bytes: number,
 /** Instructions a sample, about. */
 instructions: number, };
 
-/** One delay. */
 export type Delay = {
 /** The delay, s. */
 delay_s: number,
@@ -344,9 +333,7 @@ export type Diagnosis = {
 /** The column that was explained. */
 target: string,
 /** Unit of the column, which noise and corrections are in. */
-unit: string,
-/** The outcome. */
-verdict: Verdict,
+unit: string, verdict: Verdict,
 /** The outcome in a sentence. */
 sentence: string,
 /** Missing effects, best first, then faults of the data. */
@@ -384,9 +371,7 @@ search: Detector,
 /** Any of its terms alone is the effect too: those that explain nothing are left out. */
 any_terms: boolean,
 /** What happens in the sensor. */
-mechanism: string,
-/** The error it makes. */
-equation: string,
+mechanism: string, equation: string,
 /** How large it is on phone-class parts. */
 typical_size: string,
 /** Where that comes from. */
@@ -444,12 +429,9 @@ title: string,
 /** From top to bottom. Panels that show the same x range line up. */
 panels: Array<Panel>, };
 
-/** A missing effect. */
 export type Finding = {
 /** As in the library, as `thermal_lag`. */
-effect: string,
-/** As in a sentence. */
-name: string,
+effect: string, name: string,
 /** In block means, in single samples, in the data themselves, or as noise. */
 band: Band,
 /** Its parameter, by name. */
@@ -543,9 +525,7 @@ asked_for: boolean, };
 export type KnownBy = "column" | "detector" | "assumed";
 
 /** The profile over delays. */
-export type LagProfile = {
-/** By ascending delay. */
-delays: Array<Delay>,
+export type LagProfile = { delays: Array<Delay>,
 /** The delay that explains most, s. */
 best_s: number,
 /** The shortest and longest delay that the log does not tell from it, s. */
@@ -853,14 +833,10 @@ units: { [key in string]: Array<string> }, };
 /** Provenance of the inertial values of a log. */
 export type Provenance = {
 /** That of the accelerometers. */
-accelerometers: SensorProvenance,
-/** That of the gyros. */
-gyros: SensorProvenance, };
+accelerometers: SensorProvenance, gyros: SensorProvenance, };
 
 /** As what a log was read, and what was assumed in doing so. */
-export type ReadAs = {
-/** The format. */
-format: string,
+export type ReadAs = { format: string,
 /** Columns, units, clock, frame, gravity, corrections already applied: in words. */
 assumed: string,
 /** Sensor, corrections and frame of the inertial values; absent in studies of earlier versions. */
@@ -869,18 +845,14 @@ provenance?: Provenance | null, };
 /** An axis of a study that effects were added to. */
 export type Refinement = {
 /** The axis, by its column. */
-column: string,
-/** The logs behind it. */
-logs: LogSources,
+column: string, logs: LogSources,
 /** The model before anything was added, then after each effect. */
 stairs: Array<RefinementStep>, };
 
 /** A state of the model, and its errors on rows that were not fitted. */
 export type RefinementStep = {
 /** What was added; none in the state before. */
-added: Added | null,
-/** The axis alone. */
-model: unknown,
+added: Added | null, model: unknown,
 /** All errors, on the judged rows. */
 errors: ModelErrors,
 /** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
@@ -923,9 +895,7 @@ frame: Frame, };
 /** The experiment that tells a finding from a rival. */
 export type Separation = {
 /** Identifier of the rival. */
-effect: string,
-/** The experiment. */
-experiment: string, };
+effect: string, experiment: string, };
 
 /** Numbers to draw, all of one kind. */
 export type Series = {
@@ -962,9 +932,7 @@ ranges: Array<ShadedRange>, };
 export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
 
 /** A coefficient in data-sheet units. */
-export type Size = {
-/** The regressor. */
-of: string,
+export type Size = { of: string,
 /** In `unit`. */
 value: number,
 /** 95 % interval; in JSON an end that is not finite is null. */
@@ -1032,9 +1000,7 @@ corrections_digest: string, };
 export type Targets = "any" | "gyro" | "accelerometer";
 
 /** Whether further regressors explain more than noise would let them. */
-export type Test = {
-/** Coefficients. */
-terms: number,
+export type Test = { terms: number,
 /** 2Δ ln L, the noise levels fitted with and without them. */
 gain: number,
 /** The gain less `terms`·ln(blocks), the price of coefficients (Schwarz 1978). */
@@ -1050,9 +1016,7 @@ export type Tone = "Apart" | "LeftOut";
 /** The program that wrote a study. */
 export type Tool = {
 /** As on the command line. */
-name: string,
-/** Its version. */
-version: string, };
+name: string, version: string, };
 
 /** An axis of a unit. */
 export type UnitAxis = {

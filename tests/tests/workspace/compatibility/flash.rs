@@ -1,10 +1,8 @@
 //! A small NOR flash in memory, for the store of models.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use fos_core::image::HEADER_LENGTH;
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::store::ModelStore;
-use fos_fit::export::{current, version};
 
 pub(crate) const PAGE: usize = 1024;
 pub(crate) const BYTES: usize = 4 * PAGE;
@@ -58,22 +56,4 @@ pub(crate) fn images(store: &mut Store) -> Result<[Option<Vec<u8>>; 2], String> 
     let previous =
         poll_once(store.load_previous()).expect("done at once").map_err(|error| format!("{error:?}"))?;
     Ok([newest, previous.map(<[u8]>::to_vec)])
-}
-
-/// What a device of version 1 takes for the newest image and the one before: whole images behind their numbers, wherever
-/// they lie.
-pub(crate) fn images_of_version_1(flash: &[u8]) -> [Option<Vec<u8>>; 2] {
-    const NUMBER: usize = 4;
-    let whole = |at: usize| {
-        let word = |from: usize| Some(u32::from_le_bytes(*flash.get(at + from..)?.first_chunk()?));
-        let length = HEADER_LENGTH + word(8)? as usize + word(12)? as usize;
-        let image = flash.get(at..)?.get(..length)?;
-        let number = flash.get(at.checked_sub(NUMBER)?..)?.first_chunk()?;
-        (version(image) == Some(1) && current(image).is_ok())
-            .then(|| (u32::from_le_bytes(*number), image.to_vec()))
-    };
-    let mut found: Vec<(u32, Vec<u8>)> = (0..flash.len()).filter_map(whole).collect();
-    found.sort();
-    let mut newest_first = found.into_iter().rev().map(|(_, image)| image);
-    [newest_first.next(), newest_first.next()]
 }

@@ -14,11 +14,10 @@ use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
 };
 use fos_fit::evaluate::ModelErrors;
-use fos_fit::export::current;
 use host_fit::record::record;
 
 use super::digest::Digest;
-use super::flash::{Flash, images, images_of_version_1, store};
+use super::flash::{Flash, images, store};
 use super::{folder, kinds, make};
 
 /// Makes of a file one that says it is of that version.
@@ -147,7 +146,7 @@ const fn number_of(schema: &str) -> u32 {
 /// The hub of a device.
 type Device = Hub<16, 128, 256>;
 
-/// What `load` makes of a hub says of the samples of the oldest hub log, as `fos_embedded`'s firmware prints it.
+/// What `load` makes of a hub says of the samples of the stored hub log, as `fos_embedded`'s firmware prints it.
 fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result<String, String> {
     let log = fs::read(folder().join("hub_log_v1.fosh")).map_err(|error| error.to_string())?;
     let header = HubLogHeader::decode(&log).map_err(|error| error.to_string())?;
@@ -165,28 +164,20 @@ fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result
 }
 
 pub(crate) fn of_image(bytes: &[u8]) -> Result<String, String> {
-    let today = current(bytes).map_err(|error| error.to_string())?;
-    let image = Image::parse(&today).map_err(|error| error.to_string())?;
+    let image = Image::parse(bytes).map_err(|error| error.to_string())?;
     let info = image.info();
     let lines = |text: &str| text.lines().collect::<Vec<_>>().join(", ");
     let (quantities, effects) = (lines(info.quantities), lines(info.effects));
-    let corrections = corrections(|hub| hub.load(&today))?;
+    let corrections = corrections(|hub| hub.load(bytes))?;
     Ok(format!("{corrections}sensor {}\nquantities {quantities}\neffects {effects}\n", info.sensor))
 }
 
 fn of_flash(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = String::new();
-    let mut held = images(&mut store(Flash(bytes.to_vec())))?;
-    if held == [None, None] {
-        // a device of today passes them over
-        held = images_of_version_1(bytes);
-    }
+    let held = images(&mut store(Flash(bytes.to_vec())))?;
     for (name, image) in ["newest", "previous"].into_iter().zip(held) {
         let said = match image {
-            Some(image) => {
-                let today = current(&image).map_err(|error| error.to_string())?;
-                corrections(|hub| hub.load(&today))?
-            }
+            Some(image) => corrections(|hub| hub.load(&image))?,
             None => "none\n".to_owned(),
         };
         let _ = write!(outputs, "{name}\n{said}");
@@ -233,11 +224,10 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
     Ok(format!("records {records}\ncontent {digest}\n"))
 }
 
-/// Through the axes of the oldest image.
+/// Through the axes of the stored image.
 fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
     let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
     let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
-    let model = current(&model).map_err(|error| error.to_string())?;
     let image = Image::parse(&model).map_err(|error| error.to_string())?;
     let mut predictor = image.predictor::<f32, 6, 16, 128, 256>().map_err(|error| error.to_string())?;
     let n_quantities = image.quantities().count() as u8;
@@ -382,10 +372,7 @@ fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
 
 /// The images in a flash: what stands around them may be repaired.
 fn images_in_flash(bytes: &[u8]) -> Vec<usize> {
-    let images = match images(&mut store(Flash(bytes.to_vec()))).expect("images") {
-        [None, None] => images_of_version_1(bytes),
-        images => images,
-    };
+    let images = images(&mut store(Flash(bytes.to_vec()))).expect("images");
     let place = |image: &Vec<u8>| {
         let place =
             bytes.windows(image.len()).position(|window| window == image).expect("it lies in one piece");

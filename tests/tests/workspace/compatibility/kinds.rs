@@ -9,8 +9,6 @@ use fos_core::{
     Range, Source, StillnessLimits, Term, Transform, u, y,
 };
 
-use fos_fit::export::current;
-
 use super::formats::of_image;
 
 const QUANTITIES: [Quantity; 10] = [
@@ -106,8 +104,7 @@ pub(crate) fn image() -> Vec<u8> {
 /// What it comes to, and what it says that it is.
 pub(crate) fn outputs(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = of_image(bytes)?;
-    let today = current(bytes).map_err(|error| error.to_string())?;
-    let image = Image::parse(&today).map_err(|error| error.to_string())?;
+    let image = Image::parse(bytes).map_err(|error| error.to_string())?;
     for quantity in image.quantities() {
         let _ = writeln!(outputs, "quantity {quantity:?}");
     }

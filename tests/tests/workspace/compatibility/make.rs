@@ -15,41 +15,28 @@ use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode};
 use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
-use fos_fit::export::current;
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
 
 use super::flash::{BYTES, Flash, store};
 use super::formats::FORMATS;
-use super::{declarations, file_of, folder, read, recorded};
+use super::{file_of, folder, read, recorded};
 
 /// Files that are there stay as they are: what was released was released.
 #[test]
 #[ignore = "writes files: tests/fixtures/README.md"]
 fn write_the_fixtures_of_new_versions() {
-    let new: Vec<_> =
-        FORMATS.iter().filter(|format| !recorded(&file_of(format, format.version)).exists()).collect();
+    let new: Vec<_> = FORMATS.iter().filter(|format| !recorded(&file_of(format)).exists()).collect();
     for format in &new {
-        let path = file_of(format, format.version);
+        let path = file_of(format);
         if !path.exists() {
             fs::write(&path, (format.make)()).expect("written");
         }
     }
     for format in &new {
-        let path = file_of(format, format.version);
+        let path = file_of(format);
         let outputs = (format.outputs)(&read(&path)).expect("it is read");
         fs::write(recorded(&path), outputs).expect("written");
-    }
-    let header = String::from_utf8(read(&folder().join("../../fos-embedded/include/fos.h"))).expect("UTF-8");
-    let declarations = declarations(&header);
-    let version = declarations.iter().find_map(|line| line.strip_prefix("#define FOS_API_VERSION "));
-    let path = folder().join(format!("c_api_v{}.h", version.expect("a version").trim()));
-    if !path.exists() {
-        // the head is a comment of its own form
-        let (_, code) = header.split_once("*/").expect("the head ends");
-        let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
-        fs::write(path, code.map(|line| format!("{line}\n")).collect::<String>().trim_start())
-            .expect("written");
     }
 }
 
@@ -98,7 +85,7 @@ pub(crate) fn hub_log() -> Vec<u8> {
     bytes
 }
 
-/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: what the oldest image takes.
+/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: what the stored image takes.
 pub(crate) fn replay_log() -> Vec<u8> {
     let mut bytes = PredictorLogHeader { n_axes: 2, n_quantities: 2 }.encode().to_vec();
     for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
@@ -119,15 +106,14 @@ pub(crate) fn image() -> Vec<u8> {
     host_fit::export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
 }
 
-/// As an image of today.
-fn oldest_image() -> Vec<u8> {
-    current(&read(&folder().join("model_v1.fosm"))).expect("it is read").into_owned()
+fn stored_image() -> Vec<u8> {
+    read(&folder().join("model_v1.fosm"))
 }
 
-/// The oldest image, then the model of the study.
+/// The stored image, then the model of the study.
 pub(crate) fn flash() -> Vec<u8> {
     let mut store = store(Flash(vec![0xff; BYTES]));
-    for bytes in [oldest_image(), image()] {
+    for bytes in [stored_image(), image()] {
         poll_once(store.store(&bytes)).expect("done at once").unwrap_or_else(|error| panic!("{error:?}"));
     }
     store.release().0.0
@@ -151,12 +137,12 @@ impl Write for Line {
     }
 }
 
-/// What a hub with the oldest image sends of the first samples of the oldest hub log; one frame is lost.
+/// What a hub with the stored image sends of the first samples of the stored hub log; one frame is lost.
 pub(crate) fn telemetry() -> Vec<u8> {
     let log = read(&folder().join("hub_log_v1.fosh"));
     let header = HubLogHeader::decode(&log).expect("a header");
     let mut hub: Hub<16, 128, 256> = Hub::new(header.scales);
-    hub.load(&oldest_image()).expect("loaded");
+    hub.load(&stored_image()).expect("loaded");
     let start =
         StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: "temp_c\nsupply_v" };
     let mut recorder: Recorder<_, 320> = Recorder::new(Line(Vec::new()));

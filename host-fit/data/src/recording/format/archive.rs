@@ -100,7 +100,6 @@ fn damaged(path: &Path, problem: &str) -> RecordingError {
 }
 
 impl Archive {
-    /// The files.
     pub(super) fn names(&self) -> &[String] {
         &self.names
     }

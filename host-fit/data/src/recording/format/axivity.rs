@@ -73,7 +73,6 @@ pub(super) fn read(
     blocks.opened(path, Format::Axivity, options, &assumed, Provenance::of_both(Values::Raw, Frame::Sensor))
 }
 
-/// Outcome of a block.
 enum Taken {
     Samples,
     Nothing,

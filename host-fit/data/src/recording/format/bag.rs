@@ -17,7 +17,6 @@ use crate::interrupt;
 
 const SIGNATURE: &[u8] = b"#ROSBAG V2.0\n";
 
-/// Kinds of records.
 const MESSAGE: u8 = 0x02;
 const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;

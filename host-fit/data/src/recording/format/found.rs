@@ -10,7 +10,6 @@ pub(super) type Entry = (&'static str, String, String);
 pub(super) struct Found {
     pub(super) format: Format,
     pub(super) entries: Vec<Entry>,
-    /// What is assumed.
     pub(super) assumed: String,
     /// Corrections and frame of the values.
     pub(super) provenance: Provenance,

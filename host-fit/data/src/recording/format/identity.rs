@@ -19,13 +19,11 @@ pub struct UnknownFormat {
 }
 
 impl Format {
-    /// What is known of it.
     pub fn knowledge(self) -> &'static FormatKnowledge {
         // the list has every format, which a test holds
         KNOWN_FORMATS.iter().find(|known| known.format == self).unwrap_or(&KNOWN_FORMATS[0])
     }
 
-    /// Its short name.
     pub fn id(self) -> &'static str {
         self.knowledge().id
     }
@@ -65,7 +63,6 @@ impl<'de> Deserialize<'de> for Format {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ReadAs {
-    /// The format.
     #[cfg_attr(feature = "page-types", ts(as = "String"))]
     pub format: Format,
     /// Columns, units, clock, frame, gravity, corrections already applied: in words.

@@ -7,25 +7,20 @@ use super::names::Format;
 /// What is known of a format, in words.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct FormatKnowledge {
-    /// The format.
     pub format: Format,
     /// Its short name, as an option names it.
     pub id: &'static str,
-    /// What people call it.
     pub name: &'static str,
     /// Endings or names of its files.
     pub files: &'static str,
-    /// What is read of it.
     pub read: &'static str,
     /// The units it comes in.
     pub units: &'static str,
     /// Raw or corrected, and by what; axes.
     pub values: &'static str,
-    /// What its stamps are.
     pub clock: &'static str,
     /// Where a temperature comes from.
     pub temperature: &'static str,
-    /// What one falls into.
     pub traps: &'static str,
     /// What is refused, and what to record instead.
     pub refused: &'static str,

@@ -24,7 +24,6 @@ pub(in super::super) enum Extent {
     Begin,
 }
 
-/// What is in a file.
 pub(in super::super) enum Opened {
     /// Columns that mean nothing yet.
     Table(Box<Table>),

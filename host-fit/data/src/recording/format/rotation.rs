@@ -93,7 +93,6 @@ pub(super) fn of_angles(degrees: [f64; 3]) -> Matrix {
     ]
 }
 
-/// A vector turned.
 #[cfg(feature = "ulog")]
 pub(super) fn turned(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| (0..3).map(|axis| row[axis] * vector[axis]).sum())

@@ -83,7 +83,6 @@ fn has_sign_of_ios(unit: &str, platform: Platform) -> bool {
 /// The phone by the metadata of a recording of Sensor Logger.
 #[derive(Clone, Copy, PartialEq)]
 enum Platform {
-    /// There are none.
     Unknown,
     /// An iPhone whose values are as its system has them.
     Ios,

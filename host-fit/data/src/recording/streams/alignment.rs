@@ -29,7 +29,6 @@ pub struct JoinedStream {
     pub name: String,
     /// Its own rate, Hz.
     pub rate_hz: f64,
-    /// How it was joined.
     pub how: HowJoined,
     /// Rows without a value of it.
     pub rows_missing: u64,
@@ -52,7 +51,6 @@ pub enum HowJoined {
         /// How far its clock is from that of the lead; none where that is not looked for.
         clocks: Option<Clocks>,
     },
-    /// The newest value.
     Held {
         /// Mean age of the values, s.
         mean_age_s: f64,

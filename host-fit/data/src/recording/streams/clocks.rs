@@ -26,7 +26,6 @@ use crate::statistics::finite_median;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Clocks {
-    /// The motion told.
     Apart(Apart),
     /// The unit does not turn, or for too short: taken as one clock.
     NoMotion,
@@ -450,7 +449,6 @@ impl Clocks {
 }
 
 impl Apart {
-    /// Adds it to stamps.
     pub(super) fn add_to(&self, stamps_ns: &mut [i64]) {
         for stamp in stamps_ns {
             let from_middle_ns = stamp.saturating_sub(self.middle_ns) as f64;

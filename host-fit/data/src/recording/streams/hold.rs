@@ -4,7 +4,6 @@ use fos_core::align::Aligner;
 
 use super::beside::Beside;
 
-/// What was held.
 pub(super) struct HeldColumns {
     pub(super) columns: Vec<(String, Vec<f64>)>,
     /// Of the rows that have a value.

@@ -14,7 +14,6 @@ const MOST_WAITS: usize = 1 << 16;
 /// Streams that have the same stamps.
 #[derive(Debug)]
 pub(super) struct Group {
-    /// Their names.
     pub(super) name: String,
     pub(super) stamps_ns: Vec<i64>,
     pub(super) columns: Vec<(String, Vec<f64>)>,

@@ -22,7 +22,6 @@ const NOTICED_LEVEL: f64 = 0.05;
 const LEAST_DUTY: f64 = 0.01;
 
 impl Assembly<'_> {
-    /// The answer.
     pub(crate) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
         let mut findings = self.line_findings()?;
         let mut order: Vec<&Found> = self.slow.found.iter().collect();

@@ -127,7 +127,6 @@ fn drop(claims: &[&Finding]) -> String {
     format!("; with {with} the RMS {of} should fall by {:.1} %", 100.0 * reduction)
 }
 
-/// A, B and C.
 pub(in crate::detect) fn listed(names: impl Iterator<Item = String>) -> String {
     let mut names: Vec<String> = names.collect();
     let last = names.pop().unwrap_or_default();

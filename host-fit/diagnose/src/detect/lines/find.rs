@@ -7,7 +7,6 @@ use super::series::{Series, slow_blocks};
 use crate::detect::error_in_blocks::ErrorInBlocks;
 use fos_data::recording::Recording;
 
-/// Most lines named.
 const MAX_LINES: usize = 6;
 
 /// A line of which a sine of constant phase leaves less than this share keeps its phase.

@@ -19,7 +19,6 @@ pub(crate) struct Line {
     pub(crate) frequency_error: f64,
     /// Amplitude, unit of the axis; of one that wanders √(2·power).
     pub(crate) amplitude: f64,
-    /// Its standard error.
     pub(crate) amplitude_error: f64,
     /// Phase of the sine at the first sample.
     pub(crate) phase: f64,

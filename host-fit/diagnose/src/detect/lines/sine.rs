@@ -17,12 +17,10 @@ const MOST_SECTIONS: usize = 40;
 /// What the slow part holds of a sine falls to less than a tenth with each pass.
 const SLOW_PASSES: usize = 2;
 
-/// A sine.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sine {
     pub(super) frequency_hz: f64,
     pub(super) amplitude: f64,
-    /// At the first sample.
     pub(super) phase: f64,
 }
 

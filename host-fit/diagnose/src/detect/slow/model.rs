@@ -20,7 +20,6 @@ const PARAMETER_PRICE: f64 = 1.5;
 /// coincidence.
 const CLOCK_PRICE: f64 = 4.0;
 
-/// The search.
 #[derive(Debug)]
 pub(crate) struct SlowSearch<'a> {
     /// Equally long stretches of the log; those with too little data are left out.
@@ -34,7 +33,6 @@ pub(crate) struct SlowSearch<'a> {
     /// Axes of the log, of which the target is one: each of them is asked for noise beyond the baseline's, and a log is
     /// judged by all.
     pub(crate) axes: usize,
-    /// The effects to try.
     pub(crate) effects: &'a [Arc<Effect>],
     /// What is known of the noise levels.
     pub(crate) prior: LevelPrior,

@@ -47,7 +47,6 @@ pub(crate) struct Alternative {
 /// Noise beyond the baseline's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ExtraNoise {
-    /// None.
     None,
     /// A further Gauss-Markov process.
     GaussMarkov(GaussMarkov),

@@ -50,7 +50,6 @@ pub(in crate::fit) fn estimate<T: ComplexField<RealField = f64>>(
 
 /// Forward and backward errors of one stretch.
 struct Lattice<T> {
-    /// f(n), at n.
     forward: Vec<T>,
     /// b(n), at n minus the stages so far, so that it meets f(n + 1) where it is.
     backward: Vec<T>,

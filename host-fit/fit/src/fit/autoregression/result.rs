@@ -15,7 +15,6 @@ pub enum Method {
     Covariance,
     /// Least squares, forward and backward.
     ModifiedCovariance,
-    /// Lattice.
     Burg,
 }
 
@@ -32,7 +31,6 @@ impl fmt::Display for Method {
 }
 
 impl Method {
-    /// All of them.
     pub const ALL: [Self; 4] = [Self::YuleWalker, Self::Covariance, Self::ModifiedCovariance, Self::Burg];
 }
 
@@ -60,7 +58,6 @@ pub enum AutoregressionError {
     TooShort {
         /// Rows whose lags were all measured.
         rows: usize,
-        /// The order.
         order: usize,
     },
     /// NaN or infinite samples.
@@ -71,7 +68,6 @@ pub enum AutoregressionError {
         "{method} at order {order}: rounding alone would change the coefficients by more than {TRUSTED:e} of their size; take the mean off, lower the order, or use another method"
     )]
     IllConditioned {
-        /// The method.
         method: Method,
         /// The order at which it shows.
         order: usize,

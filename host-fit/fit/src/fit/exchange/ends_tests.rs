@@ -61,7 +61,6 @@ fn a_refinement_ends_on_every_kind_of_data() {
     assert!(two_rules("spline") > 0 && two_rules("Butterworth") > 0, "the negative control was not noticed");
 }
 
-/// A refinement of FOS.
 struct Refinement {
     what: String,
     moves: usize,

@@ -217,7 +217,6 @@ impl Reader {
         })
     }
 
-    /// A field of text.
     pub(super) fn text(&self, label: &str, payload: &[u8]) -> Option<String> {
         let (letter, bytes) = self.bytes(label, payload)?;
         b"nNZ".contains(&letter).then(|| text_of(bytes))

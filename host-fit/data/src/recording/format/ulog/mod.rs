@@ -136,7 +136,6 @@ struct Triad {
     values: [Vec<f64>; 3],
 }
 
-/// What changes slowly.
 #[derive(Default)]
 struct Slow {
     stamps_ns: Vec<i64>,
@@ -170,7 +169,6 @@ impl Device {
     }
 }
 
-/// Samples by topic.
 struct Gathered {
     /// The instance that is kept.
     wanted: u8,
