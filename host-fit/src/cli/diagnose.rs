@@ -199,8 +199,11 @@ fn print_overview(answers: &[Diagnosis], printed: Printed) {
             0 => {}
             more => cell.push(format!("and {more} more")),
         }
-        if let (true, Some(lead)) = (cell.is_empty(), answer.leads.first()) {
-            cell.push(format!("residual follows {}", lead.follows));
+        if cell.is_empty() {
+            cell.extend(match (&answer.shared_signal, answer.leads.first()) {
+                (Some(_), _) => Some("a slow signal that axes share".to_owned()),
+                (None, lead) => lead.map(|lead| format!("residual follows {}", lead.follows)),
+            });
         }
         rows.add_row(vec![
             answer.target.clone(),
