@@ -214,7 +214,7 @@ fn what_cannot_be_planted_is_refused_with_the_choices() {
     let refused = |plan: CasePlan| simulate_case(&plan).expect_err("refused").to_string();
     let mut unsuited = plan(1, Setup::Bench, Axis::Gx);
     unsuited.planted.push(Plant { effect: Effect::GSensitivity, parameter: None, size: 30.0 });
-    assert!(refused(unsuited.clone()).contains("a gyro of PoseRig"));
+    assert!(refused(unsuited.clone()).contains("a gyro in the set-up pose-rig"));
     unsuited.planted[0] = Plant { effect: Effect::TempLinear, parameter: None, size: f64::NAN };
     assert!(refused(unsuited).contains("positive"));
     let unknown = CasePlan { part: "adxl".to_owned(), ..plan(1, Setup::Bench, Axis::Gx) };

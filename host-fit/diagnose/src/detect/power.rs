@@ -15,8 +15,10 @@ use fos_fit::noise::{Gls, dot};
 /// Standard errors of a coefficient that its largest typical value must exceed: those of a 95 % interval.
 const VISIBLE: f64 = 1.96;
 
-/// A size so many times the largest that is typical is another effect's where no typical size would show.
+/// A size so many times the largest that is typical is another effect's where no typical size would show, unless the
+/// effect explains this share of the variance of the block means: a unit may be wrong, or nobody knows the size.
 const IMPLAUSIBLE: f64 = 5.0;
+const MOST_BY_CHANCE: f64 = 0.25;
 
 /// A log with its noise, as far as the power of a test depends on them.
 pub(super) struct Power<'a> {
@@ -73,11 +75,25 @@ impl<'a> Power<'a> {
                 let half = VISIBLE * estimate.covariance[(at, at)].sqrt();
                 typical.is_some_and(|typical| estimate.coefficients[at].abs() - half > IMPLAUSIBLE * typical)
             });
-            if is_beyond && self.is_visible(effect)? == Some(false) {
+            if is_beyond
+                && self.share(&found.hypothesis, &estimate) < MOST_BY_CHANCE
+                && self.is_visible(effect)? == Some(false)
+            {
                 implausible.push(self.untested(effect));
             }
         }
         Ok(implausible)
+    }
+
+    /// Share of the variance of the block means that an effect makes up.
+    fn share(&self, hypothesis: &Hypothesis, estimate: &Estimate) -> f64 {
+        let reduced = &self.prepared.reduced;
+        let mut effect = vec![0.0; reduced.means.len()];
+        for (column, coefficient) in hypothesis.columns.iter().zip(estimate.coefficients.iter()) {
+            effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
+        }
+        let variance = |values: &[f64]| reduced.variance_in(values, 0..values.len());
+        variance(&effect) / variance(&reduced.means)
     }
 
     /// Whether one of its terms would stand out at its largest typical size; `None` if no typical size is known.

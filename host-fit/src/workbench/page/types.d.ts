@@ -354,7 +354,9 @@ cautions: Array<string>,
 /** Properties of the log that are neither faults nor reasons for doubt, as its duty cycle. */
 notes: Array<string>,
 /** When the unit was moved though it was meant to be at rest, in words. */
-moved: Array<string>, };
+moved: Array<string>,
+/** A slow signal that the axis shares with others of the log, where several were diagnosed. */
+shared_signal?: SharedSignal | null, };
 
 /** A physical effect: what it is, and how it is looked for. */
 export type Effect = {
@@ -930,6 +932,17 @@ ranges: Array<ShadedRange>, };
 /** How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
  * out. */
 export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
+
+/** A slow signal that several axes of a log share. */
+export type SharedSignal = {
+/** The axes that share it, as columns. */
+axes: Array<string>,
+/** Correlation of each of these axes with the others, of changes from one mean to the next. */
+correlations: Array<number>,
+/** Length of the means, s. */
+mean_s: number,
+/** Time of each mean, s after the first sample, and the signal there, in standard deviations. */
+course: Array<[number, number]>, };
 
 /** A coefficient in data-sheet units. */
 export type Size = { of: string,
