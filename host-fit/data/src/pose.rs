@@ -84,9 +84,12 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
 pub(crate) const LEVEL_S: f64 = 5.0;
 
 /// Who moves a unit does not put it down exactly as it lay: a level has moved if by so many standard errors, and by more
-/// than this, m/s²: 1 mg. One accelerometer alone may be a step of its bias.
+/// than this, m/s²: 1 mg.
 const MOVED: f64 = 8.0;
 const LEAST_TILT_MPS2: f64 = 0.01;
+
+/// Fewest accelerometers that a tilt changes: one alone may be a step of its bias.
+const FEWEST_TILTED: usize = 2;
 
 /// Without samples for so long, s, somebody may have picked the device up and put it down.
 const PAUSE_S: f64 = 1.0;
@@ -110,7 +113,12 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
             true => is_far(recording, &tail, &head) || after_pause(recording, &tail, &head).is_some(),
             false => {
                 let is_told = tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
-                is_told || is_tilted(recording, &tail, &head)
+                // who moves a device may put it down otherwise: a step of the bias in between is not identifiable
+                let is_stated = recording.still.is_some() && has_paused(recording, &gap);
+                let fewest = if is_stated { 1 } else { FEWEST_TILTED };
+                is_told
+                    || changed_levels(recording, &tail, &head) >= fewest
+                    || is_far(recording, &tail, &head)
             }
         };
         if has_turned {
@@ -118,6 +126,11 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
         }
     }
     turns
+}
+
+/// Whether rows last as long as a pause in which the device may have been moved.
+fn has_paused(recording: &Recording, rows: &Range<usize>) -> bool {
+    rows.len() as f64 * recording.rate.period_s > PAUSE_S
 }
 
 /// The last rows of each rest and the first of the next.
@@ -261,6 +274,11 @@ fn levels(
 
 /// Whether two accelerometers show another level after a motion than before, or one by far.
 pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
+    changed_levels(recording, before, after) >= FEWEST_TILTED || is_far(recording, before, after)
+}
+
+/// Accelerometers whose levels differ.
+fn changed_levels(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> usize {
     let has_moved = |name: &&str| {
         let Ok(series) = recording.error_series(name) else { return false };
         let part = |rows: &Range<usize>| -> Vec<f64> {
@@ -275,7 +293,7 @@ pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Ra
         let moved = (median(&mut after) - median(&mut before)).abs();
         moved > MOVED * error && moved > LEAST_TILT_MPS2
     };
-    ACCELEROMETERS.iter().filter(|name| has_moved(name)).count() >= 2 || is_far(recording, before, after)
+    ACCELEROMETERS.iter().filter(|name| has_moved(name)).count()
 }
 
 fn is_far(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
@@ -326,6 +344,24 @@ mod tests {
         for (i, force) in all.into_iter().enumerate() {
             assert_eq!(found(force, &ACCELEROMETERS).len(), 1, "{i}");
         }
+    }
+
+    #[test]
+    fn one_level_that_changes_over_a_stated_motion_is_another_orientation() {
+        let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
+        let axis = |(i, name): (usize, &str)| {
+            let noise = white_noise(i as u64, 3000);
+            let level = |row: usize| if i == 1 && row >= 1500 { 0.1 } else { 0.0 };
+            (name.to_owned(), (0..3000).map(|row| level(row) + 0.01 * noise[row]).collect())
+        };
+        let axes = ACCELEROMETERS.into_iter().enumerate().map(axis);
+        let columns = std::iter::once(("t_s".to_owned(), time_s)).chain(axes).collect();
+        let unstated =
+            Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap();
+        let still: Vec<bool> = (0..3000).map(|row| !(1000..2000).contains(&row)).collect();
+        assert!(turns(&unstated, &still, &[]).is_empty(), "one accelerometer may have a step of its bias");
+        let stated = unstated.with_rests(still.clone(), Vec::new());
+        assert_eq!(turns(&stated, &still, &[]), [2000]);
     }
 
     #[test]
