@@ -116,9 +116,7 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
                 // who moves a device may put it down otherwise: a step of the bias in between is not identifiable
                 let is_stated = recording.still.is_some() && has_paused(recording, &gap);
                 let fewest = if is_stated { 1 } else { FEWEST_TILTED };
-                is_told
-                    || changed_levels(recording, &tail, &head) >= fewest
-                    || is_far(recording, &tail, &head)
+                is_told || is_tilted_by(recording, &tail, &head, fewest)
             }
         };
         if has_turned {
@@ -128,7 +126,7 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
     turns
 }
 
-/// Whether rows last as long as a pause in which the device may have been moved.
+/// True for rows that last as long as a pause in which the device may have been moved.
 fn has_paused(recording: &Recording, rows: &Range<usize>) -> bool {
     rows.len() as f64 * recording.rate.period_s > PAUSE_S
 }
@@ -274,11 +272,11 @@ fn levels(
 
 /// Whether two accelerometers show another level after a motion than before, or one by far.
 pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
-    changed_levels(recording, before, after) >= FEWEST_TILTED || is_far(recording, before, after)
+    is_tilted_by(recording, before, after, FEWEST_TILTED)
 }
 
-/// Accelerometers whose levels differ.
-fn changed_levels(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> usize {
+/// The same where so many accelerometers are enough.
+fn is_tilted_by(recording: &Recording, before: &Range<usize>, after: &Range<usize>, fewest: usize) -> bool {
     let has_moved = |name: &&str| {
         let Ok(series) = recording.error_series(name) else { return false };
         let part = |rows: &Range<usize>| -> Vec<f64> {
@@ -293,7 +291,7 @@ fn changed_levels(recording: &Recording, before: &Range<usize>, after: &Range<us
         let moved = (median(&mut after) - median(&mut before)).abs();
         moved > MOVED * error && moved > LEAST_TILT_MPS2
     };
-    ACCELEROMETERS.iter().filter(|name| has_moved(name)).count()
+    ACCELEROMETERS.iter().filter(|name| has_moved(name)).count() >= fewest || is_far(recording, before, after)
 }
 
 fn is_far(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {

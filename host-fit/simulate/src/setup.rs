@@ -222,7 +222,7 @@ impl Setup {
     /// On a bench, on a desk, in a pose rig, on a shaker, on a rate table.
     pub const ALL: [Self; 5] = [Self::Bench, Self::Desk, Self::PoseRig, Self::Shaker, Self::RateTable];
 
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bench => "bench",

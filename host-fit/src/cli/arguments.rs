@@ -90,8 +90,7 @@ impl Reading {
         let any_topic = LoadOptions { topic: None, ..read.clone() };
         match load(log, read) {
             Err(RecordingError::NoEffect { .. }) if self.topic.is_none() => load_log(log, &any_topic),
-            Err(_) => load_log(log, read),
-            Ok(found) => Ok(found),
+            found => found.map_err(|error| not_a_log(log, error)),
         }
     }
 
@@ -139,16 +138,20 @@ pub(super) fn library(files: &[PathBuf]) -> Result<Library, Failure> {
     })
 }
 
-/// Reads a log; a study in its place is recognised.
 fn load_log(log: &Path, options: &LoadOptions) -> Result<Recording, Failure> {
-    load(log, options).map_err(|error| match is_study(log) {
+    load(log, options).map_err(|error| not_a_log(log, error))
+}
+
+/// The error of a file that is no log; a study in its place is recognised.
+fn not_a_log(log: &Path, error: RecordingError) -> Failure {
+    match is_study(log) {
         true => format!(
             "{0}: a study, not a log\nhelp: give a log; `fos compare {0} LOG` and `fos diagnose {0} --from LOG` take both",
             log.display()
         )
         .into(),
         false => error.into(),
-    })
+    }
 }
 
 /// The file begins as a study does.

@@ -259,7 +259,7 @@ fn print_remarks(answers: &[Diagnosis], printed: Printed) {
     }
 }
 
-/// What was not tested, and what the noise was estimated from, one line each.
+/// Untested effects and the source of the noise levels, one line each.
 fn print_tests(answers: &[Diagnosis]) {
     let mut needs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for untested in answers.iter().flat_map(|answer| &answer.untested) {

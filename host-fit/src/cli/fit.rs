@@ -201,7 +201,7 @@ fn print_study(study: &Study, printed: Printed) {
     }
 }
 
-/// How many terms the model of an axis has.
+/// The number of terms in the model of an axis.
 fn terms(study: &Study, column: &str) -> String {
     let axis = study.model.axes.iter().find(|axis| axis.column == column);
     axis.map_or(0, |axis| axis.stochastic.len() + axis.physical.len()).to_string()

@@ -6,9 +6,6 @@ use fos_data::column::Column;
 use fos_data::text::rounded;
 use fos_diagnose::effects::SizeUnit;
 
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.80665;
-
 /// A gyro whose errors are smaller than this is shown in °/h, °/s.
 const IN_DEGREES_PER_HOUR: f64 = 0.1;
 
@@ -22,7 +19,7 @@ pub(super) enum Units {
     Si,
 }
 
-/// How much is printed for people, and in which units.
+/// Extent and units of the printed text.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct Printed {
     /// Print everything: all terms, errors, stretches and tests
@@ -52,7 +49,7 @@ impl Printed {
 /// The unit in which the errors of one axis are shown.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ErrorUnit {
-    /// As people write it; empty where the column does not state a unit.
+    /// Spelled for people; empty where the column does not state a unit.
     pub(super) label: &'static str,
     /// One of this unit in SI.
     pub(super) si: f64,
@@ -62,13 +59,13 @@ impl ErrorUnit {
     /// The unit in which errors of up to `largest`, in SI, are easy to read.
     pub(super) fn of(column: &str, largest: f64, units: Units) -> Self {
         let column = Column::named(column);
-        let degree = std::f64::consts::PI / 180.0;
+        let size = SizeUnit::of_axis(column).si;
         let (label, si) = match units {
-            Units::Field if column.is_angular_rate() && largest < IN_DEGREES_PER_HOUR * degree => {
-                ("°/h", degree / 3600.0)
+            Units::Field if column.is_angular_rate() && largest < IN_DEGREES_PER_HOUR * size => {
+                ("°/h", size / 3600.0)
             }
-            Units::Field if column.is_angular_rate() => ("°/s", degree),
-            Units::Field if column.is_specific_force() => ("mg", 1e-3 * GRAVITY),
+            Units::Field if column.is_angular_rate() => ("°/s", size),
+            Units::Field if column.is_specific_force() => ("mg", size),
             _ => (column.unit().label(), 1.0),
         };
         Self { label, si }

@@ -26,7 +26,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// As people read it.
+    /// Spelled for people.
     pub fn words(self) -> &'static str {
         match self {
             Self::Missing => "missing effect",

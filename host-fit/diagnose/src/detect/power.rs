@@ -10,13 +10,13 @@ use super::question::DiagnoseError;
 use super::slow::{Estimate, SlowResult};
 use super::testable::{Testable, followed};
 use crate::effects::{Effect, Inputs};
-use fos_fit::noise::{Gls, dot};
+use fos_fit::noise::{Gls, combination, dot};
 
 /// Standard errors of a coefficient that its largest typical value must exceed: those of a 95 % interval.
 const VISIBLE: f64 = 1.96;
 
 /// A size so many times the largest that is typical is another effect's where no typical size would show, unless the
-/// effect explains this share of the variance of the block means: a unit may be wrong, or nobody knows the size.
+/// effect explains this share of the variance of the block means: the column may be in another unit, or the effect new.
 const IMPLAUSIBLE: f64 = 5.0;
 const MOST_BY_CHANCE: f64 = 0.25;
 
@@ -88,10 +88,7 @@ impl<'a> Power<'a> {
     /// Share of the variance of the block means that an effect makes up.
     fn share(&self, hypothesis: &Hypothesis, estimate: &Estimate) -> f64 {
         let reduced = &self.prepared.reduced;
-        let mut effect = vec![0.0; reduced.means.len()];
-        for (column, coefficient) in hypothesis.columns.iter().zip(estimate.coefficients.iter()) {
-            effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
-        }
+        let effect = combination(&hypothesis.columns, estimate.coefficients.as_slice(), reduced.means.len());
         let variance = |values: &[f64]| reduced.variance_in(values, 0..values.len());
         variance(&effect) / variance(&reduced.means)
     }

@@ -10,7 +10,7 @@ use super::error_in_blocks::ErrorInBlocks;
 use fos_data::interrupt::{self, in_parallel};
 use fos_data::recording::{Recording, RecordingError};
 use fos_fit::evaluate::SLOW_BLOCK_S;
-use fos_fit::noise::{Fitted, Regression, UnknownLevels};
+use fos_fit::noise::{Fitted, Regression, UnknownLevels, combination};
 
 /// Draws of noise and coefficients.
 const DRAWS: usize = 300;
@@ -67,15 +67,6 @@ impl SlowEffect {
     }
 }
 
-/// The sum of `columns` with these coefficients.
-fn sum(columns: &[Vec<f64>], coefficients: &DVector<f64>, blocks: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; blocks];
-    for (column, coefficient) in columns.iter().zip(coefficients.iter()) {
-        sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
-    }
-    sum
-}
-
 /// What is known of the log that is to be judged.
 pub(super) struct PredictedReductions<'a> {
     pub(super) log: &'a ErrorInBlocks,
@@ -110,10 +101,10 @@ impl PredictedReductions<'_> {
         let n = blocks.len();
         let mut missing = vec![0.0; n];
         for other in later {
-            let own = sum(&other.found.columns, &other.found.coefficients, n);
+            let own = combination(&other.found.columns, other.found.coefficients.as_slice(), n);
             missing.iter_mut().zip(own).for_each(|(sum, value)| *sum += value);
         }
-        let correction = sum(&effect.corrected, &effect.found.coefficients, n);
+        let correction = combination(&effect.corrected, effect.found.coefficients.as_slice(), n);
         let levels = self.regression.draws(self.fitted, DRAWS, &mut random)?;
         // what is random is drawn one after the other, what comes of it is computed beside one another
         let drawn: Vec<_> = levels
@@ -130,7 +121,7 @@ impl PredictedReductions<'_> {
             interrupt::check();
             let coefficients = &drawn.coefficients + &drawn.factor * scatter;
             let noise = levels.realisation(blocks, &units);
-            let truth = sum(&drawn.columns, &coefficients, n);
+            let truth = combination(&drawn.columns, coefficients.as_slice(), n);
             let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
             let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
             let within = levels.white.powi(2) * (1.0 / SLOW_BLOCK_S - 1.0 / blocks.length_s).max(0.0);

@@ -15,7 +15,7 @@ use fos_data::disturbance;
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{Recording, RecordingError};
 use fos_fit::evaluate::SLOW_BLOCK_S;
-use fos_fit::noise::dot;
+use fos_fit::noise::{combination, dot};
 
 /// Means that a log is divided into, from fine to coarse: a fast signal shows in many, a slow one under much white noise
 /// in few.
@@ -83,7 +83,7 @@ impl SharedSignal {
         )
     }
 
-    /// What an axis shares with the others, in words.
+    /// The common signal as a remark on one of its axes.
     fn describe(&self, recording: &Recording) -> String {
         let bounds = self
             .correlations
@@ -109,7 +109,7 @@ fn advice(recording: &Recording) -> String {
     }
 }
 
-/// Of axes with their findings.
+/// The signal that axes share once the findings of each are subtracted.
 fn shared_signal(
     axes: &[(&str, &[Finding])],
     recording: &Recording,
@@ -120,11 +120,16 @@ fn shared_signal(
         return Ok(None);
     }
     let at_rest = &*disturbance::marked(recording).0;
+    let lengths_s = MEANS.map(|means| (at_rest.duration_s() / means).max(SLOW_BLOCK_S));
+    let means: Vec<[Means; MEANS.len()]> =
+        in_parallel(&inertial, |(axis, findings)| Means::of(axis, findings, at_rest, lengths_s))
+            .into_iter()
+            .collect::<Result<_, _>>()?;
     let mut best: Option<SharedSignal> = None;
     let strength = |signal: &SharedSignal| signal.correlations.iter().sum::<f64>();
-    for means in MEANS {
-        let mean_s = (at_rest.duration_s() / means).max(SLOW_BLOCK_S);
-        let signal = Together::new(&inertial, at_rest, mean_s)?.signal();
+    for (at, mean_s) in lengths_s.into_iter().enumerate() {
+        let axes = inertial.iter().zip(&means).map(|((axis, _), means)| (*axis, &means[at]));
+        let signal = Together::new(&axes.collect::<Vec<_>>(), mean_s).signal();
         let signal =
             signal.filter(|signal| best.as_ref().is_none_or(|best| strength(best) < strength(signal)));
         best = signal.or(best);
@@ -132,26 +137,44 @@ fn shared_signal(
     Ok(best)
 }
 
+/// Means of the remaining error of an axis over blocks of one length.
+struct Means {
+    /// Place of each block on the grid, ascending.
+    index: Vec<u64>,
+    /// About the level of each orientation.
+    values: Vec<f64>,
+    /// Blocks, by their place in these lists, where another level begins.
+    restarts: Vec<usize>,
+}
+
+impl Means {
+    /// One for each length, s.
+    fn of<const N: usize>(
+        axis: &str,
+        findings: &[Finding],
+        recording: &Recording,
+        lengths_s: [f64; N],
+    ) -> Result<[Self; N], RecordingError> {
+        let found = correction(findings, recording, recording)?;
+        let mut of_lengths = Vec::with_capacity(N);
+        for length_s in lengths_s {
+            let ErrorInBlocks { blocks, error, .. } =
+                ErrorInBlocks::in_blocks_of(recording, axis, &[], length_s)?;
+            let left: Vec<f64> = error.iter().zip(&found).map(|(error, found)| error - found).collect();
+            let means = blocks.means(&left);
+            of_lengths.push(Self {
+                index: blocks.blocks.iter().map(|block| block.index).collect(),
+                values: blocks.about_levels(&means, 0..means.len()),
+                restarts: blocks.restarts().to_vec(),
+            });
+        }
+        let mut of_lengths = of_lengths.into_iter();
+        Ok(std::array::from_fn(|_| of_lengths.next().expect("one for each length")))
+    }
+}
+
 impl Together {
-    fn new(axes: &[(&str, &[Finding])], recording: &Recording, mean_s: f64) -> Result<Self, RecordingError> {
-        let of_axis =
-            |(axis, findings): &(&str, &[Finding])| -> Result<(ErrorInBlocks, Vec<f64>), RecordingError> {
-                let reduced = ErrorInBlocks::in_blocks_of(recording, axis, &[], mean_s)?;
-                let found = correction(findings, recording, recording)?;
-                let left: Vec<f64> =
-                    reduced.error.iter().zip(found).map(|(error, found)| error - found).collect();
-                let means = reduced.blocks.means(&left);
-                let means = reduced.blocks.about_levels(&means, 0..means.len());
-                Ok((reduced, means))
-            };
-        let reduced: Vec<(ErrorInBlocks, Vec<f64>)> =
-            in_parallel(axes, of_axis).into_iter().collect::<Result<_, _>>()?;
-        let place_of = |axis: &ErrorInBlocks, index: u64| {
-            let blocks = &axis.blocks.blocks;
-            blocks.binary_search_by_key(&index, |block| block.index).ok()
-        };
-        let first = reduced.first().map(|(first, _)| first);
-        let indices = first.into_iter().flat_map(|first| first.blocks.blocks.iter().map(|block| block.index));
+    fn new(axes: &[(&str, &Means)], mean_s: f64) -> Self {
         let mut together = Self {
             axes: axes.iter().map(|(axis, _)| (*axis).to_owned()).collect(),
             time_s: Vec::new(),
@@ -160,39 +183,41 @@ impl Together {
             mean_s,
         };
         let mut before = None;
-        for index in indices {
-            let places: Option<Vec<usize>> = reduced.iter().map(|(axis, _)| place_of(axis, index)).collect();
-            let Some(places) = places else { continue };
-            // a level of its own begins here
-            let restarts =
-                reduced.iter().zip(&places).any(|((axis, _), place)| axis.blocks.restarts().contains(place));
+        for index in axes.first().into_iter().flat_map(|(_, means)| means.index.iter().copied()) {
+            let places = axes.iter().map(|(_, means)| means.index.binary_search(&index).ok());
+            let Some(places) = places.collect::<Option<Vec<usize>>>() else { continue };
+            let restarts = axes.iter().zip(&places).any(|((_, means), place)| means.restarts.contains(place));
             if before == Some(index.wrapping_sub(1)) && !restarts {
                 together.changes.push(together.time_s.len());
             }
             together.time_s.push((index as f64 + 0.5) * mean_s);
-            for ((means, (_, all)), place) in together.means.iter_mut().zip(&reduced).zip(&places) {
-                means.push(all[*place]);
+            for ((known, (_, means)), place) in together.means.iter_mut().zip(axes).zip(&places) {
+                known.push(means.values[*place]);
             }
             before = Some(index);
         }
-        Ok(together)
+        together
     }
 
-    /// Changes of an axis in standard deviations, without outliers.
+    /// Changes of an axis from one mean to the next.
     fn changes(&self, axis: usize) -> Vec<f64> {
         let means = &self.means[axis];
-        let changes: Vec<f64> = self.changes.iter().map(|at| means[*at] - means[at - 1]).collect();
-        let deviation = |values: &[f64]| (dot(values, values) / values.len() as f64).sqrt();
-        let most = MOST * deviation(&changes);
+        self.changes.iter().map(|at| means[*at] - means[at - 1]).collect()
+    }
+
+    /// The same in standard deviations, without outliers.
+    fn standardised(&self, axis: usize) -> Vec<f64> {
+        let changes = self.changes(axis);
+        let most = MOST * rms(&changes);
         let limited: Vec<f64> = changes.iter().map(|change| change.clamp(-most, most)).collect();
-        let deviation = deviation(&limited);
+        let deviation = rms(&limited);
         limited.iter().map(|change| change / deviation).collect()
     }
 
     /// The signal, if enough axes share one and a gyro among them: accelerometers alone may have been tilted.
     fn signal(&self) -> Option<SharedSignal> {
         let n = self.changes.len() as f64;
-        let changes: Vec<Vec<f64>> = (0..self.axes.len()).map(|axis| self.changes(axis)).collect();
+        let changes: Vec<Vec<f64>> = (0..self.axes.len()).map(|axis| self.standardised(axis)).collect();
         let known: Vec<usize> = (0..changes.len())
             .filter(|axis| changes[*axis].iter().all(|change| change.is_finite()))
             .collect();
@@ -202,7 +227,7 @@ impl Together {
         }
         let correlation = |axis: &usize| -> f64 {
             let others: Vec<usize> = known.iter().copied().filter(|other| other != axis).collect();
-            let common = combined(&changes, &weights(&changes, &others));
+            let common = combination(&changes, &weights(&changes, &others), self.changes.len());
             dot(&changes[*axis], &common).abs() / (n * dot(&common, &common)).sqrt()
         };
         let sharing: Vec<(usize, f64)> =
@@ -212,8 +237,8 @@ impl Together {
         if axes.len() < FEWEST || !has_gyro {
             return None;
         }
-        let course = combined(&self.means, &self.scaled(&weights(&changes, &axes)));
-        let deviation = (dot(&course, &course) / course.len() as f64).sqrt();
+        let course = combination(&self.means, &self.scaled(&weights(&changes, &axes)), self.time_s.len());
+        let deviation = rms(&course);
         Some(SharedSignal {
             axes: axes.iter().map(|axis| self.axes[*axis].clone()).collect(),
             correlations: sharing.iter().map(|(_, one)| *one).collect(),
@@ -224,17 +249,16 @@ impl Together {
 
     /// Weights of the means, of weights of their changes in standard deviations.
     fn scaled(&self, weights: &[f64]) -> Vec<f64> {
-        let scale = |axis: usize| {
-            let means = &self.means[axis];
-            let squares: f64 = self.changes.iter().map(|at| (means[*at] - means[at - 1]).powi(2)).sum();
-            (squares / self.changes.len() as f64).sqrt()
-        };
         weights
             .iter()
             .enumerate()
-            .map(|(axis, weight)| if *weight == 0.0 { 0.0 } else { weight / scale(axis) })
+            .map(|(axis, weight)| if *weight == 0.0 { 0.0 } else { weight / rms(&self.changes(axis)) })
             .collect()
     }
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (dot(values, values) / values.len() as f64).sqrt()
 }
 
 /// Weights of the first principal component of some of the columns; 0 for the others.
@@ -247,15 +271,6 @@ fn weights(columns: &[Vec<f64>], of: &[usize]) -> Vec<f64> {
         weights[*axis] = eigen.eigenvectors[(place, first)];
     }
     weights
-}
-
-/// The sum of the columns that have a weight.
-fn combined(columns: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
-    for (column, weight) in columns.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-        sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += weight * value);
-    }
-    sum
 }
 
 #[cfg(test)]

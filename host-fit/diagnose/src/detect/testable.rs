@@ -73,12 +73,12 @@ impl Testable {
         let mut of_attitude = Vec::new();
         for effect in self.effects.iter().filter(|effect| effect.parameter.is_none()) {
             let Hypothesis { regressors, columns, .. } = hypotheses.make(effect, None)?;
-            let mut axes = regressors.iter().zip(columns.iter()).filter_map(|(regressor, means)| {
+            let axes = regressors.iter().zip(columns.iter()).filter_map(|(regressor, means)| {
                 let axis = AXES.into_iter().find(|axis| regressor.to_string() == *axis)?;
                 Some(dot(means, means).sqrt() < least_motion(axis) * (means.len() as f64).sqrt())
             });
-            let first = axes.next();
-            if first == Some(true) && axes.all(|is_at_rest| is_at_rest) {
+            let at_rest: Vec<bool> = axes.collect();
+            if !at_rest.is_empty() && !at_rest.contains(&false) {
                 of_attitude.push(Self::needs_variation(effect, inputs, target));
             }
         }

@@ -42,7 +42,7 @@ impl SizeUnit {
         Self { text: text.to_owned(), si }
     }
 
-    /// As people write it: `(°/s)/K` for `dps/K`.
+    /// Spelled for people: `(°/s)/K` for `dps/K`.
     pub fn spelled(&self) -> String {
         self.with_names(|name| match name {
             "dps" => "°/s",

@@ -149,6 +149,15 @@ impl Gls {
     }
 }
 
+/// Σ weight·column, of columns with this number of rows; a column without weight may hold NaN.
+pub fn combination(columns: &[Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; rows];
+    for (column, weight) in columns.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += weight * value);
+    }
+    sum
+}
+
 /// Σ a·b.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

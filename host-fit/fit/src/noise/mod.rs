@@ -33,6 +33,6 @@ mod noise_tests;
 pub use axis::{AxisNoise, AxisNoiseError, axis_noise};
 pub use blocks::{Block, Blocks, length_for, length_with_levels_for};
 pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
-pub use gls::{Gls, dot};
+pub use gls::{Gls, combination, dot};
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels};
 pub use model::{GaussMarkov, NoiseLevels};
