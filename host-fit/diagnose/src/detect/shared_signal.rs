@@ -209,7 +209,8 @@ impl Together {
     fn standardised(&self, axis: usize) -> Vec<f64> {
         let changes = self.changes(axis);
         let most = MOST * rms(&changes);
-        let limited: Vec<f64> = changes.iter().map(|change| change.clamp(-most, most)).collect();
+        // no `clamp`, which panics where an unknown mean makes the limit unknown
+        let limited: Vec<f64> = changes.iter().map(|change| change.max(-most).min(most)).collect();
         let deviation = rms(&limited);
         limited.iter().map(|change| change / deviation).collect()
     }
