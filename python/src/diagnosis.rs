@@ -79,7 +79,7 @@ pub(crate) fn diagnose(
             given: &[],
         })?;
         let diagnosis = match &judged {
-            Some(judged) => with_measured_reduction(diagnosis, &field, judged)?,
+            Some(judged) => with_measured_reduction(diagnosis, &field, judged, &(0..judged.n_rows()))?,
             None => diagnosis,
         };
         let mut speaks = Vec::new();

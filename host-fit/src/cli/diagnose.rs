@@ -88,7 +88,7 @@ impl Diagnose {
                 ..Question::new(&field, axis, library)
             })?;
             Ok(match &judged {
-                Some(judged) => with_measured_reduction(diagnosis, &field, judged)?,
+                Some(judged) => with_measured_reduction(diagnosis, &field, judged, &(0..judged.n_rows()))?,
                 None => diagnosis,
             })
         };

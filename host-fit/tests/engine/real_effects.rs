@@ -96,7 +96,7 @@ fn orientations() -> Option<[Recording; 2]> {
 fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
     let library = Library::built_in();
     let question = Question { judged: Some(judged), ..Question::new(field, target, &library) };
-    with_measured_reduction(diagnose(&question).unwrap(), field, judged).unwrap()
+    with_measured_reduction(diagnose(&question).unwrap(), field, judged, &(0..judged.n_rows())).unwrap()
 }
 
 /// The first finding on an axis of the tag, by its size and the reduction that was measured.

@@ -1,5 +1,7 @@
 //! What was found in one log, held against another: what makes the error worse there is no law.
 
+use std::ops::Range;
+
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
@@ -17,8 +19,8 @@ const LEAST_RISE: f64 = 0.005;
 /// An effect that takes off at least this share of what was predicted is confirmed.
 const CONFIRMED: f64 = 0.5;
 
-/// Adds to every finding the reduction of the error measured on `judged`, those before it in the model. A slow effect
-/// that was sure to help and makes the error worse there becomes a lead.
+/// Adds to every finding the reduction of the error measured on `rows` of `judged`, those before it in the model. A slow
+/// effect that was sure to help and makes the error worse there becomes a lead.
 ///
 /// # Errors
 ///
@@ -27,11 +29,11 @@ pub fn with_measured_reduction(
     mut diagnosis: Diagnosis,
     field: &Recording,
     judged: &Recording,
+    rows: &Range<usize>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
     let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
     let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
-    let rows = 0..judged.n_rows();
     let left_of =
         |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
             let taken = correction(findings, field, log)?;
@@ -40,13 +42,13 @@ pub fn with_measured_reduction(
     let left = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
         let left = left_of(&reduced, judged, findings)?;
         Ok(match as_of.band {
-            Band::Wide => reduced.wide_variance(&left, &rows),
+            Band::Wide => reduced.wide_variance(&left, rows),
             // what is constant here is an error about the bias of the log it was found in
             _ if is_step(as_of) => {
                 let bias = own.slow_mean(&left_of(&own, field, findings)?, &(0..field.n_rows()));
-                reduced.slow_variance(&left, &rows) + (reduced.slow_mean(&left, &rows) - bias).powi(2)
+                reduced.slow_variance(&left, rows) + (reduced.slow_mean(&left, rows) - bias).powi(2)
             }
-            _ => reduced.slow_variance(&left, &rows),
+            _ => reduced.slow_variance(&left, rows),
         })
     };
     let mut held: Vec<Finding> = Vec::new();

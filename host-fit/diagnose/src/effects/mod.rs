@@ -405,6 +405,12 @@ impl Effect {
             .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
     }
 
+    /// True if one of its terms is a function of this column.
+    pub(crate) fn follows(&self, column: &str) -> bool {
+        let is_input = |input: &str| input.trim().split(':').next() == Some(column);
+        self.terms.iter().any(|term| term.regressor.split(['*', '+']).any(is_input))
+    }
+
     /// Its regressors for a target column and a value of its parameter, each with the number of its term.
     ///
     /// # Errors

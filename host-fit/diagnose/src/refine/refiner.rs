@@ -21,7 +21,7 @@ use super::identifiable;
 use super::terms;
 use crate::detect::{
     Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction, diagnose,
-    estimate, is_bias_known, is_step,
+    estimate, is_bias_known, is_step, with_measured_reduction,
 };
 use crate::effects::{Band, Detector, Effect, Library};
 use crate::physical::physical;
@@ -169,7 +169,11 @@ impl<'a> Refiner<'a> {
         });
         let given: Vec<Given> = given.collect();
         let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
-        let mut diagnosis = diagnose(&question)?;
+        let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
+        let judged = self.without(refinement, &added, self.judged)?;
+        let of_field = self.without_base(refinement, &added)?;
+        let mut diagnosis =
+            with_measured_reduction(diagnose(&question)?, &of_field, &judged, &self.judged_rows)?;
         // the diagnosis fits what was added anew, and so cannot see that the model got worse by it
         if diagnosis.verdict == Verdict::NothingMissing
             && let Some((verdict, sentence)) = identifiable::all_clear_refuted(refinement)
@@ -210,7 +214,8 @@ impl<'a> Refiner<'a> {
         }
         wanted.push(effect.id.clone());
         let in_model = wanted.len();
-        let found = diagnosis.findings.iter().filter(|finding| finding.band == Band::Slow);
+        // one that is not conclusive would take a share of the error that the others explain
+        let found = diagnosis.findings.iter().filter(|f| f.band == Band::Slow && f.doubt.is_none());
         wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
         let field = self.without_base(refinement, &[])?;
         let mut findings = estimate(&self.question(&field, &refinement.column, &library), &wanted)?;
@@ -304,18 +309,28 @@ impl<'a> Refiner<'a> {
         refinement: &Refinement,
         found: &[Finding],
     ) -> Result<Cow<'_, Recording>, RefineError> {
+        self.without(refinement, found, &self.field)
+    }
+
+    /// `log` without what the model had before it grew, and without `found`.
+    fn without<'l>(
+        &self,
+        refinement: &Refinement,
+        found: &[Finding],
+        log: &'l Recording,
+    ) -> Result<Cow<'l, Recording>, RefineError> {
         let has_base = refinement.steps.first().is_some_and(|first| !first.model.axes[0].physical.is_empty());
         if found.is_empty() && !has_base {
-            return Ok(Cow::Borrowed(&*self.field));
+            return Ok(Cow::Borrowed(log));
         }
-        let mut values = self.field.channel(&refinement.column)?.values.to_vec();
+        let mut values = log.channel(&refinement.column)?.values.to_vec();
         if let Some(first) = refinement.steps.first() {
-            let base = self.physical(&first.model, &self.field)?;
+            let base = self.physical(&first.model, log)?;
             values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
         }
-        let taken = correction(found, &self.field, &self.field)?;
+        let taken = correction(found, &self.field, log)?;
         values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
-        Ok(Cow::Owned(self.field.with_values(&refinement.column, values)))
+        Ok(Cow::Owned(log.with_values(&refinement.column, values)))
     }
 
     /// The physical part of an axis, in its unit, one value per row of `log`.

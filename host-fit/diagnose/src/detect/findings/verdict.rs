@@ -1,6 +1,7 @@
 //! What an unexplained rest leaves of the findings, and the outcome in a sentence.
 
 use crate::detect::answer::{Finding, Verdict};
+use crate::detect::correction::is_step;
 use crate::detect::open::{Lead, LeadKind};
 use crate::effects::Band;
 use crate::rms::rms_reduction;
@@ -17,6 +18,8 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
         let weight = |lead: &Lead| match lead.kind {
             // a package under stress gives way in jumps, which say nothing against the temperature it follows
             LeadKind::Jumps if finding.shows_against.is_some() => 0.0,
+            // the largest of the jumps
+            LeadKind::Jumps if is_step(finding) => lead.gain,
             _ => OUTWEIGHS * lead.gain,
         };
         against.map(weight).fold(0.0, f64::max)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::model::{SlowSearch, State};
+use super::model::{ACCEPT, SlowSearch, State};
 use super::result::ExtraNoise;
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::{Detector, Effect};
@@ -10,7 +10,7 @@ use fos_data::interrupt::in_parallel;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::{Fitted, NoiseLevels};
 
-/// Hypotheses whose noise levels are fitted: the best of the first pass.
+/// Hypotheses whose noise levels are fitted at least: the best of the first pass.
 const FITTED: usize = 9;
 
 /// A hypothesis on top of a state.
@@ -29,6 +29,13 @@ pub(super) struct Tried {
     pub(super) silent: Vec<Arc<Effect>>,
 }
 
+/// Hypotheses of a first pass whose noise levels are fitted: all that it would accept, since under its levels a drift that
+/// the noise explains as well passes for an effect.
+fn fitted_of(first_pass: &[(f64, Hypothesis)]) -> usize {
+    let acceptable = first_pass.iter().take_while(|(score, _)| *score >= ACCEPT).count();
+    acceptable.max(FITTED).min(first_pass.len())
+}
+
 impl SlowSearch<'_> {
     /// Every effect at the best value of its parameter on top of `state`, those of them fitted that explain most; best
     /// score first.
@@ -43,7 +50,7 @@ impl SlowSearch<'_> {
         first_pass: &[(f64, Hypothesis)],
     ) -> Result<Vec<Candidate>, RecordingError> {
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let best = &first_pass[..FITTED.min(first_pass.len())];
+        let best = &first_pass[..fitted_of(first_pass)];
         let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(&accepted, state, hypothesis.clone());
         let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -56,7 +63,8 @@ impl SlowSearch<'_> {
     pub(super) fn tried(&self, first_pass: &[(f64, Hypothesis)], candidates: &[Candidate]) -> Tried {
         let id = |hypothesis: &Hypothesis| hypothesis.effect.id.clone();
         let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
-        let behind = first_pass.iter().skip(FITTED).map(|(score, hypothesis)| (id(hypothesis), *score));
+        let behind =
+            first_pass.iter().skip(fitted_of(first_pass)).map(|(score, hypothesis)| (id(hypothesis), *score));
         let scores: Vec<(String, f64)> = fitted.chain(behind).collect();
         let is_silent = |effect: &&Arc<Effect>| scores.iter().all(|(id, _)| *id != effect.id);
         Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
@@ -85,7 +93,7 @@ impl SlowSearch<'_> {
                 if k == 0 {
                     continue;
                 }
-                let score = gain - self.price(k, &hypothesis);
+                let score = gain - self.price(k, &hypothesis, &accepted);
                 if best.as_ref().is_none_or(|(other, _)| score > *other) {
                     best = Some((score, hypothesis));
                 }
@@ -114,7 +122,7 @@ impl SlowSearch<'_> {
         let fitted = with(&refined, first.levels);
         let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
         let gain = state.fitted.deviance - fitted.deviance;
-        let score = gain - self.price(k.max(1), &refined);
+        let score = gain - self.price(k.max(1), &refined, accepted);
         Ok(Candidate { hypothesis: refined, fitted, gain, score })
     }
 }

@@ -47,12 +47,12 @@ impl SlowSearch<'_> {
                     rivals.push((rival, behind));
                 }
             }
-            let score = gain - self.price(k, current);
+            let score = gain - self.price(k, current, &rest);
             let scored: Vec<(&Hypothesis, f64)> = rivals
                 .iter()
                 .filter(|(rival, _)| rival.effect.search == Detector::Terms)
                 .map(|(rival, behind)| {
-                    (rival, score - (gain - behind - self.price(rival.columns.len(), rival)))
+                    (rival, score - (gain - behind - self.price(rival.columns.len(), rival, &rest)))
                 })
                 .collect();
             let log_error = self.log_error(&rest, &state, current)?;

@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::result::ExtraNoise;
-use crate::detect::hypothesis::{Hypotheses, Hypothesis};
+use crate::detect::hypothesis::{Hypotheses, Hypothesis, span};
+use crate::detect::shape::TEMPERATURE;
 use crate::effects::Effect;
 use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 
@@ -19,6 +20,11 @@ const PARAMETER_PRICE: f64 = 1.5;
 /// Price of an effect that follows nothing but the clock: odds of 7 to 1 that what also follows a logged quantity is no
 /// coincidence.
 const CLOCK_PRICE: f64 = 4.0;
+
+/// Span of temperature over which a part is as likely to drift visibly as not, K. Of 32 parts calibrated by drone builders
+/// the slopes have a median of 2.0 mm/s²/K and 0.0080 (°/s)/K, and one below a tenth of it is as rare as 6 in 100: over
+/// this span the median drift is what means over 20 s show beside the noise of usual parts.
+const VISIBLE_SPAN: f64 = 0.5;
 
 #[derive(Debug)]
 pub(crate) struct SlowSearch<'a> {
@@ -113,12 +119,24 @@ impl SlowSearch<'_> {
         self.at(&all, noise, levels).deviance
     }
 
-    /// What `k` coefficients and the search for a parameter cost.
-    pub(super) fn price(&self, k: usize, hypothesis: &Hypothesis) -> f64 {
+    /// What `k` coefficients and the search for a parameter cost on top of the effects of `accepted`.
+    pub(super) fn price(&self, k: usize, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
         let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
         let clock = if hypothesis.effect.follows_clock_alone() { CLOCK_PRICE } else { 0.0 };
-        k as f64 * (self.blocks.len() as f64).ln() + 2.0 * grid.ln() + parameter + clock
+        let n = self.blocks.len() as f64;
+        k as f64 * n.ln() + 2.0 * grid.ln() + parameter + clock - self.rebate(hypothesis, accepted)
+    }
+
+    /// Rebate of the first effect of temperature: the odds that the part drifts visibly, which rise as the span of the
+    /// temperature does. A random walk that is estimated from the same log explains a monotonic drift nearly as well.
+    fn rebate(&self, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
+        let follows = |hypothesis: &Hypothesis| hypothesis.effect.follows(TEMPERATURE);
+        if !follows(hypothesis) || accepted.iter().any(|other| follows(other)) {
+            return 0.0;
+        }
+        let means = self.hypotheses.logged_means(TEMPERATURE);
+        means.map_or(0.0, |means| 2.0 * (span(&means) / VISIBLE_SPAN).max(1.0).ln())
     }
 
     /// The state without the effect at `place`, and that effect.

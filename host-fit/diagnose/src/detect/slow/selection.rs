@@ -107,7 +107,8 @@ impl SlowSearch<'_> {
         while place < state.accepted.len() {
             let (without, current) = self.without(state, place);
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
-            if without.fitted.deviance - state.fitted.deviance - self.price(k, &current) < ACCEPT {
+            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
+            if without.fitted.deviance - state.fitted.deviance - self.price(k, &current, &rest) < ACCEPT {
                 *state = without;
             } else {
                 place += 1;
