@@ -2,6 +2,7 @@
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, Simulation, simulate, simulate_case};
+use fos_testkit::noise::{Noise, white_noise};
 
 use super::{Diagnosis, Question, Verdict, diagnose};
 use crate::case::question_of_logs;
@@ -98,5 +99,32 @@ fn finds_a_supply_sensitivity_of_all_axes_whether_or_not_motion_is_excluded() {
             let size = answer.findings[0].correction[0].coefficient;
             assert!((size / shift - 1.0).abs() < 0.1, "{size} rad/s/V of {shift}");
         }
+    }
+}
+
+/// One warm-up by 58 K in 20 min, without a reference log: the accelerometer drifts by `slope` m/s²/K beside white noise and
+/// a random walk of usual size.
+fn warm_up(seed: u64, slope: f64) -> Diagnosis {
+    let n = 12_000;
+    let (time_s, dt): (Vec<f64>, f64) = ((0..n).map(|row| 0.1 * f64::from(row)).collect(), 0.1);
+    let temperature: Vec<f64> = time_s.iter().map(|t| 45.0 - 58.0 * (-t / 400.0).exp()).collect();
+    let (white, mut steps, mut walk) = (white_noise(seed, n as usize), Noise::new(seed + 100), 0.0);
+    let values = temperature.iter().zip(&white).map(|(temperature, white)| {
+        walk += 1e-4 * dt.sqrt() * steps.normal();
+        9.8 + slope * (temperature - 25.0) + walk + 0.03 * white
+    });
+    let columns = [("ax_mps2", values.collect()), ("t_s", time_s), ("temp_c", temperature.clone())];
+    let columns: Vec<_> = columns.map(|(name, values)| (name.to_owned(), values)).into();
+    let log = Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default());
+    diagnose(&Question::new(&log.expect("a log"), "ax", &Library::built_in())).expect("an answer")
+}
+
+#[test]
+fn finds_a_third_of_the_median_drift_in_one_warm_up_and_none_that_is_not_there() {
+    for seed in 1..=4 {
+        let found = warm_up(seed, 6.4e-4);
+        assert!(["temp_linear", "temp_poly"].contains(&first(&found)), "seed {seed}: {}", found.sentence);
+        let none = warm_up(seed, 0.0);
+        assert_eq!(none.verdict, Verdict::NothingMissing, "seed {seed}: {}", none.sentence);
     }
 }
