@@ -18,19 +18,24 @@ use tokio_stream::{Stream, StreamExt};
 
 use super::desk::Desk;
 use super::folders::Listed;
-use super::series::{Rows, Series, ViewKind, series as series_of};
+use super::series::{Joined, Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
 use super::task::Open;
 use super::told::{Entry, Page};
 use crate::curves::{AgainstChannel, AxisCurves};
 use crate::export::{Refusal, c_source, image, rust_source};
-use crate::figures::Figure;
+use crate::figures::compare::capitalised;
+use crate::figures::noise::allan_of_noise;
+use crate::figures::{Figure, svg};
 use crate::plots::View;
 use crate::replay::Summary;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
+use crate::units::{ShownUnit, Units};
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
+use fos_data::stillness;
 use fos_fit::model::UnitModel;
+use fos_fit::noise::{AxisNoise, axis_noise};
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -213,6 +218,13 @@ pub(super) struct Window {
     from: f64,
     to: f64,
     width: usize,
+    /// Length of the means of the slow view, s.
+    #[serde(default = "one_second")]
+    mean_s: f64,
+}
+
+fn one_second() -> f64 {
+    1.0
 }
 
 #[derive(Serialize)]
@@ -230,7 +242,7 @@ pub(super) async fn series(
     Query(window): Query<Window>,
 ) -> Answer<AxisSeries> {
     let study = desk.study(id).map_err(not_found)?;
-    if !(window.from.is_finite() && window.to > window.from) {
+    if !(window.from.is_finite() && window.to > window.from && window.mean_s > 0.0) {
         return Err(wrong("\"from\" and \"to\" do not make a window"));
     }
     let drawn = beside(move || {
@@ -243,8 +255,10 @@ pub(super) async fn series(
             measured: &log.channel(&window.axis).map_err(wrong)?.values,
             reference: reference.map(|channel| channel.values.as_slice()),
             trace: axis.examination.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
+            before: axis.before.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
         };
-        let series = series_of(rows, window.view, window.from, window.to, window.width);
+        let joined = Joined { kind: window.view, mean_s: window.mean_s };
+        let series = series_of(rows, joined, window.from, window.to, window.width);
         Ok(AxisSeries { unit: Column::named(&window.axis).unit().label(), axis: window.axis, series })
     });
     Ok(Json(drawn.await?))
@@ -256,6 +270,9 @@ pub(super) struct Stretch {
     axis: String,
     from: Option<f64>,
     to: Option<f64>,
+    /// In which a legend states N, B and K.
+    #[serde(default)]
+    units: Units,
 }
 
 /// A figure, by what the page looks for it by: `residual`, `against:temp_c`.
@@ -305,8 +322,20 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     figures.push(("allan".to_owned(), view.allan()));
     if rows.is_none() {
         figures.extend(view.dependence().map(|figure| ("dependence".to_owned(), figure)));
+        // a log that is too short for N, B and K has its Allan deviation above
+        if let Ok(noise) = axis_noise(log, &stillness::find(log), &stretch.axis) {
+            let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, stretch.units);
+            let label = capitalised(Column::named(&stretch.axis).label());
+            figures.push(("noise".to_owned(), allan_of_noise(&label, &[noise], units)));
+        }
     }
     Ok(figures.into_iter().map(|(name, figure)| NamedFigure { name, figure }).collect())
+}
+
+/// Draws a figure of the page as SVG.
+pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused> {
+    let drawn = beside(move || svg(&figure).map_err(wrong)).await?;
+    Ok(([(header::CONTENT_TYPE, "image/svg+xml")], drawn).into_response())
 }
 
 /// Fewest samples of a stretch that statistics are made of.

@@ -94,7 +94,7 @@ impl Study {
                 return None;
             }
             if let Some((task, stop)) = state.queue.begin() {
-                if task.is_asked_for() {
+                if state.queue.is_asked_for() {
                     state.error = None;
                 }
                 self.publish(state);
@@ -135,6 +135,9 @@ impl Study {
         let mut state = self.lock();
         state.known(column)?;
         state.looked_at = Some(column.to_owned());
+        if let Some(axis) = state.axes.iter_mut().find(|axis| axis.section.column == column) {
+            axis.failure = None;
+        }
         let tasks = state.missing_of(column);
         state.ask(tasks);
         self.publish(state);

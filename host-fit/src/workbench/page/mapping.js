@@ -8,11 +8,15 @@ import { el, icon, replace, uniqueId } from "./dom.js";
 /** What a column is taken for; target null: kept under its own name; unit null: as its target says. @typedef {{column: PreviewColumn, target: string | null, unit: string | null}} Choice */
 
 const TIME = "t_s";
+/** Channels that a model can be of. */
+const SENSOR = /^[ag][xyz]_/;
 /** In place of a target. */
 const LEFT_OUT = "!";
 
 export class MappingTable {
   element = el("div", { class: "mapping" });
+  /** Called when a choice changes. */
+  changed = () => {};
   /** @type {Choice[]} */
   #choices = [];
   #rate = el("input", { type: "number", min: 0, step: "any", id: uniqueId("rate"), inputmode: "decimal" });
@@ -58,6 +62,11 @@ export class MappingTable {
   /** Sample rate, where no column says when, Hz. */
   rate() {
     return !this.#hasTime() && this.#rate.valueAsNumber > 0 ? this.#rate.valueAsNumber : null;
+  }
+
+  /** A column is a gyro or an accelerometer. */
+  hasSensor() {
+    return this.#choices.some(({ target, column }) => SENSOR.test(target ?? "") || (target === null && SENSOR.test(column.name)));
   }
 
   #hasTime() {
@@ -109,5 +118,6 @@ export class MappingTable {
     this.#clash.textContent = twice.length > 0 ? `${twice.join(", ")} is chosen for two columns; the log can be read when it is one.` : "";
     this.#clash.hidden = twice.length === 0;
     this.#rateRow.hidden = this.#hasTime();
+    this.changed();
   }
 }

@@ -34,6 +34,7 @@ export class OpenPanel {
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
+  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose above which columns are, and in which unit.");
   /** @type {Picked[]} */
   #picked = [];
   #isBusy = false;
@@ -51,7 +52,8 @@ export class OpenPanel {
     );
     for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));
     for (const kind of ["dragleave", "drop"]) drop.addEventListener(kind, () => delete drop.dataset.over);
-    this.#reading.append(this.#read);
+    this.#reading.append(this.#unreadable, this.#read);
+    this.#mapping.changed = () => this.#sayReadable();
     this.element = el(
       "section",
       { class: "opening", "aria-labelledby": "opening-title" },
@@ -64,6 +66,11 @@ export class OpenPanel {
       this.#mapping.element,
       this.#reading,
     );
+  }
+
+  /** Logs are picked, and their columns known. */
+  get hasLogs() {
+    return this.#picked.length > 0;
   }
 
   /** What lies on the server may have changed. */
@@ -156,6 +163,14 @@ export class OpenPanel {
     replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
     this.#mapping.show(picked.map(({ preview }) => preview));
     this.#reading.hidden = !picked.some(({ role }) => role === "field");
+    this.#sayReadable();
+  }
+
+  /** A log without a gyro or accelerometer cannot be read: the columns are to be chosen first. */
+  #sayReadable() {
+    const isReadable = this.#mapping.hasSensor();
+    this.#read.setAttribute("aria-disabled", String(!isReadable));
+    this.#unreadable.hidden = isReadable;
   }
 
   /** @param {Picked} one */
@@ -169,7 +184,7 @@ export class OpenPanel {
   async #readLogs() {
     const path = (/** @type {Role} */ role) => this.#picked.find((picked) => picked.role === role)?.path ?? null;
     const field = path("field");
-    if (!field) return;
+    if (!field || !this.#mapping.hasSensor()) return;
     await this.#open({ field, quiet: path("quiet"), judged: path("judged"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
   }
 
