@@ -16,7 +16,7 @@ pub(crate) fn allan_of_noise(
     units: impl Fn(&AxisNoise) -> [ShownUnit; 3],
 ) -> Figure {
     let panels = axes.iter().map(|axis| panel(axis, &units(axis)));
-    Figure { title: format!("{log}: noise by averaging time"), panels: panels.collect() }
+    Figure { title: format!("{log}: N, B and K"), panels: panels.collect() }
 }
 
 fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {

@@ -33,9 +33,8 @@ use crate::report::{Card, Report, ReportAxis, html, markdown};
 use crate::units::{ShownUnit, Units};
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
-use fos_data::stillness;
 use fos_fit::model::UnitModel;
-use fos_fit::noise::{AxisNoise, axis_noise};
+use fos_fit::noise::AxisNoise;
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -270,9 +269,6 @@ pub(super) struct Stretch {
     axis: String,
     from: Option<f64>,
     to: Option<f64>,
-    /// In which a legend states N, B and K.
-    #[serde(default)]
-    units: Units,
 }
 
 /// A figure, by what the page looks for it by: `residual`, `against:temp_c`.
@@ -322,14 +318,32 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     figures.push(("allan".to_owned(), view.allan()));
     if rows.is_none() {
         figures.extend(view.dependence().map(|figure| ("dependence".to_owned(), figure)));
-        // a log that is too short for N, B and K has its Allan deviation above
-        if let Ok(noise) = axis_noise(log, &stillness::find(log), &stretch.axis) {
-            let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, stretch.units);
-            let label = capitalised(Column::named(&stretch.axis).label());
-            figures.push(("noise".to_owned(), allan_of_noise(&label, &[noise], units)));
-        }
     }
     Ok(figures.into_iter().map(|(name, figure)| NamedFigure { name, figure }).collect())
+}
+
+/// Of which axis the noise is asked, and in which units its legend states N, B and K.
+#[derive(Deserialize)]
+pub(super) struct NoiseOf {
+    axis: String,
+    #[serde(default)]
+    units: Units,
+}
+
+/// Allan deviation with N, B and K, as `fos noise` draws it; none where the log is too short.
+pub(super) async fn noise(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Query(of): Query<NoiseOf>,
+) -> Answer<Option<Figure>> {
+    let study = desk.study(id).map_err(not_found)?;
+    let drawn = beside(move || {
+        let Some(noise) = study.noise(&of.axis).map_err(not_now)? else { return Ok(None) };
+        let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, of.units);
+        let label = capitalised(Column::named(&of.axis).label());
+        Ok(Some(allan_of_noise(&label, &[noise], units)))
+    });
+    Ok(Json(drawn.await?))
 }
 
 /// Draws a figure of the page as SVG.

@@ -156,6 +156,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/moved", post(api::keep_moved))
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))
+        .route("/api/studies/{id}/noise", get(api::noise))
         .route("/api/studies/{id}/export/{format}", get(api::export))
         .route("/api/studies/{id}/hubs", get(api::hubs))
         .route("/api/studies/{id}/replay", get(api::replay))

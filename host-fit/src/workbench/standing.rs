@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use fos_diagnose::detect::{Diagnosis, Verdict};
+use fos_diagnose::detect::{Diagnosis, Untested, Verdict};
 use fos_diagnose::effects::Band;
 use fos_diagnose::study::{Refinement, RefinementStep};
 
@@ -69,23 +69,37 @@ impl Standing {
         let (outcome, sentence, record) = match (diagnosis.verdict, unpaid) {
             (Verdict::Missing, _) => (Outcome::Missing, said, Vec::new()),
             (Verdict::Unexplained, _) => (Outcome::Unexplained, said, Vec::new()),
-            (Verdict::NotEnoughData, _) => (Outcome::NotEnoughData, said, needs(|_| true)),
+            (Verdict::NotEnoughData, _) => {
+                let record = if longer.is_empty() { needs(|_| true) } else { longer };
+                (Outcome::NotEnoughData, said, record)
+            }
             (Verdict::NothingMissing, Some(steps)) => (Outcome::DidNotPay, did_not_pay(steps), Vec::new()),
             (Verdict::NothingMissing, None) if !longer.is_empty() => {
-                let untested = diagnosis
-                    .untested
-                    .iter()
-                    .filter(|untested| untested.needs.iter().any(|need| need.contains(AT_REST)));
-                let sentence = format!(
-                    "Nothing was found, but the rests are too short to test {} of the effects.",
-                    untested.count()
-                );
-                (Outcome::NotEnoughData, sentence, longer)
+                (Outcome::NotEnoughData, too_little_rest(diagnosis), longer)
             }
             (Verdict::NothingMissing, None) => (Outcome::NothingMissing, said, Vec::new()),
         };
         Self { outcome, sentence, record }
     }
+}
+
+/// Effects that a sentence lists.
+const LISTED: usize = 3;
+
+fn too_little_rest(diagnosis: &Diagnosis) -> String {
+    let is_short = |untested: &&Untested| untested.needs.iter().any(|need| need.contains(AT_REST));
+    let effects: Vec<String> = diagnosis
+        .untested
+        .iter()
+        .filter(is_short)
+        .map(|untested| untested.effect.replace('_', " "))
+        .collect();
+    let more = match effects.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let listed = effects[..effects.len().min(LISTED)].join(", ");
+    format!("Nothing was found, but the log has too little time at rest to test {listed}{more}.")
 }
 
 fn did_not_pay(steps: &[RefinementStep]) -> String {

@@ -9,7 +9,7 @@ import { OUTCOMES } from "./verdict.js";
 
 /** @typedef {import("./types.js").AxisPage} AxisPage */
 
-const HEAD = ["Axis", "Outcome", "Slow error", "with the model", "Unit", "Suggested effect", "Predicted reduction"];
+const HEAD = ["Axis", "Outcome", "Slow error", "With the model", "Unit", "Suggested effect", "Predicted reduction"];
 const RIGHT = new Set([2, 3, 6]);
 
 /**
@@ -17,8 +17,9 @@ const RIGHT = new Set([2, 3, 6]);
  * @param {string | null} viewed
  * @param {boolean} isWorking
  * @param {(column: string) => void} choose
+ * @param {HTMLElement} units the choice of units
  */
-export function axesTable(axes, viewed, isWorking, choose) {
+export function axesTable(axes, viewed, isWorking, choose, units) {
   const row = (/** @type {AxisPage} */ axis) => {
     const { column, label, standing, diagnosis, failure, slow_error: slow } = axis;
     const unit = chosen(axis.units.errors);
@@ -47,6 +48,6 @@ export function axesTable(axes, viewed, isWorking, choose) {
     "div",
     { class: "card axes-table" },
     el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "All axes" }, el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, axes.map(row)))),
-    el("p", { class: "note" }, "Slow error: RMS of 1-s means in a free run of at most 60 s, on data that were not fitted; first of the constant mean."),
+    el("div", { class: "axes-foot" }, el("p", { class: "note" }, "Slow error: RMS of 1-s means on data that were not fitted. The first is that of a constant bias, the second that of the model in a free run of at most 60 s."), units),
   );
 }

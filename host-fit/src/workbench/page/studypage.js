@@ -45,7 +45,7 @@ const ADDRESS_REST = 300;
 /** @type {ViewName[]} */
 const VIEWS = ["slow", "coast", "one_step"];
 
-const STEPS = ["Measured", "Fails", "Missing", "Improvement", "Downloads"];
+const STEPS = ["Measured", "Fails", "Missing", "Result", "Export"];
 
 export class StudyPage {
   /** @type {number} */
@@ -237,7 +237,7 @@ export class StudyPage {
     });
     const isWorking = state.job !== null;
     this.#once("axes", [state.axes.map((one) => [one.column, one.standing, one.slow_error, one.failure, one.units, one.diagnosis?.findings.length]), this.#axis, isWorking, system()], () => {
-      replace(this.#axes, state.axes.length > 0 ? axesTable(state.axes, this.#axis, isWorking, (column) => this.#look(column)) : null);
+      replace(this.#axes, state.axes.length > 0 ? axesTable(state.axes, this.#axis, isWorking, (column) => this.#look(column), unitSwitch(() => this.#draw())) : null);
     });
     this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.standing?.outcome]), this.#axis], () => this.#drawBar(state));
     const isRead = state.logs !== null;
@@ -277,7 +277,7 @@ export class StudyPage {
     });
     const step = (/** @type {string} */ name, /** @type {number} */ at) =>
       el("li", {}, el("button", { type: "button", class: "quiet", "data-key": `step:${at}`, onclick: () => this.#goTo(at + 1, true) }, el("b", {}, at + 1), el("span", {}, name)));
-    replace(this.#bar, axes, unitSwitch(() => this.#draw()), el("nav", { "aria-label": "Parts" }, el("ol", { class: "steps" }, STEPS.map(step))));
+    replace(this.#bar, axes, el("nav", { "aria-label": "Parts" }, el("ol", { class: "steps" }, STEPS.map(step))));
   }
 }
 

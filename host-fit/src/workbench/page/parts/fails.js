@@ -61,7 +61,7 @@ export function failsPart({ study, time, source, choose, announce }) {
     if (!axis?.comparison) return replace(panels);
     if (panels.childElementCount === 0) replace(panels, Array.from({ length: 4 }, () => el("div", { class: "card skeleton tall" })));
     panels.setAttribute("aria-busy", "true");
-    const query = new URLSearchParams({ axis: axis.column, units: system() });
+    const query = new URLSearchParams({ axis: axis.column });
     if (chosen) {
       query.set("from", String(chosen.from));
       query.set("to", String(chosen.to));
@@ -71,12 +71,22 @@ export function failsPart({ study, time, source, choose, announce }) {
       if (signal.aborted) return;
       drawFigures(panels, figures.map(({ name, figure }) => ({ name, figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) })), axis.comparison);
       pictured = axis.column;
+      if (!chosen) void readNoise(axis, signal);
     } catch (error) {
       if (signal.aborted || isAbort(error)) return;
       setTimeout(() => (asked = ""), RETRY);
       replace(panels, alertElement(messageOf(error)));
     }
     panels.removeAttribute("aria-busy");
+  }
+
+  /** N, B and K take a while on a long log: they come after the other figures. @param {import("../types.js").AxisPage} axis @param {AbortSignal} signal */
+  async function readNoise(axis, signal) {
+    const query = new URLSearchParams({ axis: axis.column, units: system() });
+    // the figure is one of many: without it the others stand
+    const figure = /** @type {import("../types.js").Figure | null} */ (await get(`/api/studies/${study}/noise?${query}`, signal).catch(() => null));
+    if (signal.aborted || !figure) return;
+    panels.querySelector('[data-figure="allan"]')?.after(figureCard({ name: "noise", figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) }));
   }
 
   return {
@@ -116,6 +126,9 @@ function chosenNote(chosen, choose) {
   );
 }
 
+/** @param {NamedFigure} named */
+const figureCard = ({ name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
+
 /** @param {HTMLElement} host @param {NamedFigure[]} figures @param {import("../types.js").AxisComparison} comparison */
 function drawFigures(host, figures, comparison) {
   // likeliest channels first
@@ -125,19 +138,19 @@ function drawFigures(host, figures, comparison) {
     return at < 0 ? order.length : at;
   };
   const against = figures.filter(({ name }) => name.startsWith(AGAINST)).sort((a, b) => place(a) - place(b));
-  const card = (/** @type {NamedFigure} */ { name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
+  
   const named = (/** @type {string} */ wanted) => figures.find(({ name }) => name === wanted);
-  const known = ["allan", "noise", "spectrum", "autocorrelation"].map(named).filter((figure) => figure !== undefined);
+  const known = ["allan", "spectrum", "autocorrelation"].map(named).filter((figure) => figure !== undefined);
   const dependence = named("dependence");
   const [first, rest] = [against.slice(0, CHANNELS), against.slice(CHANNELS)];
   replace(
     host,
     el("h3", {}, "In time and frequency"),
-    el("div", { class: "grid two" }, known.map(card)),
+    el("div", { class: "grid two" }, known.map(figureCard)),
     against.length > 0 ? el("h3", {}, "Against everything that was logged") : null,
-    el("div", { class: "grid two" }, first.map(card)),
-    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(card))) : null,
-    dependence ? unfolding("dependence", "Which delay explains most, and when the model fails at which frequency", () => card(dependence)) : null,
+    el("div", { class: "grid two" }, first.map(figureCard)),
+    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(figureCard))) : null,
+    dependence ? unfolding("dependence", "Which delay explains most, and when the model fails at which frequency", () => figureCard(dependence)) : null,
   );
 }
 

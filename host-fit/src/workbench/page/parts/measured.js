@@ -23,6 +23,9 @@ const VIEWS = [
 /** Below this stretch, s, means of a second say less than samples. */
 const SHORT = 20;
 
+/** Predictions that begin later than this share of the log say why. */
+const LATE = 0.02;
+
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function measuredPart({ time, source, choose, setView, setMean }) {
   const chart = new TimeChart({
@@ -47,6 +50,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
   const empty = el("p", { class: "loading" }, "Reading samples …");
   const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {() => void} */ act) =>
     el("button", { type: "button", class: "small", "aria-label": name, title: name, onclick: act }, text);
+  const late = el("p", { class: "note", hidden: true });
   const controls = el(
     "div",
     { class: "controls" },
@@ -61,7 +65,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     1,
     "Measured against predicted",
     "Does the model follow the sensor?",
-    el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls),
+    el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls, late),
   );
 
   /** @type {ViewName} */
@@ -104,6 +108,10 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
         chart.setLabel(scene.axis ? scene.axis.label : "Measured");
       }
       if (scene.axis) chart.setUnit(unitOf(scene.axis.units.measured));
+      const begin = scene.axis?.judged_s?.[0];
+      const field = scene.state.logs?.field;
+      late.hidden = begin === undefined || !field || begin - field.from_s < LATE * (field.to_s - field.from_s);
+      if (begin !== undefined) late.textContent = `Predictions begin at ${seconds(begin)}: the model was fitted to the rows before.`;
       chart.setShades(shadesOf(scene));
       chart.setMoved(movedOf(scene));
       overview.setMoved(movedOf(scene));

@@ -35,7 +35,7 @@ export function missingPart(context) {
     const now = JSON.stringify([axis?.column, diagnosis, axis?.standing, axis?.offers, isBusy, diagnosis ? null : waitingFor(scene, ""), axis?.growth?.stairs.length, system()]);
     if (now !== drawn) {
       drawn = now;
-      replace(verdict, axis?.standing ? verdictElement(axis.standing) : el("div", { class: "card" }, el("p", { class: "empty" }, waitingFor(scene, "This axis has not been diagnosed yet."))));
+      replace(verdict, axis?.standing ? verdictElement(axis.standing, diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, waitingFor(scene, "This axis has not been diagnosed yet."))));
       const entry = (/** @type {import("../types.js").FindingWithRms} */ finding, /** @type {number} */ at) =>
         findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, isBusy, context, axis: /** @type {AxisPage} */ (axis) });
       const entries = axis ? (diagnosis?.findings.map(entry) ?? []) : [];
@@ -75,8 +75,8 @@ export function missingPart(context) {
   };
 }
 
-/** @param {import("../types.js").Standing} standing */
-function verdictElement({ outcome, sentence, record }) {
+/** @param {import("../types.js").Standing} standing @param {Diagnosis | null} diagnosis */
+function verdictElement({ outcome, sentence, record }, diagnosis) {
   const { title } = OUTCOMES[outcome];
   // some sentences begin with their title
   const says = sentence.startsWith(title) ? sentence.slice(title.length).replace(/^[:. ]+/, "") : sentence;
@@ -84,7 +84,7 @@ function verdictElement({ outcome, sentence, record }) {
     "div",
     { class: `verdict ${outcome}`, "data-verdict": outcome },
     icon(outcome),
-    el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, capitalised(says)), record.length > 0 && el("p", {}, el("b", {}, "What the tests need: "), `${record.join("; ")}.`)),
+    el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, capitalised(says)), record.length > 0 && el("p", {}, el("b", {}, "What the tests need: "), `${record.join("; ")}.`), outcome === "nothing_missing" && diagnosis && diagnosis.untested.length > 0 && el("p", { class: "note" }, `${diagnosis.tested.length} slow effects were tested. ${diagnosis.untested.length} effects could not be tested on this log; what they need is listed below.`)),
   );
 }
 
