@@ -96,7 +96,7 @@ export class MappingTable {
         },
       },
       el("option", { value: "", selected: choice.target === null }, "kept as it is"),
-      el("option", { value: LEFT_OUT, selected: choice.target === LEFT_OUT }, "left out"),
+      el("option", { value: LEFT_OUT, selected: choice.target === LEFT_OUT }, "excluded"),
       targets.map((name) => el("option", { value: name, selected: name === choice.target }, name)),
     );
     drawUnits();

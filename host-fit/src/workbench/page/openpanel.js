@@ -47,7 +47,7 @@ export class OpenPanel {
       "div",
       { class: "drop" },
       el("p", { class: "drop-title" }, "Drop a log here"),
-      el("p", { class: "note" }, "CSV, Parquet, PX4 ULog, ArduPilot BIN, MCAP, a ROS bag, the zip of a phone app; one log, or up to three with a quiet and a later one. Nothing leaves this machine."),
+      el("p", { class: "note" }, "CSV, Parquet, PX4 ULog, ArduPilot BIN, MCAP, a ROS bag, the zip of a phone app; one log, or up to three: the log to explain, a reference log and an evaluation log. Nothing leaves this machine."),
       el("p", {}, this.#chooser, el("label", { for: this.#chooser.id, class: "button" }, "Choose files")),
     );
     for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));
@@ -57,10 +57,10 @@ export class OpenPanel {
     this.element = el(
       "section",
       { class: "opening", "aria-labelledby": "opening-title" },
-      el("h1", { id: "opening-title" }, "What does your sensor do that no model knows?"),
-      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where that fails, and names the physical effect that is missing."),
+      el("h1", { id: "opening-title" }, "Why does your sensor drift?"),
+      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where the model fails, and identifies the missing physical effect."),
       this.#problems,
-      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and something happens to gyro x that no model has."), this.#example, this.#paths, this.#populations)),
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts for a reason that its model lacks."), this.#example, this.#paths, this.#populations)),
       this.#progress,
       this.#files,
       this.#mapping.element,
@@ -94,11 +94,11 @@ export class OpenPanel {
       return (await upload(file)).path;
     });
     const left = files.slice(most).map((file) => file.name);
-    if (left.length > 0) this.#problem(`Not taken: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
+    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
   }
 
   /**
-   * Looks into logs, one after the other; one that is no log is told of and left out.
+   * Looks into logs, one after the other; a file that is no log is reported and skipped.
    * @template Given
    * @param {Given[]} all
    * @param {(given: Given) => Promise<string>} pathOf
@@ -129,7 +129,7 @@ export class OpenPanel {
     if (logs.length === 0) return replace(this.#paths);
     const id = uniqueId("path");
     const select = el("select", { id, "data-key": "path" }, logs.map(({ path, bytes: size }) => el("option", { value: path }, `${path} (${bytes(size)})`)));
-    const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Take this log");
+    const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Use this log");
     replace(this.#paths, el("h2", {}, el("label", { for: id }, "A log on this machine")), el("div", { class: "row" }, select, open));
   }
 
@@ -157,7 +157,7 @@ export class OpenPanel {
         {},
         el("label", { for: id }, fileName(one.path)),
         el("select", { id, "data-key": `role:${one.path}`, onchange: change }, ROLES.map(({ role, text }) => el("option", { value: role, selected: role === one.role }, text))),
-        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Leave out ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Leave out"),
+        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Remove ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Remove"),
       );
     };
     replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
