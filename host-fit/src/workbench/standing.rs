@@ -47,10 +47,13 @@ const AT_REST: &str = "at rest";
 pub(super) fn pays(before: &RefinementStep, after: &RefinementStep) -> bool {
     let Some(added) = &after.added else { return true };
     let fell = 1.0 - (1.0 - added.measured_reduction).max(0.0).sqrt();
-    let noisier = after.left.wide.sqrt() > (1.0 + GROWS) * before.left.wide.sqrt();
     // a stochastic effect changes the noise model only, and predicts no reduction
     let claims = added.finding.band != Band::Stochastic && added.finding.predicted_reduction > 0.0;
-    !claims || fell >= PAYS && !noisier
+    !claims || is_gain(fell, before.left.wide.sqrt(), after.left.wide.sqrt())
+}
+
+fn is_gain(fell: f64, samples_before: f64, samples_after: f64) -> bool {
+    fell >= PAYS && samples_after <= (1.0 + GROWS) * samples_before
 }
 
 impl Standing {
@@ -132,6 +135,15 @@ mod tests {
         assert_eq!(worst([Some(NothingMissing), Some(NothingMissing)]), Some(NothingMissing));
         assert_eq!(worst([Some(NotEnoughData), None]), Some(NotEnoughData));
         assert_eq!(worst([Some(NothingMissing), Some(Missing), Some(NotEnoughData)]), Some(Missing));
+    }
+
+    #[test]
+    fn a_small_reduction_or_noisier_samples_are_no_gain() {
+        assert!(is_gain(0.78, 0.125, 0.076));
+        // a g-sensitivity of 81 times the typical size: 1 % of the slow error, and noisier samples
+        assert!(!is_gain(0.01, 0.125, 0.126));
+        assert!(!is_gain(0.01, 0.125, 0.125));
+        assert!(!is_gain(0.1, 0.125, 0.126));
     }
 
     fn diagnosis(untested: serde_json::Value) -> Diagnosis {

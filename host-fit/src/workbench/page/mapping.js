@@ -23,7 +23,7 @@ export class MappingTable {
   #clash = el("p", { class: "clash", role: "alert" });
   #rateRow = el("p", { class: "rate" }, el("label", { for: this.#rate.id }, "There is no column of time. Sample rate, Hz "), this.#rate);
 
-  /** Shows the columns of these files, each name once; nothing where all are as the log format has them. @param {Preview[]} previews */
+  /** Shows the columns of these files, each name once; nothing where all are as the log format has them and one is a sensor. @param {Preview[]} previews */
   show(previews) {
     const before = this.#choices;
     /** @type {Map<string, Choice>} */
@@ -34,7 +34,7 @@ export class MappingTable {
     }
     this.#choices = [...choices.values()];
     const first = previews[0];
-    const isStandard = this.#choices.every(({ column }) => column.spec === null && column.sure) && this.#hasTime();
+    const isStandard = this.#choices.every(({ column }) => column.spec === null && column.sure) && this.#hasTime() && this.hasSensor();
     if (!first || isStandard) return replace(this.element);
     const unsure = this.#choices.filter(({ column }) => !column.sure).length;
     const head = ["Column", "First values", "Is", "In", "Why"].map((text) => el("th", { scope: "col" }, text));

@@ -47,6 +47,12 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
   const says = el("p", { class: "note" });
   const shown = el("span", { class: "shown" });
   const finer = el("button", { type: "button", class: "link", hidden: true, onclick: () => setView("one_step") }, "Show single samples");
+  const inspect = el("button", { type: "button", class: "link", hidden: true, onclick: () => inspectShown() }, "Show this range in every panel");
+  const inspectShown = () => {
+    const [from, to] = time.shown;
+    choose({ from, to, mark: null });
+    time.show(from, to);
+  };
   const empty = el("p", { class: "loading" }, "Reading samples …");
   const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {() => void} */ act) =>
     el("button", { type: "button", class: "small", "aria-label": name, title: name, onclick: act }, text);
@@ -58,6 +64,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     button("+", "Zoom in", () => time.zoom(KEY_ZOOM)),
     button("All", "All: show the whole log", () => time.showAll()),
     shown,
+    inspect,
     finer,
     el("span", { class: "hint" }, "Drag to zoom, shift-drag to pan"),
   );
@@ -75,6 +82,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     const text = `${seconds(from, time.span)} to ${seconds(to, time.span)}${time.isWhole ? ", the whole log" : ""}`;
     if (shown.textContent !== text) shown.textContent = text;
     finer.hidden = !(view === "slow" && time.span < SHORT);
+    inspect.hidden = time.isWhole;
   };
   time.onChange(say);
   /** @type {import("../types.js").AxisSeries | null} */
