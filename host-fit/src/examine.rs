@@ -38,7 +38,9 @@ pub fn examine(
     logs: &Logs,
     progress: impl FnMut(&str),
 ) -> Result<Examination, CompareError> {
-    let model: &UnitModel = refinement.last().map_or(&study.model, |last| &last.model);
+    // a refinement recalibrates its first model on the field log, which nobody exports while nothing is added
+    let added = refinement.last().filter(|last| last.added.is_some());
+    let model: &UnitModel = added.map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
     let trained_rows = 0..study.data.trained_rows;

@@ -26,5 +26,6 @@ pub mod record;
 pub mod replay;
 pub mod report;
 mod timing;
+mod units;
 #[cfg(feature = "workbench")]
 pub mod workbench;

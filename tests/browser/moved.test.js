@@ -66,7 +66,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   const turn = page.locator('[data-key="moved"]');
   assert.match(await turn.innerText(), /as any others/);
   await turn.click();
-  await page.locator('[data-key="moved"]', { hasText: "Leave them out" }).waitFor({ timeout: SLOW });
+  await page.locator('[data-key="moved"]', { hasText: "Exclude them" }).waitFor({ timeout: SLOW });
   await atRest(page);
   const kept = await stateOf(page, server);
   assert.equal(kept.keeps_moved, true);

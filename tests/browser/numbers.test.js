@@ -5,6 +5,10 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 import { count, firstSentence, number, percent, quantity, raised } from "../../host-fit/src/workbench/page/format.js";
+import { addressOf, addressedStudy, placeOf } from "../../host-fit/src/workbench/page/address.js";
+import { csvOf } from "../../host-fit/src/workbench/page/downloads.js";
+import { meanFor } from "../../host-fit/src/workbench/page/seriessource.js";
+import { figureIn } from "../../host-fit/src/workbench/page/units.js";
 import { linearTicks, logTicks } from "../../host-fit/src/workbench/page/ticks.js";
 
 const spaced = (/** @type {string} */ text) => text.replaceAll("\u202f", " ");
@@ -14,16 +18,54 @@ test("numbers have three digits, a real minus and powers of ten where they are n
   assert.equal(number(-0.26061), "−0.261");
   assert.equal(number(1271.73), "1272");
   assert.equal(number(3.0912e-7), "3.09×10⁻⁷");
+  assert.equal(number(0.000648), "0.000648");
   assert.equal(number(0), "0");
   assert.equal(number(null), "–");
   assert.equal(number(Number.NaN), "–");
 });
 
-test("units take the prefix that suits the number", () => {
-  assert.equal(spaced(quantity(0.0033094, "rad/s")), "3.31 mrad/s");
-  assert.equal(spaced(quantity(-7.5e-7, "rad/s")), "−750 nrad/s");
-  assert.equal(spaced(quantity(0, "rad/s")), "0 rad/s");
-  assert.equal(spaced(quantity(0.0204, "dps/K")), "0.0204 dps/K");
+test("quantities have their unit", () => {
+  assert.equal(spaced(quantity(0.0033094, "rad/s")), "0.00331 rad/s");
+  assert.equal(spaced(quantity(0, "°/s")), "0 °/s");
+  assert.equal(quantity(null, "°/s"), "–");
+});
+
+test("a figure in field units keeps its values and states their unit", () => {
+  const axis = (/** @type {string} */ label) => ({ label, scale: /** @type {const} */ ("Linear"), names: [] });
+  /** @type {import("../../host-fit/src/workbench/page/types.js").Figure} */
+  const figure = {
+    title: "",
+    panels: [
+      { title: "", x: axis("Time (s)"), y: axis("Residual (rad/s)"), series: [{ label: "", ink: "Residual", shape: { Line: [[1, Math.PI], [2, null]] } }], shading: [] },
+      { title: "", x: axis("Frequency (Hz)"), y: axis("Power spectral density ((rad/s)²/Hz)"), series: [{ label: "", ink: "Residual", shape: { Level: Math.PI ** 2 } }], shading: [] },
+    ],
+  };
+  const [time, density] = figureIn(figure, "rad/s", { label: "°/s", divisor: Math.PI / 180 }).panels;
+  assert.equal(time?.y.label, "Residual (°/s)");
+  assert.deepEqual(time?.series[0]?.shape, { Line: [[1, 180], [2, null]] });
+  assert.equal(density?.y.label, "Power spectral density ((°/s)²/Hz)");
+  const level = density?.series[0]?.shape;
+  assert.ok(level && "Level" in level && Math.abs(level.Level - 180 ** 2) < 1e-6);
+});
+
+test("an address names axis, view, time and stretch, and a broken one names the study alone", () => {
+  const place = { axis: "gx_rads", view: "coast", window: /** @type {[number, number]} */ ([10, 20.5]), stretch: /** @type {[number, number]} */ ([12, 13]) };
+  const address = addressOf(3, place);
+  assert.equal(addressedStudy(address), 3);
+  assert.deepEqual(placeOf(address), place);
+  assert.equal(addressOf(3, { axis: null, view: null, window: null, stretch: null }), "#/study/3");
+  assert.deepEqual(placeOf("#/study/3?time=5_x&stretch=9_2"), { axis: null, view: null, window: null, stretch: null });
+  assert.equal(addressedStudy("#/study/x"), null);
+});
+
+test("means follow the zoom in steps of 1, 2 and 5", () => {
+  assert.deepEqual([10, 1500, 2500, 7200, 184_000].map(meanFor), [1, 1, 2, 5, 100]);
+});
+
+test("a figure is saved with a row for each value", () => {
+  const axis = (/** @type {string} */ label) => ({ label, scale: /** @type {const} */ ("Linear"), names: [] });
+  const series = [{ label: 'residual, "after"', ink: /** @type {const} */ ("Residual"), shape: { Band: /** @type {[number, number, number][]} */ ([[1, 2, 3]]) } }];
+  assert.equal(csvOf({ title: "", panels: [{ title: "", x: axis("Time (s)"), y: axis("Error (mg)"), series, shading: [] }] }), 'series,Time (s),Error (mg),low,high\n"residual, ""after""",1,,2,3\n');
 });
 
 test("counts are grouped, shares are percent", () => {

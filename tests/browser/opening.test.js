@@ -40,7 +40,7 @@ test("columns in mdps and g are guessed, shown and read", { timeout: SLOW }, asy
 test("a broken log is told of in full, and nothing else is lost", { timeout: 2 * SLOW }, async () => {
   const page = await workbench.open();
   await openExample(page);
-  const study = page.url();
+  const study = page.url().split("?")[0] ?? "";
   await page.locator('[data-key="tab:new"]').click();
   await page.waitForSelector(".opening");
   await drop(page, [csvFile("broken.csv", "t_s,gx_rads\n0.000,0.1\n0.005\n0.010,abc\n")]);
@@ -56,6 +56,51 @@ test("a broken log is told of in full, and nothing else is lost", { timeout: 2 *
   await page.locator(`.tabs a[href="${study.replace(/^[^#]*/, "")}"]`).click();
   await atRest(page);
   assert.equal(await page.locator(".finding").first().getAttribute("data-effect"), "thermal_lag");
+  await closePage(page);
+});
+
+test("a log without sensor columns stays at the mapping until one is chosen", { timeout: SLOW }, async () => {
+  const page = await workbench.open();
+  const rows = unusualCsv().split("\n").slice(1);
+  await drop(page, [csvFile("unknown.csv", ["time_ms,c1,c2,c3,c4,c5,c6", ...rows.map((row) => row.split(",").map((value, at) => (at === 0 ? value : String(Number(value) * 1000 + 7))).join(","))].join("\n"))]);
+  await page.waitForSelector(".mapping table");
+  for (const column of ["c1", "c2", "c3", "c4", "c5", "c6"]) await page.locator(`[data-column="${column}"] select`).first().selectOption("");
+  const read = page.getByRole("button", { name: "Read the log" });
+  await page.getByText(/No column is a gyro or an accelerometer/).waitFor();
+  assert.equal(await read.getAttribute("aria-disabled"), "true");
+  await read.click({ force: true });
+  assert.match(page.url(), /#\/open$/, "the log is not read");
+  await assertAccessible(page, "a mapping without a sensor");
+  await page.locator('[data-column="c1"] select').first().selectOption("gx_rads");
+  assert.equal(await read.getAttribute("aria-disabled"), "false");
+  await closePage(page);
+});
+
+test("a log that cannot be read leads back to its columns", { timeout: SLOW }, async () => {
+  const page = await workbench.open();
+  await drop(page, [csvFile("broken.csv", "t_s,gx_rads\n0.000,0.1\n0.005,0.1\n0.010,0.2\n0.015,oops\n".replace("oops", "0.1\n0.015,0.1\n0.001,0.1"))]);
+  const read = page.getByRole("button", { name: "Read the log" });
+  await read.waitFor();
+  await read.click();
+  const back = page.locator('[data-key="columns"]');
+  await back.waitFor({ timeout: SLOW });
+  await back.click();
+  await page.waitForSelector(".picked li");
+  assert.match(await page.locator(".picked").innerText(), /broken\.csv/);
+  await closePage(page);
+});
+
+test("a short log is not an all-clear", { timeout: SLOW }, async () => {
+  const page = await workbench.open();
+  await drop(page, [csvFile("short.csv", unusualCsv().split("\n").slice(0, 4001).join("\n"))]);
+  await page.getByRole("button", { name: "Read the log" }).click();
+  await page.waitForSelector("[data-verdict]", { timeout: SLOW });
+  await atRest(page);
+  for (const outcome of await page.locator("[data-overview]").evaluateAll((rows) => rows.map((row) => row.getAttribute("data-outcome")))) assert.equal(outcome, "not_enough_data");
+  assert.equal(await page.locator("[data-verdict]").getAttribute("data-verdict"), "not_enough_data");
+  assert.match(await page.locator("[data-verdict]").innerText(), /What the tests need: .*at rest/);
+  assert.equal(await page.locator(".icon-nothing_missing").count(), 0);
+  assert.match(await page.title(), /^Not enough data: /);
   await closePage(page);
 });
 

@@ -44,15 +44,15 @@ test("a population is opened, a unit of it is looked at, and its log is opened",
 
   // one that was not read says why, and has no log to open
   await page.getByRole("link", { name: "W9/empty" }).click();
-  await page.getByRole("heading", { name: "Unit W9/empty" }).waitFor();
+  await page.getByRole("heading", { name: "Device W9/empty" }).waitFor();
   assert.match(await page.locator(".unit").innerText(), /the file is empty/);
 
   await page.locator('[data-key="unit"]').selectOption({ label: "W10/unit3, lot W10" });
   await page.locator('[data-key="show-unit"]').click();
-  await page.getByRole("heading", { name: "Unit W10/unit3" }).waitFor();
+  await page.getByRole("heading", { name: "Device W10/unit3" }).waitFor();
   assert.equal(await page.locator(".unit tbody tr").count(), coefficients.length);
   await page.reload();
-  await page.getByRole("heading", { name: "Unit W10/unit3" }).waitFor();
+  await page.getByRole("heading", { name: "Device W10/unit3" }).waitFor();
   for (const width of [1440, 768]) {
     await page.setViewportSize({ width, height: 900 });
     await assertNoOverflow(page, `a population, ${width} px`);

@@ -140,7 +140,7 @@ export async function add(page, effect) {
 
 /** The study that the address names, as the server has it. @param {Page} page @param {Server} server */
 export async function stateOf(page, server) {
-  const id = /#\/study\/(.+)$/.exec(page.url())?.[1];
+  const id = /#\/study\/(\d+)/.exec(page.url())?.[1];
   const response = await fetch(`${server.url}api/studies/${id}`);
   return /** @type {import("../../host-fit/src/workbench/page/types.js").Page} */ (await response.json());
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::dependence::{Dependence, DependenceError, Trained, dependence};
 use crate::physical::{PhysicalError, in_known_pose};
-use crate::rms::WithRms;
+use crate::rms::{RmsTwins, WithRms};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
@@ -72,7 +72,7 @@ pub struct AxisComparison {
     pub floor_cautions: Vec<String>,
     /// The rivals, then the model.
     pub errors: Vec<ModelErrors>,
-    /// The five stretches where the model fails worst.
+    /// Stretches whose slow error stands out, worst first: at most five, none where no stretch stands out.
     pub worst: Vec<Stretch>,
     /// What is left against everything that is logged; absent where that is too little to tell.
     pub dependence: Option<Dependence>,
@@ -312,15 +312,16 @@ impl Study {
 fn with_rms<S: Serializer>(axes: &[AxisComparison], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(axes.iter().map(|axis| {
         let [before, after] = axis.slow_errors();
-        WithRms {
+        let twins = RmsTwins {
             rms_before: before,
             rms_after: after,
             rms_reduction: before
                 .zip(after)
                 .filter(|(before, _)| *before > 0.0)
                 .map(|(before, after)| 1.0 - after / before),
-            ..WithRms::new(axis)
-        }
+            ..RmsTwins::default()
+        };
+        WithRms { of: axis, twins }
     }))
 }
 

@@ -7,11 +7,10 @@ pub fn rms_reduction(of_variance: f64) -> f64 {
     1.0 - (1.0 - of_variance).max(0.0).sqrt()
 }
 
-/// A value with its reductions as RMS.
-#[derive(Serialize)]
-pub(crate) struct WithRms<'a, T> {
-    #[serde(flatten)]
-    pub(crate) of: &'a T,
+/// RMS values that JSON states beside the variances they follow from.
+#[derive(Default, Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS), ts(optional_fields))]
+pub(crate) struct RmsTwins {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rms_before: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,15 +23,28 @@ pub(crate) struct WithRms<'a, T> {
     pub(crate) measured_rms_reduction: Option<f64>,
 }
 
-impl<'a, T> WithRms<'a, T> {
-    pub(crate) fn new(of: &'a T) -> Self {
-        Self {
-            of,
-            rms_before: None,
-            rms_after: None,
-            rms_reduction: None,
-            rms_reduction_interval: None,
-            measured_rms_reduction: None,
-        }
-    }
+/// A value with its reductions as RMS.
+#[derive(Serialize)]
+pub(crate) struct WithRms<'a, T> {
+    #[serde(flatten)]
+    pub(crate) of: &'a T,
+    #[serde(flatten)]
+    pub(crate) twins: RmsTwins,
 }
+
+/// A TypeScript type for a value with its twins, as ts-rs flattens no generic field.
+#[cfg(feature = "page-types")]
+macro_rules! twinned {
+    ($name:ident, $of:ty) => {
+        #[derive(ts_rs::TS)]
+        #[allow(dead_code, reason = "only its TypeScript type is of use")]
+        pub(crate) struct $name {
+            #[ts(flatten)]
+            of: $of,
+            #[ts(flatten)]
+            twins: crate::rms::RmsTwins,
+        }
+    };
+}
+#[cfg(feature = "page-types")]
+pub(crate) use twinned;

@@ -8,8 +8,7 @@ use fos_fit::evaluate::ModelErrors;
 
 /// The unit in which the errors of these models are shown.
 pub(super) fn error_unit(column: &str, models: &[&ModelErrors], units: Units) -> ErrorUnit {
-    let slow = models.iter().filter_map(|model| model.slow_error_coast);
-    ErrorUnit::of(column, slow.fold(0.0, f64::max).sqrt(), units)
+    ErrorUnit::of_models(column, models.iter().copied(), units)
 }
 
 /// One column per model, one row per error, as RMS.

@@ -12,6 +12,7 @@ use super::units::Printed;
 use crate::export::{NoiseModel, NoiseUnits, allan_csv, imu_yaml, orb_slam3, vins};
 use crate::figures::noise::allan_of_noise;
 use crate::figures::write_svg;
+use crate::units::{ShownUnit, Units};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::Recording;
 use fos_data::stillness::{self, Stillness};
@@ -76,7 +77,10 @@ impl Noise {
             written.push((path, "N, B, K and the Allan deviation of every axis"));
         }
         if let Some(path) = &self.svg {
-            write_svg(&allan_of_noise(&log, &found), path)?;
+            write_svg(
+                &allan_of_noise(&log, &found, |axis| ShownUnit::of_noise(&axis.column, Units::Si)),
+                path,
+            )?;
             written.push((path, "the same as a figure"));
         }
         warn(&recording, &stillness);

@@ -1,23 +1,10 @@
-//! Units and numbers as people read them: °/s or °/h for a gyro, mg for an accelerometer, three significant digits.
+//! Numbers as people read them, and the options of the printed text.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use fos_data::column::Column;
+use crate::units::ShownUnit;
+pub(super) use crate::units::{ErrorUnit, Units};
 use fos_data::text::rounded;
-use fos_diagnose::effects::SizeUnit;
-
-/// A gyro whose errors are smaller than this is shown in °/h, °/s.
-const IN_DEGREES_PER_HOUR: f64 = 0.1;
-
-/// The units of printed text.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Units {
-    /// °/s, °/h and mg
-    #[default]
-    Field,
-    /// rad/s and m/s²
-    Si,
-}
 
 /// Extent and units of the printed text.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -38,39 +25,12 @@ impl Printed {
 
     /// A coefficient in the unit of a data sheet, as `0.0205 (°/s)/K`.
     pub(super) fn coefficient(self, value: f64, unit: &str) -> (String, String) {
-        match (self.units, unit.parse::<SizeUnit>()) {
-            (Units::Si, Ok(unit)) => (three(value * unit.si), unit.in_si()),
-            (Units::Field, Ok(unit)) => (three(value), unit.spelled()),
-            (_, Err(_)) => (three(value), unit.to_owned()),
-        }
+        let shown = ShownUnit::of_size(unit, self.units);
+        (three(value / shown.divisor), shown.label)
     }
-}
-
-/// The unit in which the errors of one axis are shown.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ErrorUnit {
-    /// Spelled for people; empty where the column does not state a unit.
-    pub(super) label: &'static str,
-    /// One of this unit in SI.
-    pub(super) si: f64,
 }
 
 impl ErrorUnit {
-    /// The unit in which errors of up to `largest`, in SI, are easy to read.
-    pub(super) fn of(column: &str, largest: f64, units: Units) -> Self {
-        let column = Column::named(column);
-        let size = SizeUnit::of_axis(column).si;
-        let (label, si) = match units {
-            Units::Field if column.is_angular_rate() && largest < IN_DEGREES_PER_HOUR * size => {
-                ("°/h", size / 3600.0)
-            }
-            Units::Field if column.is_angular_rate() => ("°/s", size),
-            Units::Field if column.is_specific_force() => ("mg", size),
-            _ => (column.unit().label(), 1.0),
-        };
-        Self { label, si }
-    }
-
     /// A value in SI, without the unit.
     pub(super) fn show(self, value: f64) -> String {
         three(value / self.si)

@@ -43,7 +43,7 @@ pub fn measured_and_predicted(
 
 /// What the model leaves over time, with the same shading.
 pub fn residual(subject: Subject, residual: &[Envelope], mean_label: &str, apart: SetApart) -> Figure {
-    over_time(subject, "what the model leaves", &[("residual", Ink::Residual, residual)], mean_label, apart)
+    over_time(subject, "residual", &[("residual", Ink::Residual, residual)], mean_label, apart)
 }
 
 /// Autocorrelation of the residual at lags ≥ 1 with the bounds that hold 95 % of the values of white noise.
@@ -68,7 +68,7 @@ pub fn residual_autocorrelation(
         ],
         shading: Vec::new(),
     };
-    Figure { title: headline(subject, "does the residual remember?"), panels: vec![panel] }
+    Figure { title: headline(subject, "autocorrelation of the residual"), panels: vec![panel] }
 }
 
 /// Power spectral densities of what was measured, predicted and left. Smooth them first (`Spectrum::smoothed`).
@@ -104,7 +104,7 @@ pub fn spectra(
         series: curves.into_iter().chain(floor).collect(),
         ..Panel::default()
     };
-    Figure { title: headline(subject, "which frequencies are left"), panels: vec![panel] }
+    Figure { title: headline(subject, "spectrum"), panels: vec![panel] }
 }
 
 /// Allan deviation of what was measured, of what was predicted and of what is left, with 95 % intervals.
@@ -129,7 +129,7 @@ pub fn allan(
         ],
         shading: Vec::new(),
     };
-    Figure { title: headline(subject, "noise by averaging time"), panels: vec![panel] }
+    Figure { title: headline(subject, "Allan deviation"), panels: vec![panel] }
 }
 
 /// Block means of what is left against those of a channel; `apart` are the blocks of a stretch that is looked at.
@@ -152,7 +152,7 @@ pub fn against(
         series,
         ..Panel::default()
     };
-    Figure { title: headline(subject, &format!("what is left against {channel}")), panels: vec![panel] }
+    Figure { title: headline(subject, &format!("residual against {channel}")), panels: vec![panel] }
 }
 
 fn over_time(

@@ -29,7 +29,7 @@ use fos_data::column::Column;
 pub use shading::{ShadedRange, Shading, Tone, moved};
 
 /// A picture of one or more panels below each other.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Figure {
     /// Headline.
@@ -39,7 +39,7 @@ pub struct Figure {
 }
 
 /// One pair of axes and what is drawn in it.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Panel {
     /// What this panel shows, beside the legend.
@@ -55,7 +55,7 @@ pub struct Panel {
 }
 
 /// An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones).
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Axis {
     /// Quantity and unit, as in `Rate (rad/s)`.
@@ -79,7 +79,7 @@ impl Axis {
 }
 
 /// Spacing of the values along an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Scale {
     /// Even.
@@ -90,7 +90,7 @@ pub enum Scale {
 }
 
 /// Numbers to draw, all of one kind.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Series {
     /// Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
@@ -104,7 +104,7 @@ pub struct Series {
 
 /// How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
 /// out.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Shape {
     /// Points (x, y) joined by a line.
@@ -134,7 +134,7 @@ pub enum Shape {
 
 /// Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
 /// Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Ink {
     /// What the sensor said (blue).

@@ -3,22 +3,29 @@
 use fos_fit::noise::{AxisNoise, FLICKER_FLOOR, Level};
 
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
-use crate::export::{NoiseUnits, SHARE};
+use crate::export::SHARE;
+use crate::units::ShownUnit;
 use fos_data::column::Column;
 use fos_data::text::number;
 
 /// One panel an axis: measured with intervals of 90 %, the lines of N, B and K as far as they were seen, their sum.
-pub fn allan_of_noise(log: &str, axes: &[AxisNoise]) -> Figure {
-    Figure { title: format!("{log}: noise by averaging time"), panels: axes.iter().map(panel).collect() }
+/// `units` gives the units in which the legend states N, B and K.
+pub(crate) fn allan_of_noise(
+    log: &str,
+    axes: &[AxisNoise],
+    units: impl Fn(&AxisNoise) -> [ShownUnit; 3],
+) -> Figure {
+    let panels = axes.iter().map(|axis| panel(axis, &units(axis)));
+    Figure { title: format!("{log}: N, B and K"), panels: panels.collect() }
 }
 
-fn panel(axis: &AxisNoise) -> Panel {
+fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {
     let bars = axis.allan.iter().map(|point| {
         let (low, high) = point.interval(SHARE);
         (point.tau_s, point.deviation, low, high)
     });
     let taus: Vec<f64> = axis.allan.iter().map(|point| point.tau_s).collect();
-    let units = NoiseUnits::of(&axis.unit);
+    let [white, flicker, walk] = units;
     let (lowest, highest) = axis.allan.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), point| {
         (low.min(point.deviation), high.max(point.deviation))
     });
@@ -35,9 +42,9 @@ fn panel(axis: &AxisNoise) -> Panel {
         |walk, tau| walk * (tau / 3.0).sqrt(),
     ];
     let parts = [
-        ("N", &levels.white, &units.white, Ink::Predicted),
-        ("B", &levels.flicker, &units.flicker, Ink::Residual),
-        ("K", &levels.walk, &units.walk, Ink::Other),
+        ("N", &levels.white, white, Ink::Predicted),
+        ("B", &levels.flicker, flicker, Ink::Residual),
+        ("K", &levels.walk, walk, Ink::Other),
     ];
     for ((name, level, unit, ink), of) in parts.into_iter().zip(at) {
         let points = level.value.map_or_else(Vec::new, |value| line(&|tau| of(value, tau)));
@@ -64,11 +71,13 @@ fn panel(axis: &AxisNoise) -> Panel {
     }
 }
 
-fn with_interval(name: &str, level: &Level, unit: &str) -> String {
+fn with_interval(name: &str, level: &Level, unit: &ShownUnit) -> String {
+    let ShownUnit { label, divisor } = unit;
+    let shown = |value: f64| number(value / divisor);
     match (level.value, level.low) {
         (Some(value), Some(low)) => {
-            format!("{name} {} ({} … {}) {unit}", number(value), number(low), number(level.high))
+            format!("{name} {} ({} … {}) {label}", shown(value), shown(low), shown(level.high))
         }
-        _ => format!("{name} not seen, at most {} {unit}", number(level.high)),
+        _ => format!("{name} not seen, at most {} {label}", shown(level.high)),
     }
 }

@@ -8,7 +8,7 @@ use fos_data::recording::{Recording, runs};
 use fos_data::stillness::Stillness;
 
 /// Shaded ranges of x with one legend entry for all of them.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Shading {
     /// Text in the legend.
@@ -20,7 +20,7 @@ pub struct Shading {
 }
 
 /// Why a range is set apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Tone {
     /// To be looked at (orange).
@@ -31,7 +31,7 @@ pub enum Tone {
 }
 
 /// One shaded range.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ShadedRange {
     /// Left end, in units of x.

@@ -1,5 +1,6 @@
 //! The figure of a model that is refined: the error after every step, predicted and measured.
 
+use super::compare::capitalised;
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 
 /// A tread of a staircase: the error that a step of the refinement left.
@@ -70,17 +71,17 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
         }
     });
     let coast = Panel {
-        title: "coasting on its own history".into(),
+        title: "free run, so many seconds ahead".into(),
         x: x(),
-        y: Axis::log(format!("Root mean square ({unit})")),
+        y: Axis::log(format!("RMS ({unit})")),
         series: coast.collect(),
         ..Panel::default()
     };
     Figure {
-        title: format!("{channel}: the error after every step, on data that were not fitted"),
+        title: format!("{}: error after every step, on data that were not fitted", capitalised(channel)),
         panels: vec![
-            panel("slow error", &format!("Deviation of 1-s means ({unit})"), |step| step.slow, false),
-            panel("wide error", &format!("Deviation of samples ({unit})"), |step| step.wide, true),
+            panel("slow error", &format!("RMS of 1-s means ({unit})"), |step| step.slow, false),
+            panel("broadband error", &format!("RMS of samples ({unit})"), |step| step.wide, true),
             coast,
         ],
     }

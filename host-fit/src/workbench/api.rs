@@ -18,19 +18,23 @@ use tokio_stream::{Stream, StreamExt};
 
 use super::desk::Desk;
 use super::folders::Listed;
-use super::series::{Rows, Series, ViewKind, series as series_of};
+use super::series::{Joined, Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
 use super::task::Open;
 use super::told::{Entry, Page};
 use crate::curves::{AgainstChannel, AxisCurves};
 use crate::export::{Refusal, c_source, image, rust_source};
-use crate::figures::Figure;
+use crate::figures::compare::capitalised;
+use crate::figures::noise::allan_of_noise;
+use crate::figures::{Figure, svg};
 use crate::plots::View;
 use crate::replay::Summary;
 use crate::report::{Card, Report, ReportAxis, html, markdown};
+use crate::units::{ShownUnit, Units};
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 use fos_fit::model::UnitModel;
+use fos_fit::noise::AxisNoise;
 
 /// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -213,6 +217,13 @@ pub(super) struct Window {
     from: f64,
     to: f64,
     width: usize,
+    /// Length of the means of the slow view, s.
+    #[serde(default = "one_second")]
+    mean_s: f64,
+}
+
+fn one_second() -> f64 {
+    1.0
 }
 
 #[derive(Serialize)]
@@ -230,7 +241,7 @@ pub(super) async fn series(
     Query(window): Query<Window>,
 ) -> Answer<AxisSeries> {
     let study = desk.study(id).map_err(not_found)?;
-    if !(window.from.is_finite() && window.to > window.from) {
+    if !(window.from.is_finite() && window.to > window.from && window.mean_s > 0.0) {
         return Err(wrong("\"from\" and \"to\" do not make a window"));
     }
     let drawn = beside(move || {
@@ -243,8 +254,10 @@ pub(super) async fn series(
             measured: &log.channel(&window.axis).map_err(wrong)?.values,
             reference: reference.map(|channel| channel.values.as_slice()),
             trace: axis.examination.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
+            before: axis.before.as_ref().map(|found| (&found.trace, &found.trace.axes[0])),
         };
-        let series = series_of(rows, window.view, window.from, window.to, window.width);
+        let joined = Joined { kind: window.view, mean_s: window.mean_s };
+        let series = series_of(rows, joined, window.from, window.to, window.width);
         Ok(AxisSeries { unit: Column::named(&window.axis).unit().label(), axis: window.axis, series })
     });
     Ok(Json(drawn.await?))
@@ -307,6 +320,36 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
         figures.extend(view.dependence().map(|figure| ("dependence".to_owned(), figure)));
     }
     Ok(figures.into_iter().map(|(name, figure)| NamedFigure { name, figure }).collect())
+}
+
+/// Of which axis the noise is asked, and in which units its legend states N, B and K.
+#[derive(Deserialize)]
+pub(super) struct NoiseOf {
+    axis: String,
+    #[serde(default)]
+    units: Units,
+}
+
+/// Allan deviation with N, B and K, as `fos noise` draws it; none where the log is too short.
+pub(super) async fn noise(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Query(of): Query<NoiseOf>,
+) -> Answer<Option<Figure>> {
+    let study = desk.study(id).map_err(not_found)?;
+    let drawn = beside(move || {
+        let Some(noise) = study.noise(&of.axis).map_err(not_now)? else { return Ok(None) };
+        let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, of.units);
+        let label = capitalised(Column::named(&of.axis).label());
+        Ok(Some(allan_of_noise(&label, &[noise], units)))
+    });
+    Ok(Json(drawn.await?))
+}
+
+/// Draws a figure of the page as SVG.
+pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused> {
+    let drawn = beside(move || svg(&figure).map_err(wrong)).await?;
+    Ok(([(header::CONTENT_TYPE, "image/svg+xml")], drawn).into_response())
 }
 
 /// Fewest samples of a stretch that statistics are made of.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::examine::Examination;
 use crate::report::{AxisSection, Summaries};
+use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
 
@@ -21,12 +22,16 @@ pub(super) struct Read {
 pub(super) struct KnownAxis {
     /// The axis alone, as it was fitted.
     pub(super) fitted: Option<Arc<Study>>,
-    /// A fit has failed: it is not tried again unless somebody looks at the axis.
-    pub(super) cannot_be_fitted: bool,
+    /// Why the axis has no model, comparison or diagnosis: not tried again unless somebody looks at the axis.
+    pub(super) failure: Option<String>,
     pub(super) refinement: Option<Refinement>,
     pub(super) examination: Option<Arc<Examination>>,
     /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
     pub(super) examined: bool,
+    /// The model before any effect was added, while there are any.
+    pub(super) before: Option<Arc<Examination>>,
+    /// The diagnosis as it is without the other axes; that of the section also states a signal that axes share.
+    pub(super) alone: Option<Diagnosis>,
     pub(super) section: AxisSection,
 }
 
@@ -34,10 +39,12 @@ impl KnownAxis {
     pub(super) fn unknown(column: &str) -> Self {
         Self {
             fitted: None,
-            cannot_be_fitted: false,
+            failure: None,
             refinement: None,
             examination: None,
             examined: false,
+            before: None,
+            alone: None,
             section: AxisSection::empty(column),
         }
     }
@@ -81,6 +88,8 @@ pub(super) enum Change {
         /// The axis to look at first.
         first: Option<String>,
     },
+    /// The diagnoses of several axes, by column.
+    Diagnoses(Vec<Diagnosis>),
     /// What is known of an axis.
     Axis {
         /// Its column, as `gx_rads`.

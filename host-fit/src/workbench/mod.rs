@@ -11,6 +11,7 @@
 //! | `study` | one study and its thread |
 //! | `state` | what changes under its lock |
 //! | `known` | what is known of it; what a task sees, and what it changes |
+//! | `standing` | the outcome for an axis and for a study |
 //! | `told` | what a page is told of it |
 //! | `queue` | what a study is to do, and what it is doing |
 //! | `task` | a piece of work that waits |
@@ -32,6 +33,7 @@ mod populations;
 mod queue;
 mod series;
 mod server;
+mod standing;
 mod state;
 mod study;
 mod task;

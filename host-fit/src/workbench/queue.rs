@@ -9,54 +9,62 @@ use fos_data::interrupt::StopRequest;
 /// The tasks of a study, in their order, and the one that is being done.
 #[derive(Default)]
 pub(super) struct Queue {
-    waiting: VecDeque<Task>,
+    waiting: VecDeque<Waiting>,
     running: Option<Running>,
+}
+
+struct Waiting {
+    task: Task,
+    asked_for: bool,
 }
 
 /// What is being done.
 struct Running {
     task: Task,
+    asked_for: bool,
     job: Job,
     stop: StopRequest,
 }
 
 impl Queue {
-    /// Puts tasks before the fits that wait in the background; what waits already is not done twice.
+    /// Puts tasks that somebody waits for before those in the background.
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         for task in tasks {
-            if matches!(task, Task::Fit(_)) {
-                let is_running = self
-                    .running
-                    .as_ref()
-                    .is_some_and(|running| running.task == task && !running.stop.is_asked());
-                if is_running || self.waiting.contains(&task) {
-                    continue;
-                }
-            } else {
-                // asked again: it is to see what comes before it now
-                self.waiting.retain(|waiting| *waiting != task);
+            if matches!(task, Task::Fit(_)) && self.is_running(&task) {
+                continue;
             }
-            self.waiting.push_back(task);
+            // asked again: it is to see what comes before it now
+            self.waiting.retain(|waiting| waiting.task != task);
+            let place =
+                self.waiting.iter().position(|waiting| !waiting.asked_for).unwrap_or(self.waiting.len());
+            self.waiting.insert(place, Waiting { task, asked_for: true });
         }
-        // a fit goes with what needs it
-        let needed: Vec<String> = self
-            .waiting
-            .iter()
-            .filter(|task| task.is_asked_for())
-            .filter_map(|task| task.column().map(str::to_owned))
-            .collect();
-        let is_needed = |task: &Task| task.column().is_none_or(|column| needed.iter().any(|it| it == column));
-        let (mut asked, mut background): (VecDeque<Task>, VecDeque<Task>) =
-            std::mem::take(&mut self.waiting).into_iter().partition(is_needed);
-        asked.append(&mut background);
-        self.waiting = asked;
+    }
+
+    /// Adds tasks that nobody waits for; what waits already is not done twice.
+    pub(super) fn ask_in_background(&mut self, tasks: impl IntoIterator<Item = Task>) {
+        for task in tasks {
+            if !self.is_running(&task) && self.waiting.iter().all(|waiting| waiting.task != task) {
+                self.waiting.push_back(Waiting { task, asked_for: false });
+            }
+        }
+    }
+
+    fn is_running(&self, task: &Task) -> bool {
+        self.running.as_ref().is_some_and(|running| running.task == *task && !running.stop.is_asked())
+    }
+
+    /// True where somebody waits for the task that is being done.
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.running.as_ref().is_some_and(|running| running.asked_for)
     }
 
     /// Begins the next task, if there is one; it ends early where `StopRequest` is asked.
     pub(super) fn begin(&mut self) -> Option<(Task, StopRequest)> {
-        let task = self.waiting.pop_front()?;
+        let Waiting { task, asked_for } = self.waiting.pop_front()?;
         let stop = StopRequest::default();
-        self.running = Some(Running { task: task.clone(), job: task.job(), stop: stop.clone() });
+        let job = task.job(asked_for);
+        self.running = Some(Running { task: task.clone(), asked_for, job, stop: stop.clone() });
         Some((task, stop))
     }
 
@@ -64,6 +72,7 @@ impl Queue {
     pub(super) fn progress(&mut self, job: Job) {
         if let Some(running) = &mut self.running {
             running.job = job;
+            running.job.asked_for = running.asked_for;
         }
     }
 
@@ -82,15 +91,16 @@ impl Queue {
 
     /// What was to come after a task that failed needs what it did not give; what is of other axes does not.
     pub(super) fn drop_after(&mut self, failed: &Task) {
-        self.waiting.retain(|waiting| waiting.column() != failed.column());
+        self.waiting.retain(|waiting| waiting.task.column() != failed.column());
     }
 
     /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then
     /// refuses.
     pub(super) fn job(&self) -> Option<Job> {
         let running = self.running.as_ref().map(|running| running.job.clone());
-        let mut job = running.or_else(|| self.waiting.front().map(Task::job))?;
-        job.asked_for |= self.waiting.iter().any(Task::is_asked_for);
+        let next = || self.waiting.front().map(|waiting| waiting.task.job(waiting.asked_for));
+        let mut job = running.or_else(next)?;
+        job.asked_for |= self.waiting.iter().any(|waiting| waiting.asked_for);
         Some(job)
     }
 }
@@ -115,48 +125,50 @@ mod tests {
         Task::Add { column: column.to_owned(), effect: "thermal_lag".to_owned() }
     }
 
+    fn tasks(queue: &Queue) -> Vec<&Task> {
+        queue.waiting.iter().map(|waiting| &waiting.task).collect()
+    }
+
     #[test]
     fn a_study_rests_when_nothing_is_left_and_is_free_while_nobody_waits() {
         let mut queue = Queue::default();
         assert_eq!(queue.job(), None);
-        queue.ask([fit("gx_rads"), fit("gy_rads")]);
-        assert!(!queue.job().unwrap().asked_for, "the other axes, in the background");
+        queue.ask_in_background([fit("gx"), diagnose("gx"), fit("gy")]);
+        assert!(!queue.job().unwrap().asked_for, "in the background");
         queue.begin().unwrap();
-        queue.ask([add("gx_rads")]);
+        queue.ask([add("gx")]);
         assert!(queue.job().unwrap().asked_for, "it waits for the fit that runs");
         queue.end();
         assert!(queue.job().unwrap().asked_for, "between two tasks");
     }
 
     #[test]
-    fn a_fit_goes_with_what_needs_it_and_the_others_come_last() {
+    fn an_axis_that_somebody_looks_at_comes_before_the_background() {
         let mut queue = Queue::default();
-        queue.ask([fit("gx"), examine("gx"), diagnose("gx"), fit("gy"), fit("gz"), fit("ax")]);
+        queue.ask([fit("gx"), examine("gx"), diagnose("gx")]);
+        queue.ask_in_background([
+            fit("gy"),
+            fit("gz"),
+            examine("gy"),
+            diagnose("gy"),
+            examine("gz"),
+            diagnose("gz"),
+        ]);
         queue.begin().unwrap();
         queue.ask([fit("gx")]);
-        queue.ask([fit("gy"), examine("gy"), diagnose("gy")]);
+        queue.ask_in_background([fit("gx"), examine("gy")]);
         queue.ask([fit("gz"), examine("gz"), diagnose("gz")]);
         let expected = [
             examine("gx"),
             diagnose("gx"),
-            fit("gy"),
-            examine("gy"),
-            diagnose("gy"),
             fit("gz"),
             examine("gz"),
             diagnose("gz"),
-            fit("ax"),
+            fit("gy"),
+            examine("gy"),
+            diagnose("gy"),
         ];
-        // stable: an axis that was asked for earlier comes earlier, each in its own order
-        let of = |column: &str| -> Vec<&Task> {
-            queue.waiting.iter().filter(|task| task.column() == Some(column)).collect()
-        };
-        for column in ["gx", "gy", "gz", "ax"] {
-            let own: Vec<&Task> = expected.iter().filter(|task| task.column() == Some(column)).collect();
-            assert_eq!(of(column), own);
-        }
-        assert_eq!(queue.waiting.len(), expected.len(), "nothing twice");
-        assert_eq!(queue.waiting.back(), Some(&fit("ax")));
+        assert_eq!(tasks(&queue), expected.iter().collect::<Vec<_>>(), "nothing twice");
     }
 
     #[test]
@@ -164,9 +176,9 @@ mod tests {
         let mut queue = Queue::default();
         queue.ask([add("gx"), examine("gx"), fit("gz"), fit("ax")]);
         queue.drop_after(&fit("gz"));
-        assert_eq!(queue.waiting, [add("gx"), examine("gx"), fit("ax")]);
+        assert_eq!(tasks(&queue), [&add("gx"), &examine("gx"), &fit("ax")]);
         queue.drop_after(&add("gx"));
-        assert_eq!(queue.waiting, [fit("ax")]);
+        assert_eq!(tasks(&queue), [&fit("ax")]);
     }
 
     #[test]
@@ -184,6 +196,6 @@ mod tests {
         queue.begin().unwrap();
         queue.stop();
         queue.ask([fit("gx"), examine("gx")]);
-        assert_eq!(queue.waiting, [fit("gx"), examine("gx")]);
+        assert_eq!(tasks(&queue), [&fit("gx"), &examine("gx")]);
     }
 }

@@ -1,9 +1,8 @@
 //! A time series for display: every sample where there is room, else the lowest and highest of each bucket of time.
 
-use std::ops::Range;
-
 use serde::Serialize;
 
+use fos_data::column::Column;
 use fos_data::recording::Recording;
 use fos_fit::evaluate::{AxisTrace, Trace};
 
@@ -16,12 +15,12 @@ pub(super) enum ViewKind {
     OneStep,
     /// Predictions from the model's own history, anew every 60 s.
     Coast,
-    /// The same in means over 1 s.
+    /// The same in means.
     Slow,
 }
 
-/// Length of the means of the slow view, s.
-const SLOW_S: f64 = 1.0;
+/// Channels that are drawn under the same time axis, where they are logged.
+const BESIDE: [&str; 2] = ["temp_c", "supply_v"];
 
 /// Most buckets that are given at once.
 pub(super) const WIDEST: usize = 8192;
@@ -34,6 +33,8 @@ pub(super) struct Series {
     pub(super) to_s: f64,
     /// Of the samples, or of the means.
     pub(super) period_s: f64,
+    /// Length of the means, s; none of samples.
+    pub(super) mean_s: Option<f64>,
     /// Every sample is there; else each entry is a bucket.
     pub(super) exact: bool,
     /// Stamps, or middles of buckets, s.
@@ -44,6 +45,21 @@ pub(super) struct Series {
     pub(super) predicted: Option<LowAndHigh>,
     /// What is left.
     pub(super) left: Option<LowAndHigh>,
+    /// The same two with the model before any effect was added; none where none was.
+    pub(super) predicted_before: Option<LowAndHigh>,
+    pub(super) left_before: Option<LowAndHigh>,
+    /// Temperature and supply voltage, where they are logged.
+    pub(super) beside: Vec<Beside>,
+}
+
+/// A channel that is drawn under the same time axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct Beside {
+    pub(super) column: String,
+    pub(super) label: String,
+    pub(super) unit: &'static str,
+    pub(super) values: LowAndHigh,
 }
 
 /// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
@@ -72,15 +88,28 @@ pub(super) struct Rows<'a> {
     pub(super) reference: Option<&'a [f64]>,
     /// What is left, and which axis of it.
     pub(super) trace: Option<(&'a Trace, &'a AxisTrace)>,
+    /// The same with the model before any effect was added.
+    pub(super) before: Option<(&'a Trace, &'a AxisTrace)>,
 }
+
+/// How samples are joined.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Joined {
+    pub(super) kind: ViewKind,
+    /// Length of the means of the slow view, s.
+    pub(super) mean_s: f64,
+}
+
+type OfAxis<'a> = Option<(&'a Trace, &'a AxisTrace)>;
 
 impl Rows<'_> {
     fn measured(&self, row: usize) -> f64 {
         self.measured[row] - self.reference.map_or(0.0, |reference| reference[row])
     }
 
-    fn left(&self, row: usize, kind: ViewKind) -> f64 {
-        let Some((trace, axis)) = self.trace else { return f64::NAN };
+    /// The residual with a model.
+    fn left(of: OfAxis<'_>, row: usize, kind: ViewKind) -> f64 {
+        let Some((trace, axis)) = of else { return f64::NAN };
         if !trace.rows.contains(&row) {
             return f64::NAN;
         }
@@ -93,137 +122,141 @@ impl Rows<'_> {
 }
 
 /// What there is of `rows` from `from_s` to `to_s`, in at most `width` entries.
-pub(super) fn series(rows: Rows<'_>, kind: ViewKind, from_s: f64, to_s: f64, width: usize) -> Series {
+pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, width: usize) -> Series {
     let width = width.clamp(2, WIDEST);
+    let Joined { kind, mean_s } = joined;
     let period_s = rows.recording.rate.period_s;
-    let entries = match kind {
-        ViewKind::Slow => means(rows, kind, from_s, to_s),
-        _ => samples(rows, kind, from_s, to_s),
+    let beside: Vec<_> = BESIDE.iter().filter_map(|column| rows.recording.channel(column).ok()).collect();
+    let held: Vec<Vec<f64>> =
+        beside.iter().map(|channel| rows.recording.held_from_first(channel).to_vec()).collect();
+    let values = |row: usize| {
+        let of_beside = |at: usize| held.get(at).map_or(f64::NAN, |values| values[row]);
+        let left = Rows::left(rows.trace, row, kind);
+        [rows.measured(row), left, Rows::left(rows.before, row, kind), of_beside(0), of_beside(1)]
     };
-    let period_s = if kind == ViewKind::Slow { SLOW_S.max(period_s) } else { period_s };
+    let per_entry = match kind {
+        ViewKind::Slow => ((mean_s / period_s).round() as usize).max(1),
+        _ => 1,
+    };
+    let entries = entries(rows.recording, per_entry, values, from_s, to_s);
     let exact = entries.len() <= width;
-    let mut shown = Series {
-        from_s,
-        to_s,
-        period_s,
-        exact,
-        time_s: Vec::new(),
-        measured: LowAndHigh::default(),
-        predicted: rows.trace.map(|_| LowAndHigh::default()),
-        left: rows.trace.map(|_| LowAndHigh::default()),
+    let mut columns: [LowAndHigh; DRAWN] = std::array::from_fn(|_| LowAndHigh::default());
+    let mut time_s = Vec::new();
+    let mut push = |time: f64, bucket: &Bucket| {
+        time_s.push(time);
+        for (column, values) in columns.iter_mut().zip(bucket) {
+            column.push(*values);
+        }
     };
     if exact {
         let mut before: Option<&Entry> = None;
         for entry in &entries {
             // a break between two pieces, so that no line is drawn across
             if let Some(before) = before.filter(|before| before.segment != entry.segment) {
-                shown.push(0.5 * (before.time_s + entry.time_s), &Bucket::EMPTY);
+                push(0.5 * (before.time_s + entry.time_s), &NOTHING);
             }
-            shown.push(entry.time_s, &Bucket::EMPTY.with(entry));
+            let mut bucket = NOTHING;
+            entry.widen(&mut bucket);
+            push(entry.time_s, &bucket);
             before = Some(entry);
         }
-        return shown;
+    } else {
+        // buckets of equal time, each entry in exactly one
+        let length = (to_s - from_s) / width as f64;
+        let mut buckets = vec![NOTHING; width];
+        for entry in &entries {
+            let place = (((entry.time_s - from_s) / length) as usize).min(width - 1);
+            entry.widen(&mut buckets[place]);
+        }
+        for (place, bucket) in buckets.iter().enumerate() {
+            push(from_s + (place as f64 + 0.5) * length, bucket);
+        }
     }
-    // buckets of equal time, each entry in exactly one
-    let length = (to_s - from_s) / width as f64;
-    let mut buckets = vec![Bucket::EMPTY; width];
-    for entry in &entries {
-        let place = (((entry.time_s - from_s) / length) as usize).min(width - 1);
-        buckets[place] = buckets[place].with(entry);
+    let [measured, left, left_before, first, second, predicted, predicted_before] = columns;
+    let beside = beside.iter().zip([first, second]).map(|(channel, values)| {
+        let column = Column::named(&channel.name);
+        let (label, unit) = (column.label().to_owned(), column.unit().label());
+        Beside { column: channel.name.clone(), label, unit, values }
+    });
+    let beside = beside.collect();
+    let is_slow = kind == ViewKind::Slow;
+    Series {
+        from_s,
+        to_s,
+        period_s: if is_slow { per_entry as f64 * period_s } else { period_s },
+        mean_s: is_slow.then_some(mean_s),
+        exact,
+        time_s,
+        measured,
+        predicted: rows.trace.map(|_| predicted),
+        left: rows.trace.map(|_| left),
+        predicted_before: rows.before.map(|_| predicted_before),
+        left_before: rows.before.map(|_| left_before),
+        beside,
     }
-    for (place, bucket) in buckets.iter().enumerate() {
-        shown.push(from_s + (place as f64 + 0.5) * length, bucket);
-    }
-    shown
 }
 
-impl Series {
-    fn push(&mut self, time_s: f64, bucket: &Bucket) {
-        self.time_s.push(time_s);
-        self.measured.push(bucket.measured);
-        if let Some(predicted) = &mut self.predicted {
-            predicted.push(bucket.predicted);
-        }
-        if let Some(left) = &mut self.left {
-            left.push(bucket.left);
-        }
-    }
-}
+/// Values of an entry: measured, residual, residual before any effect was added, and the channels beside.
+const VALUES: usize = 3 + BESIDE.len();
+
+/// With the predictions, which follow from the others.
+const DRAWN: usize = VALUES + 2;
 
 /// The lowest and highest finite value of each; above one another where there is none.
-#[derive(Debug, Clone, Copy)]
-struct Bucket {
-    measured: (f64, f64),
-    predicted: (f64, f64),
-    left: (f64, f64),
-}
+type Bucket = [(f64, f64); DRAWN];
 
-impl Bucket {
-    const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
-    const EMPTY: Self = Self { measured: Self::NOTHING, predicted: Self::NOTHING, left: Self::NOTHING };
-
-    fn with(self, entry: &Entry) -> Self {
-        let wider = |(low, high): (f64, f64), value: f64| match value.is_finite() {
-            true => (low.min(value), high.max(value)),
-            false => (low, high),
-        };
-        Self {
-            measured: wider(self.measured, entry.measured),
-            predicted: wider(self.predicted, entry.measured - entry.left),
-            left: wider(self.left, entry.left),
-        }
-    }
-}
+const NOTHING: Bucket = [(f64::INFINITY, f64::NEG_INFINITY); DRAWN];
 
 /// A sample, or a mean.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     time_s: f64,
-    measured: f64,
-    left: f64,
+    values: [f64; VALUES],
     /// Which piece of the recording it is in.
     segment: usize,
 }
 
-fn samples(rows: Rows<'_>, kind: ViewKind, from_s: f64, to_s: f64) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    for (segment, piece) in rows.recording.segments.iter().enumerate() {
-        for row in within(rows.recording, piece.rows.clone(), from_s, to_s) {
-            let (measured, left) = (rows.measured(row), rows.left(row, kind));
-            entries.push(Entry { time_s: rows.recording.time_s[row], measured, left, segment });
+impl Entry {
+    /// Widens the range of each value of a bucket by those of this entry.
+    fn widen(&self, bucket: &mut Bucket) {
+        let [measured, left, left_before, ..] = self.values;
+        let predicted = [measured - left, measured - left_before];
+        for (range, value) in bucket.iter_mut().zip(self.values.into_iter().chain(predicted)) {
+            if value.is_finite() {
+                *range = (range.0.min(value), range.1.max(value));
+            }
         }
     }
-    entries
 }
 
-/// Means over the seconds of each piece, of the samples that are known.
-fn means(rows: Rows<'_>, kind: ViewKind, from_s: f64, to_s: f64) -> Vec<Entry> {
-    let per_block = ((SLOW_S / rows.recording.rate.period_s).round() as usize).max(1);
+/// Means over blocks of `per_entry` rows of each piece, of the values that are known.
+fn entries(
+    recording: &Recording,
+    per_entry: usize,
+    values: impl Fn(usize) -> [f64; VALUES],
+    from_s: f64,
+    to_s: f64,
+) -> Vec<Entry> {
     let mut entries = Vec::new();
-    for (segment, piece) in rows.recording.segments.iter().enumerate() {
+    for (segment, piece) in recording.segments.iter().enumerate() {
         // blocks lie on the piece, not on the window: panning does not change them
-        for first in piece.rows.clone().step_by(per_block) {
-            let block = first..(first + per_block).min(piece.rows.end);
-            let time_s = rows.recording.time_s[block.start + (block.len() - 1) / 2];
+        for first in piece.rows.clone().step_by(per_entry) {
+            let block = first..(first + per_entry).min(piece.rows.end);
+            let time_s = recording.time_s[block.start + (block.len() - 1) / 2];
             if !(from_s..=to_s).contains(&time_s) {
                 continue;
             }
-            let mean = |value: &dyn Fn(usize) -> f64| {
-                let finite = block.clone().map(value).filter(|value| value.is_finite());
-                let (sum, count) = finite.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-                if count == 0 { f64::NAN } else { sum / f64::from(count) }
-            };
-            let measured = mean(&|row| rows.measured(row));
-            let left = mean(&|row| rows.left(row, kind));
-            entries.push(Entry { time_s, measured, left, segment });
+            let mut sums = [(0.0, 0_u32); VALUES];
+            for row in block {
+                for (sum, value) in sums.iter_mut().zip(values(row)).filter(|(_, value)| value.is_finite()) {
+                    *sum = (sum.0 + value, sum.1 + 1);
+                }
+            }
+            let mean = |(sum, count): (f64, u32)| if count == 0 { f64::NAN } else { sum / f64::from(count) };
+            entries.push(Entry { time_s, values: sums.map(mean), segment });
         }
     }
     entries
-}
-
-/// The rows of a piece whose stamps lie in the window; stamps increase within a piece but for jitter.
-fn within(recording: &Recording, piece: Range<usize>, from_s: f64, to_s: f64) -> impl Iterator<Item = usize> {
-    piece.filter(move |row| (from_s..=to_s).contains(&recording.time_s[*row]))
 }
 
 #[cfg(test)]
@@ -241,7 +274,11 @@ mod tests {
 
     fn of(log: &Recording) -> Rows<'_> {
         let measured = &log.channel("gx_rads").unwrap().values;
-        Rows { recording: log, measured, reference: None, trace: None }
+        Rows { recording: log, measured, reference: None, trace: None, before: None }
+    }
+
+    fn by(kind: ViewKind) -> Joined {
+        Joined { kind, mean_s: 1.0 }
     }
 
     #[test]
@@ -252,7 +289,7 @@ mod tests {
                 let mut values = vec![0.0; 20_000];
                 values[spike] = 7.0;
                 log = log.with_values("gx_rads", values);
-                let shown = series(of(&log), ViewKind::OneStep, 0.0, 102.0, width);
+                let shown = series(of(&log), by(ViewKind::OneStep), 0.0, 102.0, width);
                 let high: f32 = shown.measured.high.iter().flatten().sum();
                 assert_eq!(high, 7.0, "the spike at {spike} lies in exactly one of {width} buckets");
                 assert!(!shown.exact && shown.time_s.len() == width);
@@ -263,7 +300,7 @@ mod tests {
     #[test]
     fn single_samples_are_given_as_they_are_and_a_gap_breaks_the_line() {
         let log = log(1_000, 500);
-        let shown = series(of(&log), ViewKind::Coast, 2.49, 4.51, 2_000);
+        let shown = series(of(&log), by(ViewKind::Coast), 2.49, 4.51, 2_000);
         assert!(shown.exact);
         // 2.490, 2.495, the break, 4.500, 4.505, 4.510
         assert_eq!(shown.time_s.len(), 6);
@@ -277,7 +314,7 @@ mod tests {
     #[test]
     fn a_gap_wider_than_a_bucket_is_empty() {
         let log = log(20_000, 5_000);
-        let shown = series(of(&log), ViewKind::OneStep, 0.0, 102.0, 200);
+        let shown = series(of(&log), by(ViewKind::OneStep), 0.0, 102.0, 200);
         let empty = shown.measured.low.iter().filter(|low| low.is_none()).count();
         // 2 s of 102 in 200 buckets: about four, less what hangs over at both ends
         assert!((2..=4).contains(&empty), "{empty}");
@@ -287,11 +324,11 @@ mod tests {
     fn slow_means_are_direct_averages_and_stay_while_panning() {
         let log = log(20_000, 20_000);
         let values = &log.channel("gx_rads").unwrap().values;
-        let shown = series(of(&log), ViewKind::Slow, 10.0, 20.0, 1_000);
+        let shown = series(of(&log), by(ViewKind::Slow), 10.0, 20.0, 1_000);
         let direct = values[2000..2200].iter().sum::<f64>() / 200.0;
         let place = shown.time_s.iter().position(|time| (10.4..10.6).contains(time)).unwrap();
         assert_eq!(shown.measured.low[place], Some(direct as f32));
-        let panned = series(of(&log), ViewKind::Slow, 10.3, 20.3, 1_000);
+        let panned = series(of(&log), by(ViewKind::Slow), 10.3, 20.3, 1_000);
         assert!(panned.measured.low.contains(&Some(direct as f32)));
     }
 
@@ -302,7 +339,7 @@ mod tests {
         let axis = AxisTrace { one_step: left.clone(), coast: left, ..AxisTrace::default() };
         let trace = Trace { rows: 1_000..2_000, period_s: 0.005, stretches: Vec::new(), axes: Vec::new() };
         let rows = Rows { trace: Some((&trace, &axis)), ..of(&log) };
-        let shown = series(rows, ViewKind::OneStep, 0.0, 10.0, 4_000);
+        let shown = series(rows, by(ViewKind::OneStep), 0.0, 10.0, 4_000);
         let (left, predicted) = (shown.left.unwrap(), shown.predicted.unwrap());
         assert_eq!(left.low[999], None, "not judged");
         for at in 1_000..2_000 {

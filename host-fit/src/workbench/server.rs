@@ -28,6 +28,9 @@ use fos_diagnose::effects::Library;
 /// Bytes of a request that is not a file.
 const LARGEST_REQUEST: usize = 64 * 1024;
 
+/// Bytes of a figure that is to be drawn.
+const LARGEST_FIGURE: usize = 4 << 20;
+
 /// A request that does not go on for so long is given up, and its connection closed: whoever made it may be gone.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -153,6 +156,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/moved", post(api::keep_moved))
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))
+        .route("/api/studies/{id}/noise", get(api::noise))
         .route("/api/studies/{id}/export/{format}", get(api::export))
         .route("/api/studies/{id}/hubs", get(api::hubs))
         .route("/api/studies/{id}/replay", get(api::replay))
@@ -164,6 +168,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/effects", get(api::effects))
         // before the limit of all others: a dropped file is large, and goes to the disk as it comes
         .layer(DefaultBodyLimit::max(LARGEST_REQUEST))
+        .route("/api/draw", post(api::draw).layer(DefaultBodyLimit::max(LARGEST_FIGURE)))
         .route("/api/uploads", post(api::upload).layer(DefaultBodyLimit::disable()))
         .fallback(assets::asset)
         .with_state(desk)

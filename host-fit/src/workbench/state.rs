@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::known::{Change, KnownAxis, Read};
 use super::queue::Queue;
+use super::standing::{Outcome, Standing, worst};
 use super::task::Task;
 
 /// What is under the lock of a study.
@@ -45,15 +46,36 @@ impl State {
 
     /// The axes that have no model and may get one.
     pub(super) fn unfitted(&self) -> impl Iterator<Item = &KnownAxis> {
-        self.axes.iter().filter(|axis| axis.fitted.is_none() && !axis.cannot_be_fitted)
+        self.axes.iter().filter(|axis| axis.fitted.is_none() && axis.failure.is_none())
     }
 
-    /// Does these, and fits the other axes in the background, so that there is a whole unit to take away; again after a
-    /// stop.
+    /// Does these; then, in the background and again after a stop, fits the other axes, so that there is a whole model to
+    /// export, and diagnoses them.
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         self.queue.ask(tasks);
         let fits: Vec<Task> = self.unfitted().map(|axis| Task::Fit(axis.section.column.clone())).collect();
-        self.queue.ask(fits);
+        self.queue.ask_in_background(fits);
+        let open = self.axes.iter().filter(|axis| axis.failure.is_none());
+        let diagnoses: Vec<Task> = open
+            .flat_map(|axis| self.missing_of(&axis.section.column))
+            .filter(|task| !matches!(task, Task::Fit(_)))
+            .collect();
+        self.queue.ask_in_background(diagnoses);
+    }
+
+    /// Outcome of the study: the worst of its axes.
+    pub(super) fn outcome(&self) -> Option<Outcome> {
+        worst(self.axes.iter().map(|axis| match (&axis.failure, &axis.section.diagnosis) {
+            (Some(_), None) => Some(Outcome::NotEnoughData),
+            (_, diagnosis) => {
+                diagnosis.as_ref().map(|diagnosis| Standing::of(diagnosis, axis.refinement.as_ref()).outcome)
+            }
+        }))
+    }
+
+    /// True once every axis is diagnosed that can be.
+    fn is_diagnosed(&self) -> bool {
+        self.axes.iter().all(|axis| axis.failure.is_some() || axis.section.diagnosis.is_some())
     }
 
     pub(super) fn stopped(&mut self) {
@@ -63,12 +85,21 @@ impl State {
 
     pub(super) fn failed(&mut self, task: &Task, reason: String) {
         self.queue.drop_after(task);
-        if let Task::Fit(column) = task
-            && let Some(axis) = self.axes.iter_mut().find(|axis| axis.section.column == *column)
-        {
-            axis.cannot_be_fitted = true;
+        let is_of_axis = matches!(task, Task::Fit(_) | Task::Examine(_) | Task::Diagnose(_));
+        match self.axes.iter_mut().find(|axis| is_of_axis && task.column() == Some(&axis.section.column)) {
+            Some(axis) => {
+                axis.failure = Some(reason);
+                self.share_signal();
+            }
+            None => self.error = Some(reason),
         }
-        self.error = Some(reason);
+    }
+
+    /// Compares the axes once all are diagnosed, and again when one of them has changed.
+    fn share_signal(&mut self) {
+        if self.is_diagnosed() {
+            self.queue.ask_in_background([Task::ShareSignal]);
+        }
     }
 
     /// Takes in what a task has changed.
@@ -86,6 +117,16 @@ impl State {
             Change::Axis { column, edit } => {
                 if let Some(axis) = self.axes.iter_mut().find(|axis| axis.section.column == column) {
                     edit(axis);
+                    axis.failure = None;
+                }
+                self.share_signal();
+            }
+            Change::Diagnoses(diagnoses) => {
+                for diagnosis in diagnoses {
+                    let axis = self.axes.iter_mut().find(|axis| axis.section.column == diagnosis.target);
+                    if let Some(axis) = axis {
+                        axis.section.diagnosis = Some(diagnosis);
+                    }
                 }
             }
         }

@@ -20,6 +20,7 @@ use fos_data::recording::LoadOptions;
 use fos_data::stillness;
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
+use fos_fit::noise::{AxisNoise, axis_noise};
 
 /// A study that is open.
 pub(super) struct Study {
@@ -29,6 +30,16 @@ pub(super) struct Study {
     beat: watch::Sender<Beat>,
     /// What was run last: windows on one study ask for the same.
     replayed: Mutex<Option<Replayed>>,
+    noise: Mutex<Vec<NoiseOfAxis>>,
+}
+
+/// N, B and K of an axis of a log.
+struct NoiseOfAxis {
+    column: String,
+    /// The log is among these.
+    read: Arc<Read>,
+    /// None where the log is too short.
+    noise: Option<AxisNoise>,
 }
 
 /// An image that was run over a log.
@@ -51,6 +62,7 @@ impl Study {
             wake: Condvar::new(),
             beat,
             replayed: Mutex::default(),
+            noise: Mutex::default(),
         });
         let worker = Arc::clone(&study);
         thread::spawn(move || worker.work(&library));
@@ -94,7 +106,7 @@ impl Study {
                 return None;
             }
             if let Some((task, stop)) = state.queue.begin() {
-                if task.is_asked_for() {
+                if state.queue.is_asked_for() {
                     state.error = None;
                 }
                 self.publish(state);
@@ -135,6 +147,9 @@ impl Study {
         let mut state = self.lock();
         state.known(column)?;
         state.looked_at = Some(column.to_owned());
+        if let Some(axis) = state.axes.iter_mut().find(|axis| axis.section.column == column) {
+            axis.failure = None;
+        }
         let tasks = state.missing_of(column);
         state.ask(tasks);
         self.publish(state);
@@ -248,6 +263,26 @@ impl Study {
             replay::summary(&parsed, log, &stillness::find(log)).map_err(|error| error.to_string())?;
         *last = Some(Replayed { image, read, summary: summary.clone() });
         Ok(summary)
+    }
+
+    /// N, B and K of an axis on the log to explain, computed once; none where the log is too short.
+    ///
+    /// # Errors
+    ///
+    /// The logs are not read yet.
+    pub(super) fn noise(&self, column: &str) -> Result<Option<AxisNoise>, String> {
+        // as for a replay
+        let mut known = self.noise.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = self.read()?;
+        known.retain(|known| Arc::ptr_eq(&known.read, &read));
+        if let Some(same) = known.iter().find(|known| known.column == column) {
+            return Ok(same.noise.clone());
+        }
+        let log = &read.logs.field;
+        let noise = axis_noise(log, &stillness::find(log), column).ok();
+        let column = column.to_owned();
+        known.push(NoiseOfAxis { column, read: Arc::clone(&read), noise: noise.clone() });
+        Ok(noise)
     }
 
     /// The study as a file: all axes that are fitted, as they are refined.

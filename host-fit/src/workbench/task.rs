@@ -18,6 +18,8 @@ pub(super) enum Task {
     Examine(String),
     /// Say what is missing from it.
     Diagnose(String),
+    /// Look for a slow signal that the diagnosed axes share.
+    ShareSignal,
     /// Add an effect to it.
     Add {
         /// Its column, as `gx_rads`.
@@ -73,7 +75,7 @@ impl Open {
 
 impl Task {
     /// The job of doing it.
-    pub(super) fn job(&self) -> Job {
+    pub(super) fn job(&self, asked_for: bool) -> Job {
         let words = match self {
             Self::Read(Open::Example(_)) => "simulating the example".to_owned(),
             Self::Read(open) => format!("reading {}", open.name()),
@@ -82,23 +84,19 @@ impl Task {
             Self::Diagnose(column) => {
                 format!("looking for what is missing from {}", Column::named(column).label())
             }
+            Self::ShareSignal => "looking for a slow signal that axes share".to_owned(),
             Self::Add { column, effect } => format!("adding {effect} to {}", Column::named(column).label()),
             Self::Undo { column, .. } => format!("taking effects of {} back", Column::named(column).label()),
         };
-        Job::new(words, self.is_asked_for())
+        Job::new(words, asked_for)
     }
 
     /// The axis that it is of; none if it is of all.
     pub(super) fn column(&self) -> Option<&str> {
         match self {
-            Self::Read(_) => None,
+            Self::Read(_) | Self::ShareSignal => None,
             Self::Fit(column) | Self::Examine(column) | Self::Diagnose(column) => Some(column),
             Self::Add { column, .. } | Self::Undo { column, .. } => Some(column),
         }
-    }
-
-    /// Whether somebody waits for it: a new error takes the place of the old one.
-    pub(super) fn is_asked_for(&self) -> bool {
-        !matches!(self, Self::Fit(_))
     }
 }

@@ -13,6 +13,7 @@ use crate::report::{AxisSection, Summaries};
 use fos_data::file::name_of;
 use fos_data::recording::{Recording, load};
 use fos_diagnose::compare::study_of;
+use fos_diagnose::detect::{Diagnosis, with_shared_signal};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
@@ -34,6 +35,7 @@ pub(super) fn run(
         Task::Fit(column) => fit(column, known, library),
         Task::Examine(column) => compare(column, known, progress),
         Task::Diagnose(column) => diagnose(column, known, library),
+        Task::ShareSignal => share_signal(known),
         Task::Add { column, effect } => add(column, effect, known, library),
         Task::Undo { column, keep } => undo(column, *keep, known),
     }
@@ -106,8 +108,27 @@ fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change,
     let section = AxisSection::of(study, refinement);
     let found = section.diagnosed(refinement, &known.read()?.logs, library).map_err(in_text)?;
     Ok(change(column, move |axis| {
+        axis.alone = found.diagnosis.clone();
         (axis.section.diagnosis, axis.section.offers) = (found.diagnosis, found.offers);
     }))
+}
+
+/// Diagnoses with the slow signal that their axes share, as for the log as a whole on the command line.
+fn share_signal(known: &Snapshot) -> Result<Change, String> {
+    let diagnosed: Vec<(&Diagnosis, &KnownAxis)> =
+        known.axes.iter().filter_map(|axis| Some((axis.alone.as_ref()?, axis))).collect();
+    let answers = diagnosed.iter().map(|(alone, axis)| {
+        let mut answer = (*alone).clone();
+        // what is in the model explains the axis too
+        let added = axis.refinement.iter().flat_map(Refinement::added).map(|added| added.finding.clone());
+        answer.findings.extend(added);
+        answer
+    });
+    let mut shared = with_shared_signal(answers.collect(), &known.read()?.logs.field).map_err(in_text)?;
+    for (answer, (alone, _)) in shared.iter_mut().zip(&diagnosed) {
+        answer.findings.clone_from(&alone.findings);
+    }
+    Ok(Change::Diagnoses(shared))
 }
 
 fn add(column: &str, effect: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
@@ -133,8 +154,13 @@ fn refined_anew(study: &Study, refinement: Refinement) -> Change {
     change(&refinement.column.clone(), move |axis| {
         // the picture of the model before stays until the new one is there
         let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
+        let is_refined = refinement.added().next().is_some();
+        axis.before = match axis.before.take().filter(|_| is_refined) {
+            None if is_refined => axis.examination.clone(),
+            before => before,
+        };
         (axis.refinement, axis.section) = (Some(refinement), AxisSection { comparison, judged_s, ..section });
-        axis.examined = false;
+        (axis.examined, axis.alone) = (false, None);
     })
 }
 

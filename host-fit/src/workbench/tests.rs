@@ -351,11 +351,27 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     let gyro = state["axes"].as_array().unwrap().iter().find(|axis| axis["column"] == "gx_rads").unwrap();
     assert!(gyro["comparison"]["errors"].as_array().unwrap().len() > 1);
     assert!(gyro["diagnosis"]["verdict"].is_string());
+    // the other axes in the background, and the study is as the worst of them
+    let outcomes = state["axes"].as_array().unwrap().iter().map(|axis| &axis["standing"]["outcome"]);
+    assert!(outcomes.clone().all(Value::is_string), "{outcomes:?}");
+    assert!(outcomes.clone().any(|outcome| *outcome == state["outcome"]), "{}", state["outcome"]);
+    assert_eq!(gyro["units"]["noise"][0]["field"]["label"], "°/√h");
     let at = |what: &str| format!("/api/studies/{id}/{what}");
     let (status, series) = bench.get(&at("series?axis=gx_rads&view=coast&from=0&to=240&width=500")).await;
     assert_eq!(status, StatusCode::OK);
     assert_eq!(series["time_s"].as_array().unwrap().len(), 500);
     assert!(series["left"]["low"].as_array().unwrap().iter().any(Value::is_number));
+    assert_eq!(series["beside"][0]["column"], "temp_c", "under the same time axis");
+    assert_eq!(series["beside"][0]["values"]["low"].as_array().unwrap().len(), 500);
+    let (status, noise) = bench.get(&at("noise?axis=gx_rads&units=field")).await;
+    assert_eq!(status, StatusCode::OK, "{noise}");
+    assert!(noise.to_string().contains("°/√h"), "N, B and K in field units");
+    let drawn = page("POST", "/api/draw").header("content-type", "application/json");
+    let response = bench.ask(drawn.body(Body::from(noise.to_string())).unwrap()).await;
+    assert_eq!(
+        (response.status(), &response.headers()["content-type"]),
+        (StatusCode::OK, &"image/svg+xml".parse().unwrap())
+    );
     for stretch in ["", "&from=150&to=180"] {
         let (status, figures) = bench.get(&at(&format!("figures?axis=gx_rads{stretch}"))).await;
         assert_eq!(status, StatusCode::OK, "{figures}");

@@ -1,13 +1,17 @@
 //! What a page is told of a study: with every change, in the list of all, and when it is looked at.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::job::Job;
 use super::known::KnownAxis;
+use super::standing::{Outcome, Standing, pays};
 use super::state::State;
 use crate::command_lines::command_lines;
 use crate::report::{AxisSection, Summaries};
-use fos_diagnose::detect::Verdict;
+use crate::units::{ErrorUnit, ShownUnit, Units};
+use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::study::{Refinement, RefinementStep};
 
 /// What a page is told without asking.
@@ -24,7 +28,8 @@ pub(super) struct Beat {
 pub(super) struct Entry {
     id: u64,
     name: String,
-    verdict: Option<Verdict>,
+    /// The worst of its axes.
+    outcome: Option<Outcome>,
     working: bool,
     /// The axis that is looked at, with what is known of it: what studies are held side by side by.
     axis: Option<AxisEntry>,
@@ -44,6 +49,7 @@ struct AxisEntry {
     /// unit.
     slow_before: Option<f64>,
     slow_now: Option<f64>,
+    errors_in: UnitChoice,
 }
 
 impl AxisEntry {
@@ -63,6 +69,7 @@ impl AxisEntry {
                 .collect(),
             slow_before: slow(steps.first()),
             slow_now: slow(steps.last()),
+            errors_in: AxisUnits::of(&axis.section).errors,
         }
     }
 }
@@ -79,9 +86,100 @@ pub(super) struct Page {
     logs: Option<Summaries>,
     /// Rows in which the unit was moved count as any others.
     keeps_moved: bool,
+    /// The worst of its axes; an all-clear only once all are diagnosed.
+    outcome: Option<Outcome>,
+    /// Every axis that can have a model has one: it can be exported.
+    is_whole: bool,
     axis: Option<String>,
-    axes: Vec<AxisSection>,
+    axes: Vec<AxisPage>,
     commands: Vec<String>,
+}
+
+/// An axis with its standing and the units that its numbers are shown in.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct AxisPage {
+    #[serde(flatten)]
+    section: AxisSection,
+    standing: Option<Standing>,
+    /// Why there is no model, comparison or diagnosis.
+    failure: Option<String>,
+    /// RMS of the slow error in a free run, in the unit: of the constant mean, and of the model.
+    slow_error: Option<[Option<f64>; 2]>,
+    /// Of each refinement step: whether its effect reduces the error by more than noise.
+    pays: Vec<bool>,
+    units: AxisUnits,
+}
+
+/// Units of an axis for people; the page chooses between field units and SI.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+struct AxisUnits {
+    /// Measured values.
+    measured: UnitChoice,
+    /// Errors and residuals.
+    errors: UnitChoice,
+    /// N, B and K.
+    noise: [UnitChoice; 3],
+    /// Coefficients of findings, by the unit they are stored in.
+    sizes: BTreeMap<String, UnitChoice>,
+}
+
+/// A unit in both systems.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+struct UnitChoice {
+    field: ShownUnit,
+    si: ShownUnit,
+}
+
+impl UnitChoice {
+    fn of<U: Into<ShownUnit>>(unit: impl Fn(Units) -> U) -> Self {
+        Self { field: unit(Units::Field).into(), si: unit(Units::Si).into() }
+    }
+}
+
+impl AxisUnits {
+    fn of(section: &AxisSection) -> Self {
+        let column = section.column.as_str();
+        let errors = section.comparison.iter().flat_map(|comparison| &comparison.errors);
+        let [field, si] = [Units::Field, Units::Si].map(|units| ShownUnit::of_noise(column, units));
+        let found = section.diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings);
+        let added = section.refinement.iter().flat_map(Refinement::added).map(|added| &added.finding);
+        let sizes = found
+            .chain(added)
+            .flat_map(|finding| &finding.sizes)
+            .map(|size| (size.unit.clone(), UnitChoice::of(|units| ShownUnit::of_size(&size.unit, units))));
+        let mut noise = field.into_iter().zip(si).map(|(field, si)| UnitChoice { field, si });
+        Self {
+            // the values of a turning gyro are large
+            measured: UnitChoice::of(|units| ErrorUnit::of(column, f64::INFINITY, units)),
+            errors: UnitChoice::of(|units| ErrorUnit::of_models(column, errors.clone(), units)),
+            noise: std::array::from_fn(|_| noise.next().expect("three of each")),
+            sizes: sizes.collect(),
+        }
+    }
+}
+
+impl AxisPage {
+    fn of(axis: &KnownAxis) -> Self {
+        let section = axis.section.clone();
+        let refinement = axis.refinement.as_ref();
+        let steps = refinement.map_or(&[][..], |refinement| &refinement.steps);
+        Self {
+            standing: section.diagnosis.as_ref().map(|diagnosis| Standing::of(diagnosis, refinement)),
+            failure: axis.failure.clone(),
+            slow_error: section.comparison.as_ref().map(AxisComparison::slow_errors),
+            pays: steps
+                .iter()
+                .take(1)
+                .map(|_| true)
+                .chain(steps.windows(2).map(|two| pays(&two[0], &two[1])))
+                .collect(),
+            units: AxisUnits::of(&section),
+            section,
+        }
+    }
 }
 
 impl Beat {
@@ -96,7 +194,7 @@ impl Entry {
         Self {
             id,
             name: state.name.clone(),
-            verdict: looked_at.and_then(|axis| axis.section.diagnosis.as_ref()).map(|found| found.verdict),
+            outcome: state.outcome(),
             working: state.queue.job().is_some(),
             axis: looked_at.map(AxisEntry::of),
         }
@@ -120,8 +218,10 @@ impl Page {
             error: state.error.clone(),
             logs: state.read.as_ref().map(|read| read.summaries.clone()),
             keeps_moved: state.read.as_ref().is_some_and(|read| read.logs.read.keep_moved),
+            outcome: state.outcome(),
+            is_whole: fitted.is_some() && state.unfitted().next().is_none(),
             axis: state.looked_at.clone(),
-            axes: state.axes.iter().map(|axis| axis.section.clone()).collect(),
+            axes: state.axes.iter().map(AxisPage::of).collect(),
             commands,
         }
     }

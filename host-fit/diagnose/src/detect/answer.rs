@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::open::Lead;
 use crate::effects::Band;
-use crate::rms::{WithRms, rms_reduction};
+use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_fit::noise::NoiseLevels;
 
 /// The outcome in one word.
@@ -55,6 +55,7 @@ pub struct Diagnosis {
     pub sentence: String,
     /// Missing effects, best first, then faults of the data.
     #[serde(serialize_with = "with_rms")]
+    #[cfg_attr(feature = "page-types", ts(as = "Vec<FindingWithRms>"))]
     pub findings: Vec<Finding>,
     /// What else the log follows; leads and no findings.
     pub leads: Vec<Lead>,
@@ -221,14 +222,18 @@ pub struct SharedSignal {
     pub course: Vec<[f64; 2]>,
 }
 
+#[cfg(feature = "page-types")]
+crate::rms::twinned!(FindingWithRms, Finding);
+
 impl<'a> WithRms<'a, Finding> {
     fn of_finding(finding: &'a Finding) -> Self {
-        Self {
+        let twins = RmsTwins {
             rms_reduction: Some(rms_reduction(finding.predicted_reduction)),
             rms_reduction_interval: Some(finding.predicted_reduction_interval.map(rms_reduction)),
             measured_rms_reduction: finding.measured_reduction.map(rms_reduction),
-            ..Self::new(finding)
-        }
+            ..RmsTwins::default()
+        };
+        Self { of: finding, twins }
     }
 }
 

@@ -43,6 +43,8 @@ mod rests_tests;
 mod thermometer_tests;
 
 pub use crate::rms::rms_reduction;
+#[cfg(feature = "page-types")]
+pub(crate) use answer::FindingWithRms;
 pub(crate) use answer::finding_with_rms;
 pub use answer::{
     CorrectionTerm, Diagnosis, Finding, NoiseReport, Rejected, Separation, SharedSignal, Size, Untested,

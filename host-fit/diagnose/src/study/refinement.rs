@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::detect::Finding;
 use crate::effects::Effect;
-use crate::rms::{WithRms, rms_reduction};
+use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_data::recording::{LoadOptions, Source};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
@@ -20,6 +20,7 @@ pub struct Refinement {
     pub logs: LogSources,
     /// The model before anything was added, then after each effect.
     #[serde(rename = "stairs", serialize_with = "with_rms")]
+    #[cfg_attr(feature = "page-types", ts(as = "Vec<StepWithRms>"))]
     pub steps: Vec<RefinementStep>,
 }
 
@@ -63,6 +64,7 @@ pub struct Added {
     pub effect: Effect,
     /// What it was found to be, with the reduction that is predicted.
     #[serde(serialize_with = "crate::detect::finding_with_rms")]
+    #[cfg_attr(feature = "page-types", ts(as = "crate::detect::FindingWithRms"))]
     pub finding: Finding,
     /// The reduction that was measured, in the band of the effect.
     #[serde(rename = "realised_fall")]
@@ -122,18 +124,22 @@ impl Refinement {
     }
 }
 
+#[cfg(feature = "page-types")]
+crate::rms::twinned!(StepWithRms, RefinementStep);
+
 /// Steps with the RMS of the slow error before and after each, and the measured reduction in the band of the effect.
 fn with_rms<S: Serializer>(steps: &[RefinementStep], serializer: S) -> Result<S::Ok, S::Error> {
     let mut sequence = serializer.serialize_seq(Some(steps.len()))?;
     let mut rms_before = None;
     for step in steps {
         let rms_after = Some(step.left.slow.sqrt());
-        sequence.serialize_element(&WithRms {
+        let twins = RmsTwins {
             rms_before,
             rms_after,
             rms_reduction: step.added.as_ref().map(|added| rms_reduction(added.measured_reduction)),
-            ..WithRms::new(step)
-        })?;
+            ..RmsTwins::default()
+        };
+        sequence.serialize_element(&WithRms { of: step, twins })?;
         rms_before = rms_after;
     }
     sequence.end()

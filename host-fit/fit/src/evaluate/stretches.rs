@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::errors::SLOW_BLOCK_S;
 use super::trace::Trace;
 use fos_data::recording::{Recording, pieces};
 use fos_data::statistics::{MAD_TO_SD, median_of};
@@ -22,6 +23,14 @@ const SPECIAL: f64 = 3.3;
 /// A channel that scatters so many times as much as usual is not worth a word.
 const USUAL: Range<f64> = 0.8..1.25;
 
+/// A stretch stands out if its slow error exceeds that of the lower quartile of all stretches by more than white noise
+/// does: by so many standard deviations, which noise alone reaches in one stretch of 30,000. The median would hide a drift
+/// that is there half of the time.
+const BEYOND_NOISE: f64 = 4.0;
+
+/// Standard deviations from the mean of a normal distribution to its lower quartile.
+const LOWER_QUARTILE: f64 = 0.674;
+
 /// A stretch of the recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
@@ -30,7 +39,7 @@ pub struct Stretch {
     pub begin_s: f64,
     /// End, s as stamped.
     pub end_s: f64,
-    /// Root mean square of what is left, coasting for at most 60 s, in the axis' unit.
+    /// Slow error: RMS of the 1-s means of the residual in a free run of at most 60 s, in the axis' unit.
     pub rms: f64,
     /// Mean of what is left.
     pub mean: f64,
@@ -40,7 +49,7 @@ pub struct Stretch {
     pub special: Vec<String>,
 }
 
-/// The five stretches of `axis` in which most is left, worst first: five different ones, neighbours in time are one.
+/// Stretches of `axis` whose slow error stands out, worst first: at most five different ones, neighbours in time are one.
 pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
@@ -62,8 +71,12 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         places = pieces(&coasts, length);
         places.retain(|place| 2 * place.len() >= length);
     }
-    let rms =
-        |rows: &Range<usize>| (left(rows).iter().map(|e| e * e).sum::<f64>() / rows.len() as f64).sqrt();
+    let per_mean = ((SLOW_BLOCK_S / trace.period_s).round() as usize).max(1);
+    let rms = |rows: &Range<usize>| {
+        let squares =
+            left(rows).chunks(per_mean).map(|block| block.iter().sum::<f64>().powi(2) / block.len() as f64);
+        (squares.sum::<f64>() / rows.len() as f64).sqrt()
+    };
     let mut ranked: Vec<(f64, usize)> = places
         .iter()
         .enumerate()
@@ -72,9 +85,13 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         .collect();
     let median_rms = median(ranked.iter().map(|(rms, _)| *rms));
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let calm_rms = ranked.get(3 * ranked.len() / 4).map_or(f64::NAN, |(rms, _)| *rms);
+    let means = places.first().map_or(0, Range::len) as f64 / per_mean as f64;
+    let stands_out = |group: &Group| group.rms >= bound(means) * calm_rms;
     let backdrop = Backdrop::new(recording, &places);
     let mut named: Vec<Stretch> = different(&ranked, &places)
         .into_iter()
+        .filter(stands_out)
         .map(|Group { places: indices, worst, .. }| {
             let rows = places[indices.start].start..places[indices.end - 1].end;
             let rms = rms(&rows);
@@ -93,6 +110,14 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         .collect();
     named.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     named
+}
+
+/// Ratio to the lower quartile from which on a stretch of so many means stands out. The RMS of means of white noise
+/// follows a χ distribution; its quantiles are those of Wilson and Hilferty (1931).
+fn bound(means: f64) -> f64 {
+    let variance = 2.0 / (9.0 * means.max(1.0));
+    let quantile = |deviations: f64| 1.0 - variance + deviations * variance.sqrt();
+    (quantile(BEYOND_NOISE) / quantile(-LOWER_QUARTILE)).powf(1.5)
 }
 
 /// The part of each stretch in which it is known what a coast leaves: a coast begins some seconds after a stretch does.
@@ -262,7 +287,7 @@ mod tests {
     fn the_five_worst_bursts_are_named_each_alone() {
         for bursts in [12, 15, 20, 40] {
             // the worst follow one another, up to the third last
-            let sizes: Vec<f64> = (0..bursts).map(|burst| f64::from((burst + 2) % bursts + 1)).collect();
+            let sizes: Vec<f64> = (0..bursts).map(|burst| 4_f64.powi((burst + 2) % bursts + 1)).collect();
             let (recording, trace) = in_bursts(&sizes);
             let worst = worst_stretches(&trace, 0, &recording);
             let burst = |time_s: f64| (time_s / 300.0).floor();
@@ -270,12 +295,46 @@ mod tests {
             let found: Vec<f64> = worst.iter().map(|stretch| burst(stretch.begin_s)).collect();
             let expected: Vec<f64> = (3..8).map(|back| f64::from(bursts - back)).collect();
             assert_eq!(found, expected, "five different ones of {bursts}, the worst first");
-            assert_eq!(worst[0].rms, f64::from(bursts));
+            assert_eq!(worst[0].rms, 4_f64.powi(bursts));
             assert!(
                 worst.iter().all(|stretch| stretch.special.is_empty()),
                 "what every burst has is not special"
             );
         }
+    }
+
+    /// White noise for an hour and a drift of a tenth of it in one minute: the samples hide it, the means do not.
+    #[test]
+    fn noise_has_no_worst_stretch_and_a_slow_drift_under_noise_is_one() {
+        let mut state = 1_u64;
+        let mut noise = || {
+            let mut uniform = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+            };
+            (0..12).map(|_| uniform()).sum::<f64>()
+        };
+        let rows = 36_000;
+        let time: Vec<f64> = (0..rows).map(|row| 0.1 * f64::from(row)).collect();
+        let coast: Vec<f64> = time.iter().map(|_| noise()).collect();
+        let columns = vec![("t_s".to_owned(), time.clone()), ("gx_rads".to_owned(), coast.clone())];
+        let recording =
+            Recording::from_columns(Source::made_by("a test"), columns, &LoadOptions::default()).unwrap();
+        let of = |coast: Vec<f64>| {
+            let axes = vec![AxisTrace { coast, ..AxisTrace::default() }];
+            Trace {
+                rows: 0..time.len(),
+                period_s: 0.1,
+                stretches: std::iter::once(0..time.len()).collect(),
+                axes,
+            }
+        };
+        assert_eq!(worst_stretches(&of(coast.clone()), 0, &recording), []);
+        let drifting =
+            |(value, time): (&f64, &f64)| value + if (600.0..660.0).contains(time) { 1.2 } else { 0.0 };
+        let found = worst_stretches(&of(coast.iter().zip(&time).map(drifting).collect()), 0, &recording);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].begin_s >= 590.0 && found[0].end_s <= 670.0, "{found:?}");
     }
 
     #[test]

@@ -5,6 +5,8 @@ import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
 import { panelTable } from "./figuretable.js";
 import { describe, extent } from "./figuredata.js";
+import { downloads } from "./downloads.js";
+import { readingAt } from "./figurehover.js";
 import { drawShape } from "./figureshapes.js";
 import { whileOnPage } from "./onpage.js";
 import { legendEntry, paint, placeOf, within } from "./shading.js";
@@ -38,32 +40,36 @@ const METHOD_COLOURS = 7;
 export function figureElement(figure, { height = 220, heading = "h3" } = {}) {
   const headline = heading === "none" ? null : el(heading, { class: "figure-title" }, figure.title);
   const panels = figure.panels.map((panel) => panelElement(panel, figure.title, height));
-  return el("figure", { class: "figure", "data-panels": panels.length }, headline, panels);
+  return el("figure", { class: "figure", "data-panels": panels.length }, headline, panels, el("figcaption", {}, downloads(() => figure)));
 }
 
 /** @param {Panel} panel @param {string} figureTitle @param {number} height */
 function panelElement(panel, figureTitle, height) {
   const host = el("div", { class: "plot", role: "img", "aria-label": `${figureTitle}. ${describe(panel)}` });
-  const drawing = new Drawing(panel, host, height);
+  const reading = el("p", { class: "reading-at", "aria-hidden": "true" });
+  const drawing = new Drawing(panel, host, height, reading);
   return el(
     "div",
     { class: "panel" },
     panel.title ? el("p", { class: "panel-title" }, panel.title) : null,
-    el("div", { class: "chart-head" }, el("p", { class: "y-label" }, panel.y.label), legend(panel)),
+    el("div", { class: "chart-head" }, el("p", { class: "y-label" }, panel.y.label), reading, legend(panel, drawing)),
     drawing.isEmpty ? el("p", { class: "empty" }, "no data") : host,
     panelTable(panel, figureTitle),
   );
 }
 
-/** @param {Panel} panel */
-function legend(panel) {
+/** Entries switch their series off and on. @param {Panel} panel @param {Drawing} drawing */
+function legend(panel, drawing) {
   /** @type {Map<string, HTMLElement>} */
   const entries = new Map();
   for (const { label, ink, shape } of panel.series) {
     if (!label || entries.has(label)) continue;
     const kind = Object.keys(shape)[0]?.toLowerCase();
-    entries.set(label, el("li", { class: `entry ${inkClass(ink)}` }, el("i", { class: `swatch ${kind}` }), label));
+    const swatch = el("i", { class: `swatch ${kind}` });
+    const toggle = el("button", { type: "button", class: "toggle", "aria-pressed": "true", onclick: () => toggle.setAttribute("aria-pressed", String(drawing.toggle(label))) }, swatch, label);
+    entries.set(label, el("li", { class: `entry ${inkClass(ink)}` }, toggle));
   }
+  if (entries.size === 1) for (const [label, entry] of entries) entry.replaceChildren(...(entry.querySelector("i") ? [/** @type {Node} */ (entry.querySelector("i"))] : []), label);
   const x = extent(panel, "x");
   const shadings = panel.shading.filter((shading) => x && within(shading, x.low, x.high).length > 0);
   return el("ul", { class: "legend" }, [...entries.values(), ...shadings.map((shading) => legendEntry("li", shading))]);
@@ -84,9 +90,13 @@ class Drawing {
   #plot = null;
   #x;
   #y;
+  #reading;
+  /** Labels of the series that are switched off. @type {Set<string>} */
+  #off = new Set();
 
-  /** @param {Panel} panel @param {HTMLElement} host @param {number} height */
-  constructor(panel, host, height) {
+  /** @param {Panel} panel @param {HTMLElement} host @param {number} height @param {HTMLElement} reading */
+  constructor(panel, host, height, reading) {
+    this.#reading = reading;
     this.#panel = panel;
     this.#host = host;
     this.#height = height;
@@ -100,6 +110,13 @@ class Drawing {
       this.#plot?.destroy();
     };
     whileOnPage(host, (width) => this.#resize(width), gone);
+  }
+
+  /** Switches the series with a label off or on. @param {string} label @returns {boolean} it is on now */
+  toggle(label) {
+    if (!this.#off.delete(label)) this.#off.add(label);
+    this.#plot?.redraw(false);
+    return !this.#off.has(label);
   }
 
   get isEmpty() {
@@ -118,7 +135,7 @@ class Drawing {
     const { names } = this.#panel.x;
     const labels = fitted(names, (width - Y_AXIS - RIGHT) / Math.max(1, names.length));
     const more = LINE * Math.max(0, ...labels.map((label) => label.split("\n").length - 1));
-    return new uPlot(
+    const plot = new uPlot(
       {
         width,
         height: this.#height + more,
@@ -150,6 +167,13 @@ class Drawing {
       ],
       this.#host,
     );
+    const isShown = (/** @type {FigureSeries} */ series) => !this.#off.has(series.label);
+    plot.over.addEventListener("pointermove", ({ clientX, clientY }) => {
+      const { left, top } = plot.over.getBoundingClientRect();
+      this.#reading.textContent = readingAt(plot, this.#panel, isShown, clientX - left, clientY - top);
+    });
+    plot.over.addEventListener("pointerleave", () => (this.#reading.textContent = ""));
+    return plot;
   }
 
   /** @param {uPlot} u */
@@ -159,7 +183,8 @@ class Drawing {
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    for (const { ink, shape } of this.#panel.series) {
+    for (const { label, ink, shape } of this.#panel.series) {
+      if (this.#off.has(label)) continue;
       const property = `--${inkClass(ink)}`;
       drawShape(u, shape, { full: colour(property), faint: faint(property, 0.26) });
     }

@@ -1,5 +1,5 @@
 // @ts-check
-// Numbers as people read them: three or four digits, a real minus, a unit with a prefix.
+// Numbers as people read them: three or four digits, a real minus, plain notation where a person can read it.
 
 const NARROW = "\u202f"; // narrow space that does not break
 const MINUS = "\u2212";
@@ -41,37 +41,14 @@ export function number(value, digits = 3) {
   if (!isNumber(value)) return UNKNOWN;
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e6 || size < 1e-3) return typeset(value.toExponential(digits - 1));
+  if (size >= 1e6 || size < 1e-5) return typeset(value.toExponential(digits - 1));
   const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
-  return typeset(value.toFixed(Math.min(decimals, 12)));
+  return typeset(value.toFixed(decimals));
 }
 
 /** A count, in groups of three. @param {number | null | undefined} value */
 export function count(value) {
   return isNumber(value) ? typeset(String(Math.round(value))) : UNKNOWN;
-}
-
-/** Units that take a prefix, and what stays behind it. */
-const PREFIXED = ["rad/s", "m/s²"];
-const PREFIXES = [
-  [1, ""],
-  [1e-3, "m"],
-  [1e-6, "µ"],
-  [1e-9, "n"],
-];
-
-/**
- * The prefix that suits numbers of this size: divide by `scale`, write `unit`.
- * @param {number} size
- * @param {string} unit
- * @returns {{scale: number, unit: string}}
- */
-export function prefixed(size, unit) {
-  const magnitude = Math.abs(size);
-  if (!PREFIXED.includes(unit) || !Number.isFinite(magnitude) || magnitude === 0) return { scale: 1, unit };
-  const fitting = PREFIXES.find(([scale]) => magnitude >= Number(scale)) ?? PREFIXES[PREFIXES.length - 1];
-  const [scale, letter] = /** @type {[number, string]} */ (fitting);
-  return { scale, unit: letter + unit };
 }
 
 /**
@@ -81,17 +58,8 @@ export function prefixed(size, unit) {
  */
 export function quantity(value, unit, digits = 3) {
   if (!isNumber(value)) return UNKNOWN;
-  const suited = prefixed(value, unit);
-  const text = number(value / suited.scale, digits);
-  return suited.unit ? `${text}${NARROW}${suited.unit}` : text;
-}
-
-/** The reduction of the RMS that goes with this reduction of the variance. @param {number} share */
-export const rmsReduction = (share) => 1 - Math.sqrt(Math.max(1 - share, 0));
-
-/** The same in percent. @param {number | null | undefined} share */
-export function rmsPercent(share, digits = 1) {
-  return percent(isNumber(share) ? rmsReduction(share) : share, digits);
+  const text = number(value, digits);
+  return unit ? `${text}${NARROW}${unit}` : text;
 }
 
 /** A share as percent. @param {number | null | undefined} share */

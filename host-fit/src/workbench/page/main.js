@@ -1,6 +1,7 @@
 // @ts-check
 // The workbench: a top bar, and below it one study, one population, or the panel that opens them. The address says which.
 
+import { addressedStudy } from "./address.js";
 import { get, messageOf, remove } from "./api.js";
 import { el, icon, replace } from "./dom.js";
 import { JobStatus } from "./jobstatus.js";
@@ -10,7 +11,7 @@ import { PopulationPage, addressedPopulation } from "./populationpage.js";
 import { sideBySide } from "./sidebyside.js";
 import { StudyPage } from "./studypage.js";
 import { themeSwitch } from "./theme.js";
-import { VERDICTS } from "./verdict.js";
+import { OUTCOMES } from "./verdict.js";
 
 /** @typedef {import("./types.js").Entry} StudyEntry */
 
@@ -43,10 +44,7 @@ function skip(event) {
 }
 
 /** The study that the address names. */
-function addressed() {
-  const id = /^#\/study\/(\d+)$/.exec(location.hash)?.[1];
-  return id === undefined ? null : Number(id);
-}
+const addressed = () => addressedStudy(location.hash);
 
 async function listStudies() {
   try {
@@ -60,16 +58,16 @@ async function listStudies() {
 
 function drawTabs() {
   const current = addressed();
-  const tab = (/** @type {StudyEntry} */ { id, name, verdict, working }) =>
+  const tab = (/** @type {StudyEntry} */ { id, name, outcome, working }) =>
     el(
       "span",
       { class: "tab", "data-current": String(id === current) },
       el(
         "a",
         { href: `#/study/${id}`, title: name, "aria-current": id === current ? "page" : null, "data-key": `tab:${id}` },
-        working ? el("i", { class: "working" }) : verdict ? icon(verdict) : null,
+        working ? el("i", { class: "working" }) : outcome ? icon(outcome) : null,
         el("span", { class: "tab-name" }, name),
-        el("span", { class: "unseen" }, working ? ", working" : verdict ? `, ${VERDICTS[verdict].word}` : ""),
+        el("span", { class: "unseen" }, working ? ", working" : outcome ? `, ${OUTCOMES[outcome].word}` : ""),
       ),
       el("button", { type: "button", class: "quiet", "aria-label": `Close ${name}`, "data-key": `close:${id}`, onclick: () => void close(id) }, icon("close")),
     );
@@ -122,15 +120,18 @@ function route() {
       notices,
       changed(state) {
         job.follow(id, state.job);
-        document.title = `${state.name} – fos workbench`;
+        const { outcome, name } = state;
+        document.title = `${outcome ? `${OUTCOMES[outcome].title}: ` : ""}${name} – fos workbench`;
+        if (state.logs) opening = null;
         const entry = studies.find((study) => study.id === id);
-        const verdict = state.axes.find((axis) => axis.column === state.axis)?.diagnosis?.verdict ?? null;
         const working = state.job !== null;
         if (!entry) return void listStudies();
-        if (entry.verdict === verdict && entry.working === working && entry.name === state.name) return;
-        Object.assign(entry, { verdict, working, name: state.name });
+        if (entry.outcome === outcome && entry.working === working && entry.name === name) return;
+        Object.assign(entry, { outcome, working, name });
         drawTabs();
       },
+      // the panel that opened it keeps its columns until the log is read
+      columns: opening?.hasLogs ? () => void backToColumns(id) : null,
       connected: (connected) => job.connected(connected),
       gone() {
         notices.show("This study is no longer open.\nhelp: the server may have been started anew; open the logs again.");
@@ -144,9 +145,14 @@ function route() {
   drawTabs();
 }
 
+/** Closes a study whose log could not be read, and shows its columns again. @param {number} id */
+async function backToColumns(id) {
+  await close(id);
+  location.hash = "#/open";
+}
+
 /** @param {number} id */
 function opened(id) {
-  opening = null;
   notices.clear();
   location.hash = `#/study/${id}`;
   void listStudies();

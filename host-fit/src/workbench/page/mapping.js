@@ -8,18 +8,22 @@ import { el, icon, replace, uniqueId } from "./dom.js";
 /** What a column is taken for; target null: kept under its own name; unit null: as its target says. @typedef {{column: PreviewColumn, target: string | null, unit: string | null}} Choice */
 
 const TIME = "t_s";
+/** Channels that a model can be of. */
+const SENSOR = /^[ag][xyz]_/;
 /** In place of a target. */
 const LEFT_OUT = "!";
 
 export class MappingTable {
   element = el("div", { class: "mapping" });
+  /** Called when a choice changes. */
+  changed = () => {};
   /** @type {Choice[]} */
   #choices = [];
   #rate = el("input", { type: "number", min: 0, step: "any", id: uniqueId("rate"), inputmode: "decimal" });
   #clash = el("p", { class: "clash", role: "alert" });
   #rateRow = el("p", { class: "rate" }, el("label", { for: this.#rate.id }, "There is no column of time. Sample rate, Hz "), this.#rate);
 
-  /** Shows the columns of these files, each name once; nothing where all are as the log format has them. @param {Preview[]} previews */
+  /** Shows the columns of these files, each name once; nothing where all are as the log format has them and one is a sensor. @param {Preview[]} previews */
   show(previews) {
     const before = this.#choices;
     /** @type {Map<string, Choice>} */
@@ -30,7 +34,7 @@ export class MappingTable {
     }
     this.#choices = [...choices.values()];
     const first = previews[0];
-    const isStandard = this.#choices.every(({ column }) => column.spec === null && column.sure) && this.#hasTime();
+    const isStandard = this.#choices.every(({ column }) => column.spec === null && column.sure) && this.#hasTime() && this.hasSensor();
     if (!first || isStandard) return replace(this.element);
     const unsure = this.#choices.filter(({ column }) => !column.sure).length;
     const head = ["Column", "First values", "Is", "In", "Why"].map((text) => el("th", { scope: "col" }, text));
@@ -60,6 +64,11 @@ export class MappingTable {
     return !this.#hasTime() && this.#rate.valueAsNumber > 0 ? this.#rate.valueAsNumber : null;
   }
 
+  /** A column is a gyro or an accelerometer. */
+  hasSensor() {
+    return this.#choices.some(({ target, column }) => SENSOR.test(target ?? "") || (target === null && SENSOR.test(column.name)));
+  }
+
   #hasTime() {
     return this.#choices.some(({ target }) => target === TIME);
   }
@@ -87,7 +96,7 @@ export class MappingTable {
         },
       },
       el("option", { value: "", selected: choice.target === null }, "kept as it is"),
-      el("option", { value: LEFT_OUT, selected: choice.target === LEFT_OUT }, "left out"),
+      el("option", { value: LEFT_OUT, selected: choice.target === LEFT_OUT }, "excluded"),
       targets.map((name) => el("option", { value: name, selected: name === choice.target }, name)),
     );
     drawUnits();
@@ -109,5 +118,6 @@ export class MappingTable {
     this.#clash.textContent = twice.length > 0 ? `${twice.join(", ")} is chosen for two columns; the log can be read when it is one.` : "";
     this.#clash.hidden = twice.length === 0;
     this.#rateRow.hidden = this.#hasTime();
+    this.changed();
   }
 }

@@ -34,6 +34,7 @@ export class OpenPanel {
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
+  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose above which columns are, and in which unit.");
   /** @type {Picked[]} */
   #picked = [];
   #isBusy = false;
@@ -46,24 +47,30 @@ export class OpenPanel {
       "div",
       { class: "drop" },
       el("p", { class: "drop-title" }, "Drop a log here"),
-      el("p", { class: "note" }, "CSV, Parquet, PX4 ULog, ArduPilot BIN, MCAP, a ROS bag, the zip of a phone app; one log, or up to three with a quiet and a later one. Nothing leaves this machine."),
+      el("p", { class: "note" }, "CSV, Parquet, PX4 ULog, ArduPilot BIN, MCAP, a ROS bag, the zip of a phone app; one log, or up to three: the log to explain, a reference log and an evaluation log. Nothing leaves this machine."),
       el("p", {}, this.#chooser, el("label", { for: this.#chooser.id, class: "button" }, "Choose files")),
     );
     for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));
     for (const kind of ["dragleave", "drop"]) drop.addEventListener(kind, () => delete drop.dataset.over);
-    this.#reading.append(this.#read);
+    this.#reading.append(this.#unreadable, this.#read);
+    this.#mapping.changed = () => this.#sayReadable();
     this.element = el(
       "section",
       { class: "opening", "aria-labelledby": "opening-title" },
-      el("h1", { id: "opening-title" }, "What does your sensor do that no model knows?"),
-      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where that fails, and names the physical effect that is missing."),
+      el("h1", { id: "opening-title" }, "Why does your sensor drift?"),
+      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where the model fails, and identifies the missing physical effect."),
       this.#problems,
-      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and something happens to gyro x that no model has."), this.#example, this.#paths, this.#populations)),
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts for a reason that its model lacks."), this.#example, this.#paths, this.#populations)),
       this.#progress,
       this.#files,
       this.#mapping.element,
       this.#reading,
     );
+  }
+
+  /** Logs are picked, and their columns known. */
+  get hasLogs() {
+    return this.#picked.length > 0;
   }
 
   /** What lies on the server may have changed. */
@@ -87,11 +94,11 @@ export class OpenPanel {
       return (await upload(file)).path;
     });
     const left = files.slice(most).map((file) => file.name);
-    if (left.length > 0) this.#problem(`Not taken: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
+    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
   }
 
   /**
-   * Looks into logs, one after the other; one that is no log is told of and left out.
+   * Looks into logs, one after the other; a file that is no log is reported and skipped.
    * @template Given
    * @param {Given[]} all
    * @param {(given: Given) => Promise<string>} pathOf
@@ -122,7 +129,7 @@ export class OpenPanel {
     if (logs.length === 0) return replace(this.#paths);
     const id = uniqueId("path");
     const select = el("select", { id, "data-key": "path" }, logs.map(({ path, bytes: size }) => el("option", { value: path }, `${path} (${bytes(size)})`)));
-    const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Take this log");
+    const open = el("button", { type: "button", "data-key": "take-path", onclick: () => void this.#pick([select.value], async (path) => path) }, "Use this log");
     replace(this.#paths, el("h2", {}, el("label", { for: id }, "A log on this machine")), el("div", { class: "row" }, select, open));
   }
 
@@ -150,12 +157,20 @@ export class OpenPanel {
         {},
         el("label", { for: id }, fileName(one.path)),
         el("select", { id, "data-key": `role:${one.path}`, onchange: change }, ROLES.map(({ role, text }) => el("option", { value: role, selected: role === one.role }, text))),
-        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Leave out ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Leave out"),
+        el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Remove ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Remove"),
       );
     };
     replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
     this.#mapping.show(picked.map(({ preview }) => preview));
     this.#reading.hidden = !picked.some(({ role }) => role === "field");
+    this.#sayReadable();
+  }
+
+  /** A log without a gyro or accelerometer cannot be read: the columns are to be chosen first. */
+  #sayReadable() {
+    const isReadable = this.#mapping.hasSensor();
+    this.#read.setAttribute("aria-disabled", String(!isReadable));
+    this.#unreadable.hidden = isReadable;
   }
 
   /** @param {Picked} one */
@@ -169,7 +184,7 @@ export class OpenPanel {
   async #readLogs() {
     const path = (/** @type {Role} */ role) => this.#picked.find((picked) => picked.role === role)?.path ?? null;
     const field = path("field");
-    if (!field) return;
+    if (!field || !this.#mapping.hasSensor()) return;
     await this.#open({ field, quiet: path("quiet"), judged: path("judged"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
   }
 

@@ -83,7 +83,7 @@ export class PopulationPage {
       const chosen = units[Number(select.value)];
       if (chosen) location.hash = populationAddress(this.path, chosen);
     };
-    return el("div", { class: "row" }, el("label", { for: id }, `One of ${count(units.length)} units`), select, el("button", { type: "button", "data-key": "show-unit", onclick: open }, "Show it"));
+    return el("div", { class: "row" }, el("label", { for: id }, `One of ${count(units.length)} devices`), select, el("button", { type: "button", "data-key": "show-unit", onclick: open }, "Show it"));
   }
 
   /** @param {Part} part @returns {HTMLElement[]} */
@@ -93,33 +93,33 @@ export class PopulationPage {
     const title = (/** @type {string} */ text) => (part.part ? `${part.part}: ${text}` : capitalised(text));
     return [
       titled(
-        title("which units were read"),
+        title("which devices were read"),
         el(
           "div",
           { class: "card" },
-          el("p", {}, `${count(read.units)} units, ${count(read.lots)} lots: of ${count(read.whole)} all axes are told, of ${count(read.partly)} some, of ${count(read.nothing)} none.`),
+          el("p", {}, `${count(read.units)} devices in ${count(read.lots)} lots. All axes were read for ${count(read.whole)}, some for ${count(read.partly)}, none for ${count(read.nothing)}.`),
           part.cautions.map((caution) => el("p", {}, caution)),
-          read.not_read.length === 0 ? null : table(title("units that told not everything"), ["unit", "lot", "why"], read.not_read.map((unit) => [this.#link(part, unit.unit), unit.lot ?? "", [...unit.reasons, ...unit.help].map((line) => el("div", {}, line))]), 0),
+          read.not_read.length === 0 ? null : table(title("devices with incomplete data"), ["device", "lot", "why"], read.not_read.map((unit) => [this.#link(part, unit.unit), unit.lot ?? "", [...unit.reasons, ...unit.help].map((line) => el("div", {}, line))]), 0),
           read.more > 0 ? el("p", { class: "note" }, `And ${count(read.more)} more.`) : null,
         ),
       ),
       titled(
-        title("units that do not belong"),
+        title("odd devices"),
         el(
           "div",
           { class: "card" },
           part.odd.length === 0
-            ? el("p", {}, part.not_conclusive ?? "No unit is unlike the others.")
+            ? el("p", {}, part.not_conclusive ?? "No device differs from the others.")
             : table(
-                title("odd units"),
-                ["unit", "lot", "axis", "most in", "off by, standard deviations", "its log says", "nine of ten of its lot", "p"],
+                title("odd devices"),
+                ["device", "lot", "axis", "most in", "off by, standard deviations", "its own log", "90 % of its lot", "p"],
                 part.odd.map((odd) => [this.#link(part, odd.unit), odd.lot ?? "", odd.label, odd.coefficient, number(odd.by), odd.estimate ? `${about(odd.estimate)} ${odd.unit_of_size}` : UNKNOWN, odd.expected ? `${range(odd.expected)} ${odd.unit_of_size}` : UNKNOWN, number(odd.p_value)]),
                 4,
               ),
         ),
       ),
-      titled(title("how units differ"), el("div", { class: "card" }, differences(part, title("scatter of units and lots"))), ...figures(part)),
-      ...shipped(part, title("effects by axis")).map((shares) => titled(title("effects that the part has"), el("div", { class: "card" }, shares))),
+      titled(title("how devices differ"), el("div", { class: "card" }, differences(part, title("scatter of units and lots"))), ...figures(part)),
+      ...shipped(part, title("effects by axis")).map((shares) => titled(title("effects of the part"), el("div", { class: "card" }, shares))),
     ];
   }
 
@@ -136,18 +136,18 @@ export class PopulationPage {
       report.lot ? `lot ${report.lot}` : "",
       isNumber(report.seconds) ? `a log of ${duration(report.seconds)}` : "",
       report.temperature_c ? `${range(report.temperature_c)} °C` : "",
-      report.is_odd ? "does not belong" : "",
+      report.is_odd ? "odd" : "",
     ].filter(Boolean);
     const open = el("button", { type: "button", class: "primary", "data-key": "open-log", onclick: () => void this.#open(log ?? "") }, "Open its log");
     replace(
       this.#unit,
-      el("header", { class: "part-head" }, el("div", {}, el("h2", { id: "unit-title", tabindex: -1 }, `Unit ${report.unit}`), el("p", { class: "question" }, facts.join(", ")))),
+      el("header", { class: "part-head" }, el("div", {}, el("h2", { id: "unit-title", tabindex: -1 }, `Device ${report.unit}`), el("p", { class: "question" }, facts.join(", ")))),
       el(
         "div",
         { class: "card" },
         report.failed.flatMap((reason) => reason.split("\n")).map((line) => el("p", {}, line)),
-        rows.length === 0 ? null : table("The unit beside its population", ["axis", "coefficient", "its own log", "its lot lets expect", "both together", "unit", "off by, standard deviations"], rows, 2),
-        rows.length === 0 ? null : el("p", { class: "note" }, "Each with half of its 90 % interval. Of a unit that the population is of, its own log counts in both, by its share in the population."),
+        rows.length === 0 ? null : table("The device and its population", ["axis", "coefficient", "its own log", "expected from its lot", "both combined", "unit", "off by, standard deviations"], rows, 2),
+        rows.length === 0 ? null : el("p", { class: "note" }, "Each value is given with half of its 90 % interval. A device of the population is part of both estimates: its own log also counts in the population."),
         effects.length === 0 ? null : el("p", {}, `Effects that were found: ${effects.join("; ")}.`),
         log ? el("p", {}, open, ` ${log}`) : el("p", { class: "note" }, "Its log is not in a folder that may be read here, or has changed."),
       ),

@@ -7,7 +7,7 @@ import { get, isAbort } from "./api.js";
 /** @typedef {import("./types.js").AxisSeries} Series */
 /** @typedef {import("./types.js").LowAndHigh} Trace */
 /** @typedef {import("./types.js").ViewKind} ViewName */
-/** @typedef {{study: number, axis: string, view: ViewName, model: string}} Subject `model` tells one state of the model from the next */
+/** @typedef {{study: number, axis: string, view: ViewName, mean: number | null, model: string}} Subject `mean`: length of means, s, null follows the zoom; `model` tells one state of the model from the next */
 /** What is drawn: detail where it is known, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */
 
 /** Quiet time before finer data are asked for, ms. */
@@ -18,6 +18,16 @@ const RETRY = 2000;
 const WHOLE_WIDTH = 1600;
 /** Buckets a pixel at least, before finer ones are asked for. */
 const COARSEST = 0.7;
+
+/** Means of the slow view over a window, at most about. */
+const MEANS = 1000;
+
+/** Length of the means that suits a window of so many seconds: 1, 2, 5, 10, … s. @param {number} span */
+export function meanFor(span) {
+  const decade = 10 ** Math.floor(Math.log10(Math.max(span / MEANS, 1)));
+  const digit = [5, 2, 1].find((of) => of * decade <= span / MEANS) ?? 1;
+  return Math.max(1, digit * decade);
+}
 
 export class SeriesSource {
   /** @type {import("./timewindow.js").TimeWindow} */
@@ -78,7 +88,7 @@ export class SeriesSource {
   async #readWhole(subject) {
     this.#request = new AbortController();
     const [from, to] = this.#time.whole;
-    const whole = await this.#read(subject, from, to, WHOLE_WIDTH, this.#request.signal);
+    const whole = await this.#read(subject, from, to, WHOLE_WIDTH, to - from, this.#request.signal);
     if (!whole) {
       // the next change of the study tries again
       setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
@@ -92,16 +102,17 @@ export class SeriesSource {
 
   /**
    * @param {Subject} subject
-   * @param {number} from @param {number} to @param {number} width @param {AbortSignal} signal
+   * @param {number} from @param {number} to @param {number} width @param {number} span in view, s @param {AbortSignal} signal
    * @returns {Promise<Series | null>} null: stale or failed
    */
-  async #read(subject, from, to, width, signal) {
+  async #read(subject, from, to, width, span, signal) {
     const query = new URLSearchParams({
       axis: subject.axis,
       view: subject.view,
       from: String(from),
       to: String(to),
       width: String(width),
+      mean_s: String(this.#mean(subject, span)),
     });
     try {
       const series = /** @type {Series} */ (await get(`/api/studies/${subject.study}/series?${query}`, signal));
@@ -128,7 +139,13 @@ export class SeriesSource {
     const from = Math.max(shown[0] - 0.5 * span, whole[0]);
     const to = Math.min(shown[1] + 0.5 * span, whole[1]);
     const covered = known.from_s <= from + 1e-9 && known.to_s >= to - 1e-9;
-    return covered && isFine(known, span, this.#width);
+    const means = this.#subject?.view !== "slow" || known.mean_s === this.#mean(this.#subject, span);
+    return covered && means && isFine(known, span, this.#width);
+  }
+
+  /** @param {Subject} subject @param {number} span */
+  #mean(subject, span) {
+    return subject.mean ?? meanFor(span);
   }
 
   async #readDetail() {
@@ -139,7 +156,7 @@ export class SeriesSource {
     const { shown, span, whole } = this.#time;
     const from = Math.max(shown[0] - span, whole[0]);
     const to = Math.min(shown[1] + span, whole[1]);
-    const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span), this.#detailRequest.signal);
+    const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span), span, this.#detailRequest.signal);
     if (!detail) return;
     // what was asked for is known, even where the log has nothing
     this.#detail = { ...detail, from_s: Math.min(detail.from_s, from), to_s: Math.max(detail.to_s, to) };
@@ -177,5 +194,8 @@ function spliced(whole, detail) {
     measured: /** @type {Trace} */ (trace(whole.measured, detail.measured)),
     predicted: trace(whole.predicted, detail.predicted),
     left: trace(whole.left, detail.left),
+    predicted_before: trace(whole.predicted_before, detail.predicted_before),
+    left_before: trace(whole.left_before, detail.left_before),
+    beside: detail.beside.map((one, at) => ({ ...one, values: /** @type {Trace} */ (trace(whole.beside[at]?.values ?? null, one.values)) })),
   };
 }

@@ -2,17 +2,18 @@
 // Several studies in one table: the axis that each looks at, what is missing from it, and how far its error fell.
 
 import { el, icon } from "./dom.js";
-import { percent, quantity } from "./format.js";
-import { VERDICTS } from "./verdict.js";
+import { percent } from "./format.js";
+import { chosen, inUnit } from "./units.js";
+import { OUTCOMES } from "./verdict.js";
 
 /** @typedef {import("./types.js").Entry} StudyEntry */
 
 /** Nothing for fewer than two. @param {StudyEntry[]} studies */
 export function sideBySide(studies) {
   if (studies.length < 2) return [];
-  const head = ["Study", "Axis", "What is missing", "Added", "Slow error before", "now", "Fall of its variance"];
+  const head = ["Study", "Axis", "Result", "Added", "Slow error before", "now", "Reduction of the RMS"];
   const right = (/** @type {string} */ text) => el("td", { class: "right" }, text);
-  const row = (/** @type {StudyEntry} */ { id, name, verdict, working, axis }) => {
+  const row = (/** @type {StudyEntry} */ { id, name, outcome, working, axis }) => {
     const { slow_before: before, slow_now: now } = axis ?? { slow_before: null, slow_now: null };
     const fell = axis && axis.added.length > 0 && before !== null && now !== null;
     return el(
@@ -20,11 +21,11 @@ export function sideBySide(studies) {
       { "data-study": id },
       el("th", { scope: "row" }, el("a", { href: `#/study/${id}` }, name)),
       el("td", {}, axis?.label ?? "–"),
-      el("td", {}, verdict ? icon(verdict) : null, verdict ? ` ${axis?.sentence ?? VERDICTS[verdict].title}` : working ? "being computed" : "–"),
+      el("td", {}, outcome ? icon(outcome) : null, outcome ? ` ${axis?.sentence ?? OUTCOMES[outcome].title}` : working ? "being computed" : "–"),
       el("td", {}, axis && axis.added.length > 0 ? axis.added.join(", ") : "–"),
-      right(axis ? quantity(before, axis.unit) : "–"),
-      right(axis ? quantity(now, axis.unit) : "–"),
-      right(fell ? percent(1 - (now / before) ** 2) : "–"),
+      right(axis ? inUnit(before, chosen(axis.errors_in)) : "–"),
+      right(axis ? inUnit(now, chosen(axis.errors_in)) : "–"),
+      right(fell ? percent(1 - now / before) : "–"),
     );
   };
   const table = el("table", {}, el("thead", {}, el("tr", {}, head.map((text, at) => el("th", { scope: "col", class: at > 3 ? "right" : null }, text)))), el("tbody", {}, studies.map(row)));
@@ -34,7 +35,7 @@ export function sideBySide(studies) {
       { class: "opening beside", "aria-labelledby": "beside-title" },
       el("h2", { id: "beside-title" }, "Open studies, side by side"),
       el("div", { class: "card" }, el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Open studies" }, table)),
-      el("p", { class: "note" }, "The slow error is the scatter of means over one second on data that were not fitted."),
+      el("p", { class: "note" }, "The slow error is the RMS of 1-s means on data that were not fitted."),
     ),
   ];
 }

@@ -1,7 +1,9 @@
 // @ts-check
 // One study: its five parts in the order of thought, and what they share.
 
+import { addressOf, placeOf } from "./address.js";
 import { messageOf, post } from "./api.js";
+import { axesTable } from "./axestable.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
 import { follow } from "./follow.js";
 import { capitalised, count, duration, fileName, percent } from "./format.js";
@@ -13,13 +15,14 @@ import { missingPart } from "./parts/missing.js";
 import { takePart } from "./parts/take.js";
 import { SeriesSource } from "./seriessource.js";
 import { TimeWindow } from "./timewindow.js";
-import { VERDICTS } from "./verdict.js";
+import { system, unitSwitch } from "./units.js";
+import { OUTCOMES } from "./verdict.js";
 
 /** @typedef {import("./types.js").Page} State */
-/** @typedef {import("./types.js").AxisSection} AxisState */
+/** @typedef {import("./types.js").AxisPage} AxisState */
 /** @typedef {import("./types.js").ViewKind} ViewName */
 /** A stretch that every panel shows; mark: its number among the worst. @typedef {{from: number, to: number, mark: string | null}} Chosen */
-/** What the parts draw. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName}} Scene */
+/** What the parts draw; mean: length of means, s, null follows the zoom. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName, mean: number | null, units: import("./units.js").System}} Scene */
 /** @typedef {{element: HTMLElement, update: (scene: Scene) => void}} Part */
 /**
  * What the parts share.
@@ -29,13 +32,20 @@ import { VERDICTS } from "./verdict.js";
  * @property {SeriesSource} source
  * @property {(chosen: Chosen | null) => void} choose
  * @property {(view: ViewName) => void} setView
+ * @property {(mean: number | null) => void} setMean
  * @property {(path: string, body?: unknown) => Promise<boolean>} change asks the server for it; says what went wrong
  * @property {(text: string) => void} announce
  * @property {(part: number, focus?: boolean) => void} goTo
+ * @property {(part: number) => void} stayAt goes to a part, and keeps it in view while others change
  */
-/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Surroundings */
+/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void, columns: (() => void) | null}} Surroundings columns: the way back to the mapping of the log */
 
-const STEPS = ["Measured", "Fails", "Missing", "Falls", "Take"];
+/** How often the address follows what is shown, ms: a browser refuses more than a few changes a second. */
+const ADDRESS_REST = 300;
+/** @type {ViewName[]} */
+const VIEWS = ["slow", "coast", "one_step"];
+
+const STEPS = ["Measured", "Fails", "Missing", "Result", "Export"];
 
 export class StudyPage {
   /** @type {number} */
@@ -46,6 +56,7 @@ export class StudyPage {
   #source = new SeriesSource(this.#time);
   #head = el("div", { class: "study-head" });
   #error = el("div", { class: "study-error" });
+  #axes = el("div", { class: "axes-place" });
   #bar = el("div", { class: "sub-bar" });
   #said = el("p", { class: "unseen", role: "status", "aria-live": "polite" });
   #reading = el("div", { class: "reading" });
@@ -61,6 +72,13 @@ export class StudyPage {
   #chosen = null;
   /** @type {ViewName} */
   #view = "slow";
+  /** @type {number | null} */
+  #mean = null;
+  /** What the address asks for and is not shown yet. @type {import("./address.js").Place | null} */
+  #wanted;
+  #addressTimer = 0;
+  /** The part that stays in view until the work that it waits for is done, or the reader scrolls. @type {number | null} */
+  #anchored = null;
   #log = "";
   /** @type {Map<string, string>} */
   #drawn = new Map();
@@ -69,11 +87,16 @@ export class StudyPage {
   constructor(id, around) {
     this.id = id;
     this.#around = around;
+    this.#wanted = placeOf(location.hash);
+    const { view } = this.#wanted;
+    this.#view = VIEWS.find((one) => one === view) ?? "slow";
     this.#source.failed = (error) => around.notices.show(messageOf(error));
     const context = this.#context();
     this.#all = [measuredPart(context), failsPart(context), missingPart(context), fallsPart(context), takePart(context)];
     this.#parts.append(...this.#all.map((part) => part.element));
-    this.element = el("div", { class: "study" }, this.#head, this.#error, this.#reading, this.#bar, this.#parts, this.#said);
+    this.element = el("div", { class: "study" }, this.#head, this.#error, this.#reading, this.#axes, this.#bar, this.#parts, this.#said);
+    for (const kind of ["wheel", "touchmove", "keydown", "pointerdown"]) this.element.addEventListener(kind, () => (this.#anchored = null), { passive: true });
+    this.#time.onChange(() => this.#writeAddress());
     this.#following = follow(id, {
       state: (state) => this.#update(state),
       connected: around.connected,
@@ -86,6 +109,7 @@ export class StudyPage {
   }
 
   close() {
+    clearTimeout(this.#addressTimer);
     this.#following.close();
     this.#source.look(null);
   }
@@ -106,10 +130,55 @@ export class StudyPage {
         this.#view = view;
         this.#draw();
       },
+      setMean: (mean) => {
+        this.#mean = mean;
+        this.#draw();
+      },
       change: (path, body) => this.#change(path, body),
       announce: (text) => (this.#said.textContent = text),
       goTo: (part, focus = true) => this.#goTo(part, focus),
+      stayAt: (part) => {
+        this.#goTo(part, true);
+        this.#anchored = part;
+      },
     };
+  }
+
+  /** @param {string} column */
+  #look(column) {
+    if (column === this.#axis) return;
+    this.#axis = column;
+    this.#chosen = null;
+    void this.#change("axis", { axis: column });
+    this.#draw();
+  }
+
+  /** Shows what the address asks for, once the log is there. @param {State} state */
+  #goToWanted(state) {
+    const wanted = this.#wanted;
+    if (!wanted || !state.logs) return;
+    this.#wanted = null;
+    if (wanted.stretch) {
+      const [from, to] = wanted.stretch;
+      this.#chosen = { from, to, mark: null };
+    }
+    if (wanted.window) this.#time.show(...wanted.window);
+    if (state.axes.some(({ column }) => column === wanted.axis) && wanted.axis !== state.axis) this.#look(wanted.axis ?? "");
+  }
+
+  #writeAddress() {
+    clearTimeout(this.#addressTimer);
+    this.#addressTimer = window.setTimeout(() => {
+      if (this.#wanted || !this.element.isConnected) return;
+      const chosen = this.#chosen;
+      const address = addressOf(this.id, {
+        axis: this.#axis,
+        view: this.#view === "slow" ? null : this.#view,
+        window: this.#time.isWhole ? null : this.#time.shown,
+        stretch: chosen && [chosen.from, chosen.to],
+      });
+      if (location.hash !== address) history.replaceState(null, "", address);
+    }, ADDRESS_REST);
   }
 
   /** @param {string} path @param {unknown} [body] */
@@ -126,6 +195,7 @@ export class StudyPage {
 
   /** @param {number} part @param {boolean} focus */
   #goTo(part, focus) {
+    this.#anchored = null;
     const heading = this.#all[part - 1]?.element.querySelector("h2");
     if (focus) heading?.focus({ preventScroll: true });
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -143,7 +213,12 @@ export class StudyPage {
     }
     this.#axis = state.axis ?? this.#axis ?? state.axes[0]?.column ?? null;
     this.#around.changed(state);
+    this.#goToWanted(state);
     this.#draw();
+    if (this.#anchored !== null) {
+      this.#all[this.#anchored - 1]?.element.querySelector("h2")?.scrollIntoView({ behavior: "auto", block: "start" });
+      if (!state.job?.asked_for) this.#anchored = null;
+    }
   }
 
   #draw() {
@@ -153,11 +228,18 @@ export class StudyPage {
     this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
     // what was cancelled, failed or never begun is asked for by looking at the axis again
     const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
-    this.#once("error", [state.error, canGoOn, axis?.column], () => {
+    const error = state.error ?? axis?.failure ?? null;
+    this.#once("error", [error, canGoOn, axis?.column, state.logs === null], () => {
       const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
-      replace(this.#error, state.error ? alertElement(state.error) : null, canGoOn ? goOn : null);
+      const { columns } = this.#around;
+      const back = !state.logs && state.error && columns ? el("button", { type: "button", class: "primary", "data-key": "columns", onclick: columns }, "Back to the columns of the log") : null;
+      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null, back);
     });
-    this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.diagnosis?.verdict]), this.#axis], () => this.#drawBar(state));
+    const isWorking = state.job !== null;
+    this.#once("axes", [state.axes.map((one) => [one.column, one.standing, one.slow_error, one.failure, one.units, one.diagnosis?.findings.length]), this.#axis, isWorking, system()], () => {
+      replace(this.#axes, state.axes.length > 0 ? axesTable(state.axes, this.#axis, isWorking, (column) => this.#look(column), unitSwitch(() => this.#draw())) : null);
+    });
+    this.#once("bar", [state.axes.map((one) => [one.column, one.label, one.standing?.outcome]), this.#axis], () => this.#drawBar(state));
     const isRead = state.logs !== null;
     this.#once("reading", [isRead, state.job?.what, state.error], () => {
       replace(this.#reading, isRead || state.error ? null : waiting(capitalised(state.job?.what ?? "reading the logs")));
@@ -165,8 +247,9 @@ export class StudyPage {
     this.#bar.hidden = !isRead;
     this.#parts.hidden = !isRead;
     if (!isRead) return;
-    this.#source.look(axis ? { study: this.id, axis: axis.column, view: this.#view, model: modelKey(axis) } : null);
-    for (const part of this.#all) part.update({ state, axis, chosen: this.#chosen, view: this.#view });
+    this.#source.look(axis ? { study: this.id, axis: axis.column, view: this.#view, mean: this.#mean, model: modelKey(axis) } : null);
+    for (const part of this.#all) part.update({ state, axis, chosen: this.#chosen, view: this.#view, mean: this.#mean, units: system() });
+    this.#writeAddress();
   }
 
   /** Draws only what changed, so that nothing under the reader's hands is taken away. @param {string} name @param {unknown} data @param {() => void} draw */
@@ -183,19 +266,14 @@ export class StudyPage {
       legend: "Axis",
       name: "axis",
       class: "axes",
-      options: state.axes.map(({ column, label, diagnosis }) => ({
+      options: state.axes.map(({ column, label, standing }) => ({
         value: column,
         text: label,
-        hint: diagnosis ? VERDICTS[diagnosis.verdict].word : undefined,
-        extra: diagnosis ? icon(diagnosis.verdict) : null,
+        hint: standing ? OUTCOMES[standing.outcome].word : undefined,
+        extra: standing ? icon(standing.outcome) : null,
       })),
       chosen: this.#axis,
-      choose: (column) => {
-        this.#axis = column;
-        this.#chosen = null;
-        void this.#change("axis", { axis: column });
-        this.#draw();
-      },
+      choose: (column) => this.#look(column),
     });
     const step = (/** @type {string} */ name, /** @type {number} */ at) =>
       el("li", {}, el("button", { type: "button", class: "quiet", "data-key": `step:${at}`, onclick: () => this.#goTo(at + 1, true) }, el("b", {}, at + 1), el("span", {}, name)));

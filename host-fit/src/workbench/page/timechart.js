@@ -3,15 +3,19 @@
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
-import { capitalised, prefixed, quantity, seconds } from "./format.js";
+import { capitalised, seconds } from "./format.js";
 import { listenToHands, listenToKeys } from "./gestures.js";
 import { whileOnPage } from "./onpage.js";
+import { downloads } from "./downloads.js";
 import { legendEntry, paint, placeOf, saidAt } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { linearTicks } from "./ticks.js";
+import { inUnit } from "./units.js";
 
 /** @typedef {import("./types.js").AxisSeries} Series */
-/** @typedef {{of: "measured" | "predicted" | "left", label: string, ink: string}} Drawn a trace, its name and its colour's custom property */
+/** @typedef {import("./types.js").LowAndHigh} LowAndHigh */
+/** @typedef {"measured" | "predicted" | "left" | "predicted_before" | "left_before" | number} TraceName a number: of the channels beside */
+/** @typedef {{of: TraceName, label: string, ink: string, off?: boolean}} Drawn a trace, its name, its colour's custom property; off: until it is switched on */
 /** @typedef {{from: number, to: number, mark: string, chosen: boolean}} Shade */
 /** @typedef {{label: string, traces: Drawn[], height: number, time: import("./timewindow.js").TimeWindow, click?: (shade: Shade | null) => void}} Options */
 
@@ -41,16 +45,25 @@ export class TimeChart {
   #moved = null;
   #host = el("div", { class: "plot" });
   #label;
-  #legend = el("div", { class: "legend", "aria-hidden": "true" });
+  #legend = el("div", { class: "legend", role: "group", "aria-label": "Traces" });
   #yLabel = el("p", { class: "y-label" });
   #picture = el("div", { role: "img" });
   #focus;
+  /** @type {import("./types.js").ShownUnit} */
+  #unit = { label: "", divisor: 1 };
+  /** Labels of traces that are switched off. @type {Set<string>} */
+  #off;
+  /** Where the value under the cursor stands, by label. @type {Map<string, HTMLElement>} */
+  #values = new Map();
+  #atTime = el("span", { class: "value" });
+  #atMoved = el("span", {});
   /** Told whenever the plot gets another width. @type {(width: number) => void} */
   resized = () => {};
 
   /** @param {Options} options */
   constructor(options) {
     this.#options = options;
+    this.#off = new Set(options.traces.filter(({ off }) => off).map(({ label }) => label));
     this.#label = options.label;
     this.#picture.append(this.#host);
     this.#focus = el(
@@ -65,7 +78,7 @@ export class TimeChart {
       this.#picture,
     );
     this.#focus.style.setProperty("--plot-height", `${options.height}px`);
-    this.element = el("div", {}, el("div", { class: "chart-head" }, this.#yLabel, this.#legend), this.#focus);
+    this.element = el("div", {}, el("div", { class: "chart-head" }, this.#yLabel, this.#legend, downloads(() => this.#figure())), this.#focus);
     listenToKeys(this.#focus, options.time);
     options.time.onChange(() => this.#move());
     const forget = onTheme(() => this.#plot?.redraw(false));
@@ -84,10 +97,14 @@ export class TimeChart {
     if (this.#plot && this.#plot.series.length !== 1 + 2 * drawn.length) this.#clear();
     const data = /** @type {uPlot.AlignedData} */ ([
       series.time_s,
-      ...drawn.flatMap(({ of }) => [/** @type {import("./types.js").LowAndHigh} */ (series[of]).low, /** @type {import("./types.js").LowAndHigh} */ (series[of]).high]),
+      ...drawn.flatMap((trace) => {
+        const { low, high } = /** @type {LowAndHigh} */ (traceOf(series, trace));
+        return [low, high];
+      }),
     ]);
     if (this.#plot) this.#plot.setData(data, false);
     else this.#make(data, drawn);
+    this.#drawLegend(drawn);
     this.#move();
     this.#describe();
   }
@@ -96,6 +113,14 @@ export class TimeChart {
   setLabel(label) {
     this.#label = label;
     this.#plot?.redraw(false, true);
+    this.#describe();
+  }
+
+  /** The unit that values are shown in. @param {import("./types.js").ShownUnit} unit */
+  setUnit(unit) {
+    if (unit.label === this.#unit.label) return;
+    this.#unit = unit;
+    this.#plot?.redraw(true, true);
     this.#describe();
   }
 
@@ -116,12 +141,63 @@ export class TimeChart {
   #clear() {
     this.#plot?.destroy();
     this.#plot = null;
+    this.#values.clear();
     this.#legend.replaceChildren();
   }
 
   /** Those traces that there are. @param {Series} series */
   #drawn(series) {
-    return this.#options.traces.filter(({ of }) => series[of]);
+    return this.#options.traces.filter((trace) => traceOf(series, trace));
+  }
+
+  /** Entries switch their traces off and on; made once for a set of traces, so that the focus stays. @param {Drawn[]} drawn */
+  #drawLegend(drawn) {
+    const isExact = this.#series?.exact ?? false;
+    for (const swatch of this.#legend.querySelectorAll(".toggle .swatch, .single .swatch")) swatch.className = `swatch ${isExact ? "line" : "band"}`;
+    if (drawn.length === this.#values.size && drawn.every(({ label }) => this.#values.has(label))) return;
+    this.#values.clear();
+    const entries = drawn.map(({ label, ink }, at) => {
+      const value = el("span", { class: "value", "aria-hidden": "true" });
+      this.#values.set(label, value);
+      const kind = `entry ${ink.replace("--ink", "ink")}`;
+      const swatch = el("i", { class: `swatch ${isExact ? "line" : "band"}` });
+      if (drawn.length === 1) return el("span", { class: `${kind} single` }, swatch, label, value);
+      const toggle = el("button", { type: "button", class: "toggle", "aria-pressed": String(!this.#off.has(label)), onclick: () => this.#toggle(label, at, toggle) }, swatch, label);
+      return el("span", { class: kind }, toggle, value);
+    });
+    this.#legend.replaceChildren(this.#atTime, ...entries, this.#atMoved);
+  }
+
+  /** @param {string} label @param {number} at @param {HTMLElement} toggle */
+  #toggle(label, at, toggle) {
+    if (!this.#off.delete(label)) this.#off.add(label);
+    const show = !this.#off.has(label);
+    toggle.setAttribute("aria-pressed", String(show));
+    for (const side of [2 * at + 1, 2 * at + 2]) this.#plot?.setSeries(side, { show });
+  }
+
+  /** What is in view, as a figure of the program. @returns {import("./types.js").Figure | null} */
+  #figure() {
+    const series = this.#series;
+    if (!series) return null;
+    const [from, to] = this.#options.time.shown;
+    const drawn = this.#drawn(series).filter(({ label }) => !this.#off.has(label));
+    const scaled = (/** @type {number | null | undefined} */ value) => (typeof value === "number" ? value / this.#unit.divisor : null);
+    const lines = drawn.map((trace) => {
+      const { low, high } = /** @type {LowAndHigh} */ (traceOf(series, trace));
+      const at = series.time_s.map((time, index) => ({ time, index })).filter(({ time }) => time >= from && time <= to);
+      /** @type {import("./types.js").Shape} */
+      const shape = series.exact ? { Line: at.map(({ time, index }) => [time, scaled(low[index])]) } : { Band: at.map(({ time, index }) => [time, scaled(low[index]), scaled(high[index])]) };
+      return { label: trace.label, ink: inkOf(trace), shape };
+    });
+    const shading = this.#moved ? [this.#moved] : [];
+    return { title: `${capitalised(this.#label)} over time`, panels: [{ title: "", x: { label: "Time (s)", scale: "Linear", names: [] }, y: { label: this.#yText(), scale: "Linear", names: [] }, series: lines, shading }] };
+  }
+
+  #yText() {
+    const mean = this.#series?.mean_s;
+    const means = typeof mean === "number" ? `, ${mean}-s means` : "";
+    return `${capitalised(this.#label)}${means}${this.#unit.label ? ` (${this.#unit.label})` : ""}`;
   }
 
   /** @param {uPlot.AlignedData} data @param {Drawn[]} drawn */
@@ -132,6 +208,7 @@ export class TimeChart {
     const pair = ({ ink, label }) => {
       const side = {
         label,
+        show: !this.#off.has(label),
         stroke: () => (exact() ? colour(ink) : faint(ink, 0.75)),
         width: 1,
         points: { show: () => this.#hasDots(), size: 5, fill: () => colour(ink), stroke: () => colour(ink) },
@@ -199,25 +276,24 @@ export class TimeChart {
     return plotWidth(plot) / (time.span / this.#series.period_s) >= DOT_SPACE;
   }
 
-  /** Marks of the y axis, in the unit with its prefix. @param {number} low @param {number} high @param {number} height */
+  /** Marks of the y axis, in the unit that is shown. @param {number} low @param {number} high @param {number} height */
   #yTicks(low, high, height) {
-    const suited = prefixed(Math.max(Math.abs(low), Math.abs(high)), this.#series?.unit ?? "");
-    return { ...suited, ticks: linearTicks(low / suited.scale, high / suited.scale, height / Y_LABELS) };
+    const { divisor } = this.#unit;
+    return linearTicks(low / divisor, high / divisor, height / Y_LABELS).map((tick) => ({ ...tick, value: tick.value * divisor }));
   }
 
   /** @param {number} low @param {number} high @param {number} height */
   #ySplits(low, high, height) {
-    const { unit, scale, ticks } = this.#yTicks(low, high, height);
-    const text = `${capitalised(this.#label)} (${unit})`;
+    const text = this.#yText();
     if (this.#yLabel.textContent !== text) this.#yLabel.textContent = text;
-    return ticks.map((tick) => tick.value * scale);
+    return this.#yTicks(low, high, height).map((tick) => tick.value);
   }
 
   /** @param {number[]} at @param {number} height */
   #yLabels(at, height) {
     const { min, max } = this.#plot?.scales.y ?? {};
-    const { scale, ticks } = this.#yTicks(min ?? 0, max ?? 1, height);
-    return at.map((value) => ticks.find((tick) => tick.value * scale === value)?.label ?? "");
+    const ticks = this.#yTicks(min ?? 0, max ?? 1, height);
+    return at.map((value) => ticks.find((tick) => tick.value === value)?.label ?? "");
   }
 
   /** @param {uPlot} u */
@@ -267,37 +343,43 @@ export class TimeChart {
     ctx.restore();
   }
 
-  /** Legend, with the values under the cursor. @param {uPlot} [u] */
+  /** The values under the cursor, in the legend. @param {uPlot} [u] */
   #readOut(u) {
     const series = this.#series;
     if (!series) return;
     const index = u?.cursor.idx;
     const at = typeof index === "number" && (u?.cursor.left ?? -1) >= 0 ? index : null;
-    const entries = this.#drawn(series).map(({ of, label, ink }) => {
-      const trace = /** @type {import("./types.js").LowAndHigh} */ (series[of]);
-      const low = at === null ? null : trace.low[at];
-      const high = at === null ? null : trace.high[at];
-      const value = at === null ? "" : low === high ? quantity(low, series.unit) : `${quantity(low, series.unit)} … ${quantity(high, series.unit)}`;
-      return el("span", { class: `entry ${ink.replace("--ink", "ink")}` }, el("i", { class: series.exact ? "swatch line" : "swatch band" }), label, el("span", { class: "value" }, value));
-    });
-    const time = at === null ? null : el("span", { class: "value" }, seconds(Number(series.time_s[at]), this.#options.time.span));
+    for (const trace of this.#drawn(series)) {
+      const { low, high } = /** @type {LowAndHigh} */ (traceOf(series, trace));
+      const [from, to] = at === null ? [null, null] : [low[at], high[at]];
+      const value = at === null ? "" : from === to ? inUnit(from, this.#unit) : `${inUnit(from, this.#unit)} … ${inUnit(to, this.#unit)}`;
+      const place = this.#values.get(trace.label);
+      if (place) place.textContent = value;
+    }
+    this.#atTime.textContent = at === null ? "" : seconds(Number(series.time_s[at]), this.#options.time.span);
     const moved = this.#moved?.ranges.length ? [legendEntry("span", this.#moved, at === null || !u ? "" : saidAt(u, this.#moved, u.cursor.left ?? -1))] : [];
-    this.#legend.replaceChildren(...(time ? [time] : []), ...entries, ...moved);
+    this.#atMoved.replaceChildren(...moved);
   }
 
   #describe() {
     const series = this.#series;
     if (!series) return;
     this.#readOut();
-    const parts = this.#drawn(series).map(({ of, label }) => {
-      const { low, high } = /** @type {import("./types.js").LowAndHigh} */ (series[of]);
-      return `${label} from ${quantity(extreme(low, Math.min), series.unit)} to ${quantity(extreme(high, Math.max), series.unit)}`;
+    const parts = this.#drawn(series).map((trace) => {
+      const { low, high } = /** @type {LowAndHigh} */ (traceOf(series, trace));
+      return `${trace.label} from ${inUnit(extreme(low, Math.min), this.#unit)} to ${inUnit(extreme(high, Math.max), this.#unit)}`;
     });
     if (this.#moved?.ranges.length) parts.push(`${this.#moved.label}, in ${this.#moved.ranges.length === 1 ? "one stretch" : `${this.#moved.ranges.length} stretches`}`);
     const [from, to] = this.#options.time.whole;
     this.#picture.setAttribute("aria-label", `${capitalised(this.#label)} over time, ${seconds(from)} to ${seconds(to)}: ${parts.join("; ")}.`);
   }
 }
+
+/** @param {Series} series @param {Drawn} trace @returns {LowAndHigh | null} */
+const traceOf = (series, { of }) => (typeof of === "number" ? (series.beside[of]?.values ?? null) : series[of]);
+
+/** @param {Drawn} trace @returns {import("./types.js").Ink} */
+const inkOf = ({ of }) => (of === "measured" ? "Measured" : of === "predicted" ? "Predicted" : of === "left" ? "Residual" : "Other");
 
 /** @param {(number | null)[]} values @param {(a: number, b: number) => number} of */
 export function extreme(values, of) {

@@ -6,7 +6,7 @@ export type Added = {
 /** The effect itself: the study can be read without the file it came from. */
 effect: Effect,
 /** What it was found to be, with the reduction that is predicted. */
-finding: Finding,
+finding: FindingWithRms,
 /** The reduction that was measured, in the band of the effect. */
 realised_fall: number, };
 
@@ -51,7 +51,7 @@ export type AxisEntry = { column: string, label: string, unit: string, sentence:
 added: Array<string>,
 /** Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the
  * unit. */
-slow_before: number | null, slow_now: number | null, };
+slow_before: number | null, slow_now: number | null, errors_in: UnitChoice, };
 
 /** An axis of a part. */
 export type AxisReport = {
@@ -92,6 +92,8 @@ staircase: Figure | null, };
 export type AxisSeries = { axis: string, unit: string, from_s: number, to_s: number,
 /** Of the samples, or of the means. */
 period_s: number,
+/** Length of the means, s; none of samples. */
+mean_s: number | null,
 /** Every sample is there; else each entry is a bucket. */
 exact: boolean,
 /** Stamps, or middles of buckets, s. */
@@ -101,7 +103,11 @@ measured: LowAndHigh,
 /** Measured less what is left; none without a model. */
 predicted: LowAndHigh | null,
 /** What is left. */
-left: LowAndHigh | null, };
+left: LowAndHigh | null,
+/** The same two with the model before any effect was added; none where none was. */
+predicted_before: LowAndHigh | null, left_before: LowAndHigh | null,
+/** Temperature and supply voltage, where they are logged. */
+beside: Array<Beside>, };
 
 /** One axis of a replay. */
 export type AxisSummary = {
@@ -337,7 +343,7 @@ unit: string, verdict: Verdict,
 /** The outcome in a sentence. */
 sentence: string,
 /** Missing effects, best first, then faults of the data. */
-findings: Array<Finding>,
+findings: Array<FindingWithRms>,
 /** What else the log follows; leads and no findings. */
 leads: Array<Lead>,
 /** Effects that were tried and rejected, with their score; the nearest first. */
@@ -420,7 +426,9 @@ gyro_typical?: number | null,
 accelerometer_typical?: number | null, };
 
 /** A study in a list. */
-export type Entry = { id: number, name: string, verdict: Verdict | null, working: boolean,
+export type Entry = { id: number, name: string,
+/** The worst of its axes. */
+outcome: Outcome | null, working: boolean,
 /** The axis that is looked at, with what is known of it: what studies are held side by side by. */
 axis: AxisEntry | null, };
 
@@ -761,7 +769,11 @@ evidence: Figure | null, };
 /** All that a page shows of a study, but for what is drawn sample by sample. */
 export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null,
 /** Rows in which the unit was moved count as any others. */
-keeps_moved: boolean, axis: string | null, axes: Array<AxisSection>, commands: Array<string>, };
+keeps_moved: boolean,
+/** The worst of its axes; an all-clear only once all are diagnosed. */
+outcome: Outcome | null,
+/** Every axis that can have a model has one: it can be exported. */
+is_whole: boolean, axis: string | null, axes: Array<AxisPage>, commands: Array<string>, };
 
 /** One pair of axes and what is drawn in it. */
 export type Panel = {
@@ -849,7 +861,7 @@ export type Refinement = {
 /** The axis, by its column. */
 column: string, logs: LogSources,
 /** The model before anything was added, then after each effect. */
-stairs: Array<RefinementStep>, };
+stairs: Array<StepWithRms>, };
 
 /** A state of the model, and its errors on rows that were not fitted. */
 export type RefinementStep = {
@@ -1123,3 +1135,16 @@ export type ViewKind = "one_step" | "coast" | "slow";
 
 /** What a new study is of. */
 export type Wanted = { example?: boolean, field?: string | null, quiet?: string | null, judged?: string | null, columns?: Array<string>, rate_hz?: number | null, };
+
+export type RmsTwins = { rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
+export type FindingWithRms = Finding & RmsTwins;
+export type StepWithRms = RefinementStep & RmsTwins;
+export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
+export type Standing = { outcome: Outcome, sentence: string,
+/** What to record so that the tests become possible. */
+record: Array<string>, };
+export type ShownUnit = { label: string, divisor: number, };
+export type UnitChoice = { field: ShownUnit, si: ShownUnit, };
+export type AxisUnits = { measured: UnitChoice, errors: UnitChoice, noise: [UnitChoice, UnitChoice, UnitChoice], sizes: { [key in string]: UnitChoice }, };
+export type AxisPage = AxisSection & { standing: Standing | null, failure: string | null, slow_error: [number | null, number | null] | null, pays: Array<boolean>, units: AxisUnits, };
+export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };

@@ -1,10 +1,11 @@
 // @ts-check
-// The four answers of a diagnosis, in words: they never differ by colour alone.
+// The outcomes for an axis or a study, in words: they never differ by colour alone.
 
-/** @type {Record<import("./types.js").Verdict, {word: string, title: string}>} */
-export const VERDICTS = {
+/** @type {Record<import("./types.js").Outcome, {word: string, title: string}>} */
+export const OUTCOMES = {
   missing: { word: "an effect is missing", title: "Missing" },
-  nothing_missing: { word: "nothing is missing", title: "Nothing is missing" },
-  not_enough_data: { word: "not enough data", title: "Not enough data" },
   unexplained: { word: "unexplained", title: "Unexplained" },
+  did_not_pay: { word: "an added effect did not pay", title: "The added effect did not pay" },
+  not_enough_data: { word: "not enough data", title: "Not enough data" },
+  nothing_missing: { word: "nothing is missing", title: "Nothing is missing" },
 };

@@ -7,7 +7,8 @@ import { figureElement } from "../figure.js";
 import { alertElement } from "../notices.js";
 import { modelKey } from "../studypage.js";
 import { TimeChart } from "../timechart.js";
-import { section } from "./section.js";
+import { chosen as unitOf, figureIn, system } from "../units.js";
+import { section, waitingFor } from "./section.js";
 import { drawStretches, movedOf, shadesOf, wordsFor } from "./stretches.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
@@ -23,10 +24,13 @@ const RETRY = 2000;
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function failsPart({ study, time, source, choose, announce }) {
   const chart = new TimeChart({
-    label: "What is left",
+    label: "Residual",
     height: 220,
     time,
-    traces: [{ of: "left", label: "left: measured less predicted", ink: "--ink-residual" }],
+    traces: [
+      { of: "left", label: "residual: measured − predicted", ink: "--ink-residual" },
+      { of: "left_before", label: "before any effect was added", ink: "--ink-other", off: true },
+    ],
     click: (shade) => shade && choose({ from: shade.from, to: shade.to, mark: shade.mark }),
   });
   const empty = el("p", { class: "empty" });
@@ -34,7 +38,7 @@ export function failsPart({ study, time, source, choose, announce }) {
   const listTitle = el("h3", {}, "The worst stretches");
   const note = el("div", { class: "chosen", role: "status" });
   const panels = el("div", { class: "panels" });
-  const element = section(2, "Where it fails", "What does the model leave, when is it worst, and what does it go with?", el("div", { class: "card" }, empty, chart.element, listTitle, list), note, panels);
+  const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list), note, panels);
 
   source.onData((drawn) => chart.setData(drawn?.shown.left ? drawn.shown : null));
 
@@ -48,7 +52,7 @@ export function failsPart({ study, time, source, choose, announce }) {
   async function readFigures({ axis, chosen, state }) {
     // while a refined model is compared anew, the pictures of before stay in their place
     if (axis && !axis.comparison && state.job && axis.column === pictured) return panels.setAttribute("aria-busy", "true");
-    const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to]) : "";
+    const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to, system()]) : "";
     if (key === asked) return;
     asked = key;
     request.abort();
@@ -65,8 +69,9 @@ export function failsPart({ study, time, source, choose, announce }) {
     try {
       const figures = /** @type {NamedFigure[]} */ (await get(`/api/studies/${study}/figures?${query}`, signal));
       if (signal.aborted) return;
-      drawFigures(panels, figures, axis.comparison);
+      drawFigures(panels, figures.map(({ name, figure }) => ({ name, figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) })), axis.comparison);
       pictured = axis.column;
+      if (!chosen) void readNoise(axis, signal);
     } catch (error) {
       if (signal.aborted || isAbort(error)) return;
       setTimeout(() => (asked = ""), RETRY);
@@ -75,18 +80,31 @@ export function failsPart({ study, time, source, choose, announce }) {
     panels.removeAttribute("aria-busy");
   }
 
+  /** N, B and K take a while on a long log: they come after the other figures. @param {import("../types.js").AxisPage} axis @param {AbortSignal} signal */
+  async function readNoise(axis, signal) {
+    const query = new URLSearchParams({ axis: axis.column, units: system() });
+    // the figure is one of many: without it the others stand
+    const figure = /** @type {import("../types.js").Figure | null} */ (await get(`/api/studies/${study}/noise?${query}`, signal).catch(() => null));
+    if (signal.aborted || !figure) return;
+    panels.querySelector('[data-figure="allan"]')?.after(figureCard({ name: "noise", figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) }));
+  }
+
   return {
     element,
     update(scene) {
-      const { axis, chosen, state } = scene;
+      const { axis, chosen } = scene;
       const isCompared = Boolean(axis?.comparison);
       chart.element.hidden = !isCompared;
       empty.hidden = isCompared;
-      empty.textContent = state.job ? `This comes when the model is fitted and compared: ${state.job.what} …` : "There is no model of this axis to compare with yet.";
+      empty.textContent = waitingFor(scene, "There is no model of this axis to compare with yet.");
+      if (axis) {
+        chart.setUnit(unitOf(axis.units.errors));
+        chart.setLabel(`${axis.label}, residual`);
+      }
       listTitle.hidden = !isCompared;
       chart.setShades(shadesOf(scene));
       chart.setMoved(movedOf(scene));
-      const now = JSON.stringify([axis?.column, axis?.comparison?.worst, chosen]);
+      const now = JSON.stringify([axis?.column, axis?.comparison?.worst, chosen, system()]);
       if (now !== marked) {
         marked = now;
         drawStretches(list, scene, choose);
@@ -108,6 +126,9 @@ function chosenNote(chosen, choose) {
   );
 }
 
+/** @param {NamedFigure} named */
+const figureCard = ({ name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
+
 /** @param {HTMLElement} host @param {NamedFigure[]} figures @param {import("../types.js").AxisComparison} comparison */
 function drawFigures(host, figures, comparison) {
   // likeliest channels first
@@ -117,19 +138,19 @@ function drawFigures(host, figures, comparison) {
     return at < 0 ? order.length : at;
   };
   const against = figures.filter(({ name }) => name.startsWith(AGAINST)).sort((a, b) => place(a) - place(b));
-  const card = (/** @type {NamedFigure} */ { name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
+  
   const named = (/** @type {string} */ wanted) => figures.find(({ name }) => name === wanted);
-  const known = ["spectrum", "autocorrelation", "allan"].map(named).filter((figure) => figure !== undefined);
+  const known = ["allan", "spectrum", "autocorrelation"].map(named).filter((figure) => figure !== undefined);
   const dependence = named("dependence");
   const [first, rest] = [against.slice(0, CHANNELS), against.slice(CHANNELS)];
   replace(
     host,
     el("h3", {}, "In time and frequency"),
-    el("div", { class: "grid three" }, known.map(card)),
+    el("div", { class: "grid two" }, known.map(figureCard)),
     against.length > 0 ? el("h3", {}, "Against everything that was logged") : null,
-    el("div", { class: "grid two" }, first.map(card)),
-    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(card))) : null,
-    dependence ? unfolding("dependence", "Which delay explains most, and when it fails at which frequency", () => card(dependence)) : null,
+    el("div", { class: "grid two" }, first.map(figureCard)),
+    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(figureCard))) : null,
+    dependence ? unfolding("dependence", "Which delay explains most, and when the model fails at which frequency", () => figureCard(dependence)) : null,
   );
 }
 

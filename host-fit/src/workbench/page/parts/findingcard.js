@@ -2,14 +2,15 @@
 // One missing effect: what it is, how large, how sure, what it costs, and the button that adds it.
 
 import { el } from "../dom.js";
-import { capitalised, count, firstSentence, interval, isNumber, number, quantity, rmsPercent, rmsReduction, seconds } from "../format.js";
+import { capitalised, count, firstSentence, interval, isNumber, number, percent, quantity, seconds } from "../format.js";
 import { figureElement } from "../figure.js";
 import { effectName } from "../library.js";
+import { chosen, figureIn } from "../units.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
-/** @typedef {import("../types.js").Finding} Finding */
+/** @typedef {import("../types.js").FindingWithRms} Finding */
 /** @typedef {import("../types.js").Offer} Offer */
-/** @typedef {{finding: Finding, offer: Offer | null, rank: number, unit: string, isBusy: boolean, context: Context, axis: string}} Given */
+/** @typedef {{finding: Finding, offer: Offer | null, rank: number, isBusy: boolean, context: Context, axis: import("../types.js").AxisPage}} Given */
 
 /** Units of parameters, by the end of their name. @type {Record<string, string>} */
 const UNITS = { s: "s", k: "K", hz: "Hz", v: "V" };
@@ -27,7 +28,7 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
       { class: "finding-head" },
       el("span", { class: "rank" }, el("span", { class: "unseen" }, "Rank "), rank),
       el("div", { class: "finding-name" }, el("h3", {}, capitalised(finding.name)), finding.score === null ? null : el("p", { class: "note" }, "score ", number(finding.score), " (9 is enough)")),
-      adding(finding, offer, isBusy, context, axis),
+      adding(finding, offer, isBusy, context, axis.column),
     ),
     offer && !offer.can_be_added && offer.why_not && !finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), offer.why_not) : null,
     el(
@@ -39,18 +40,18 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
         finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Not conclusive. "), `${finding.doubt.charAt(0).toUpperCase()}${finding.doubt.slice(1)}.`, card?.experiment ? [el("br", {}), el("b", {}, "To decide: "), card.experiment] : null) : null,
         mechanism ? el("p", { class: "mechanism" }, mechanism) : null,
         band === "data" ? null : fall(finding, band),
-        el("dl", { class: "facts-list" }, facts(finding, offer)),
+        el("dl", { class: "facts-list" }, facts(finding, offer, axis)),
         shows(finding, context),
         rivals(finding),
         card ? physics(effect, card, more) : null,
       ),
-      offer?.evidence ? el("div", { class: "evidence" }, figureElement(offer.evidence, { height: 240, heading: "h4" })) : null,
+      offer?.evidence ? el("div", { class: "evidence" }, figureElement(figureIn(offer.evidence, axis.unit, chosen(axis.units.errors)), { height: 240, heading: "h4" })) : null,
     ),
   );
 }
 
 /** @param {Finding} finding @param {Offer | null} offer @param {boolean} isBusy @param {Context} context @param {string} axis */
-function adding({ effect, name, doubt }, offer, isBusy, { change, announce, goTo }, axis) {
+function adding({ effect, name, doubt }, offer, isBusy, { change, announce, stayAt }, axis) {
   if (doubt) return el("p", { class: "cannot" }, "Not conclusive");
   if (!offer?.can_be_added) return el("p", { class: "cannot" }, "Cannot be added");
   return el(
@@ -63,7 +64,7 @@ function adding({ effect, name, doubt }, offer, isBusy, { change, announce, goTo
       async onclick() {
         if (isBusy) return announce("Something is being computed; it can be cancelled at the top.");
         announce(`Adding ${name}.`);
-        if (await change("add", { axis, effect })) goTo(4);
+        if (await change("add", { axis, effect })) stayAt(4);
       },
     },
     "Add",
@@ -90,8 +91,9 @@ function physics(effect, card, more) {
   );
 }
 
-/** The expected fall, as numbers and as a bar. @param {Finding} finding @param {import("../types.js").Band} band */
-function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
+/** The predicted reduction, as numbers and as a bar. @param {Finding} finding @param {import("../types.js").Band} band */
+function fall({ rms_reduction: reduction, rms_reduction_interval: range }, band) {
+  if (!isNumber(reduction) || !range || reduction <= 0) return null;
   const bar = el("span", { class: "fall-bar", "aria-hidden": "true" });
   const piece = (/** @type {string} */ kind, /** @type {number} */ from, /** @type {number} */ to) => {
     const element = el("i", { class: kind });
@@ -99,12 +101,12 @@ function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
     element.style.width = `${100 * (clamp(to) - clamp(from))}%`;
     bar.append(element);
   };
-  piece("fall-expected", 0, rmsReduction(drop));
-  piece("fall-interval", rmsReduction(low), rmsReduction(high));
+  piece("fall-expected", 0, reduction);
+  piece("fall-interval", range[0], range[1]);
   return el(
     "div",
     { class: "fall" },
-    el("p", {}, el("strong", {}, rmsPercent(drop)), ` predicted reduction of the RMS ${band === "wide" ? "of the samples" : "of the slow error"}`, el("span", { class: "note" }, ` (90 % interval ${interval([low, high], (value) => rmsPercent(value))})`)),
+    el("p", {}, el("strong", {}, percent(reduction)), ` predicted reduction of the RMS ${band === "wide" ? "of the samples" : "of the slow error"}`, el("span", { class: "note" }, ` (90 % interval ${interval(range, (value) => percent(value))})`)),
     bar,
   );
 }
@@ -112,14 +114,17 @@ function fall({ expected_drop: drop, expected_drop_ci: [low, high] }, band) {
 /** @param {number} share */
 const clamp = (share) => Math.min(Math.max(isNumber(share) ? share : 0, 0), 1);
 
-/** @param {Finding} finding @param {Offer | null} offer */
-function facts(finding, offer) {
+/** @param {Finding} finding @param {Offer | null} offer @param {import("../types.js").AxisPage} axis */
+function facts(finding, offer, axis) {
   /** @type {HTMLElement[]} */
   const rows = [];
   const add = (/** @type {string} */ name, /** @type {string} */ value, /** @type {string} */ detail) =>
     rows.push(el("dt", {}, name), el("dd", {}, el("span", { class: "number" }, value), detail ? el("span", { class: "note" }, ` ${detail}`) : null));
   for (const size of finding.sizes) {
-    add(finding.sizes.length > 1 ? `Size of ${shortRegressor(size.of)}` : "Size", quantity(size.value, size.unit), `95 %: ${interval(size.interval, (value) => number(value))}`);
+    const choice = axis.units.sizes[size.unit];
+    const unit = choice ? chosen(choice) : { label: size.unit, divisor: 1 };
+    const inSize = (/** @type {number} */ value) => quantity(value / unit.divisor, unit.label);
+    add(finding.sizes.length > 1 ? `Size of ${shortRegressor(size.of)}` : "Size", inSize(size.value), `95 %: ${interval(size.interval, (value) => number(isNumber(value) ? value / unit.divisor : value))}`);
   }
   for (const [name, value] of Object.entries(finding.params)) {
     const unit = UNITS[name.split("_").pop() ?? ""] ?? "";

@@ -1,11 +1,12 @@
 // @ts-check
 // Part 1: the log, measured against predicted, from all of it down to single samples.
 
-import { el, radioGroup, replace } from "../dom.js";
+import { el, radioGroup, replace, uniqueId } from "../dom.js";
 import { seconds } from "../format.js";
 import { KEY_ZOOM } from "../gestures.js";
 import { Overview } from "../overview.js";
 import { TimeChart } from "../timechart.js";
+import { chosen as unitOf } from "../units.js";
 import { section } from "./section.js";
 import { movedOf, shadesOf } from "./stretches.js";
 
@@ -14,16 +15,19 @@ import { movedOf, shadesOf } from "./stretches.js";
 
 /** @type {{value: ViewName, text: string, hint: string, says: string}[]} */
 const VIEWS = [
-  { value: "slow", text: "Slow", hint: "Means over one second, the model coasting", says: "Means over one second. Noise at the full rate would hide a slow failure; here it is averaged away." },
-  { value: "coast", text: "Coast", hint: "Every sample, the model on its own history", says: "Every sample, and the model running on its own history, as on a device that moves." },
+  { value: "slow", text: "Slow", hint: "Means, the model in a free run", says: "Means of samples, the model in a free run of at most 60 s. Averaging removes the noise that would hide a slow failure." },
+  { value: "coast", text: "Free run", hint: "Every sample, the model on its own output", says: "Every sample, and the model on its own output for at most 60 s, as on a device that moves." },
   { value: "one_step", text: "One step", hint: "Every sample, each predicted from the measured ones before it", says: "Every sample, each predicted from the measured ones before it. Slow errors hardly show: the last sample already carries them." },
 ];
 
 /** Below this stretch, s, means of a second say less than samples. */
 const SHORT = 20;
 
+/** Predictions that begin later than this share of the log say why. */
+const LATE = 0.02;
+
 /** @param {Context} context @returns {import("../studypage.js").Part} */
-export function measuredPart({ time, source, choose, setView }) {
+export function measuredPart({ time, source, choose, setView, setMean }) {
   const chart = new TimeChart({
     label: "Measured",
     height: 300,
@@ -31,18 +35,28 @@ export function measuredPart({ time, source, choose, setView }) {
     traces: [
       { of: "measured", label: "measured", ink: "--ink-measured" },
       { of: "predicted", label: "predicted", ink: "--ink-predicted" },
+      { of: "predicted_before", label: "predicted before any effect was added", ink: "--ink-other", off: true },
     ],
     click: (shade) => shade && choose({ from: shade.from, to: shade.to, mark: shade.mark }),
   });
   chart.resized = (width) => source.setWidth(width);
+  const beside = [0, 1].map((at) => new TimeChart({ label: "", height: 110, time, traces: [{ of: at, label: "", ink: "--ink-other" }] }));
+  const means = el("div", { class: "means" });
   const overview = new Overview(time);
   const views = el("div", {});
   const says = el("p", { class: "note" });
   const shown = el("span", { class: "shown" });
   const finer = el("button", { type: "button", class: "link", hidden: true, onclick: () => setView("one_step") }, "Show single samples");
+  const inspect = el("button", { type: "button", class: "link", hidden: true, onclick: () => inspectShown() }, "Show this range in every panel");
+  const inspectShown = () => {
+    const [from, to] = time.shown;
+    choose({ from, to, mark: null });
+    time.show(from, to);
+  };
   const empty = el("p", { class: "loading" }, "Reading samples …");
   const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {() => void} */ act) =>
     el("button", { type: "button", class: "small", "aria-label": name, title: name, onclick: act }, text);
+  const late = el("p", { class: "note", hidden: true });
   const controls = el(
     "div",
     { class: "controls" },
@@ -50,6 +64,7 @@ export function measuredPart({ time, source, choose, setView }) {
     button("+", "Zoom in", () => time.zoom(KEY_ZOOM)),
     button("All", "All: show the whole log", () => time.showAll()),
     shown,
+    inspect,
     finer,
     el("span", { class: "hint" }, "Drag to zoom, shift-drag to pan"),
   );
@@ -57,7 +72,7 @@ export function measuredPart({ time, source, choose, setView }) {
     1,
     "Measured against predicted",
     "Does the model follow the sensor?",
-    el("div", { class: "card" }, el("div", { class: "card-head" }, views, says), empty, chart.element, overview.element, controls),
+    el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls, late),
   );
 
   /** @type {ViewName} */
@@ -67,6 +82,7 @@ export function measuredPart({ time, source, choose, setView }) {
     const text = `${seconds(from, time.span)} to ${seconds(to, time.span)}${time.isWhole ? ", the whole log" : ""}`;
     if (shown.textContent !== text) shown.textContent = text;
     finer.hidden = !(view === "slow" && time.span < SHORT);
+    inspect.hidden = time.isWhole;
   };
   time.onChange(say);
   /** @type {import("../types.js").AxisSeries | null} */
@@ -74,6 +90,15 @@ export function measuredPart({ time, source, choose, setView }) {
   source.onData((drawn) => {
     empty.hidden = drawn !== null;
     chart.setData(drawn?.shown ?? null);
+    for (const [at, one] of beside.entries()) {
+      const channel = drawn?.shown.beside[at];
+      one.element.hidden = !channel;
+      if (channel) {
+        one.setLabel(channel.label);
+        one.setUnit({ label: channel.unit, divisor: 1 });
+      }
+      one.setData(channel ? (drawn?.shown ?? null) : null);
+    }
     if (strip !== (drawn?.whole ?? null)) overview.setData((strip = drawn?.whole ?? null));
   });
 
@@ -82,17 +107,34 @@ export function measuredPart({ time, source, choose, setView }) {
     element,
     update(scene) {
       view = scene.view;
-      const now = `${scene.view} ${scene.axis?.column}`;
+      const now = `${scene.view} ${scene.axis?.column} ${scene.mean}`;
       if (label !== now) {
         label = now;
         replace(views, radioGroup({ legend: "What is compared", name: "view", options: VIEWS, chosen: scene.view, choose: (value) => setView(/** @type {ViewName} */ (value)) }));
+        replace(means, scene.view === "slow" ? meansSelect(scene.mean, setMean) : null);
         says.textContent = VIEWS.find(({ value }) => value === scene.view)?.says ?? "";
         chart.setLabel(scene.axis ? scene.axis.label : "Measured");
       }
+      if (scene.axis) chart.setUnit(unitOf(scene.axis.units.measured));
+      const begin = scene.axis?.judged_s?.[0];
+      const field = scene.state.logs?.field;
+      late.hidden = begin === undefined || !field || begin - field.from_s < LATE * (field.to_s - field.from_s);
+      if (begin !== undefined) late.textContent = `Predictions begin at ${seconds(begin)}: the model was fitted to the rows before.`;
       chart.setShades(shadesOf(scene));
       chart.setMoved(movedOf(scene));
       overview.setMoved(movedOf(scene));
       say();
     },
   };
+}
+
+/** Lengths of the means to choose from, s. */
+const MEANS = [1, 10, 60, 600];
+
+/** @param {number | null} mean @param {(mean: number | null) => void} choose */
+function meansSelect(mean, choose) {
+  const id = uniqueId("mean");
+  const options = [el("option", { value: "", selected: mean === null }, "follows the zoom"), ...MEANS.map((one) => el("option", { value: one, selected: one === mean }, `${one} s`))];
+  const select = el("select", { id, "data-key": "mean", onchange: () => choose(select.value === "" ? null : Number(select.value)) }, options);
+  return [el("label", { for: id }, "Averaging time "), select];
 }

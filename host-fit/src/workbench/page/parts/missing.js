@@ -2,16 +2,19 @@
 // Part 3: the answer, the effects that are missing in order, and what the answer rests on.
 
 import { el, icon, replace } from "../dom.js";
-import { capitalised, count, number, quantity } from "../format.js";
+import { capitalised, count, number } from "../format.js";
+import { figureElement } from "../figure.js";
 import { effectName, effectOf, readLibrary } from "../library.js";
-import { VERDICTS } from "../verdict.js";
+import { chosen, inUnit, system } from "../units.js";
+import { OUTCOMES } from "../verdict.js";
 import { findingCard } from "./findingcard.js";
-import { section } from "./section.js";
+import { section, waitingFor } from "./section.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").Diagnosis} Diagnosis */
 /** @typedef {import("../types.js").Page} State */
+/** @typedef {import("../types.js").AxisPage} AxisPage */
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
 export function missingPart(context) {
@@ -19,7 +22,7 @@ export function missingPart(context) {
   const cards = el("ol", { class: "findings" });
   const motion = el("div", {});
   const rest = el("div", { class: "rest" });
-  const element = section(3, "What is missing", "Which physical effect explains what is left, how large is it, and how sure is that?", verdict, cards, motion, rest);
+  const element = section(3, "Missing effects", "Which physical effect explains the residual, how large is it, and how certain is that?", verdict, cards, motion, rest);
   let drawn = "";
   let drawnRest = "";
   let drawnMotion = "";
@@ -29,13 +32,13 @@ export function missingPart(context) {
     const { axis, state } = scene;
     const diagnosis = axis?.diagnosis ?? null;
     const isBusy = state.job?.asked_for ?? false;
-    const now = JSON.stringify([axis?.column, diagnosis, axis?.offers, isBusy, diagnosis ? null : state.job?.what, axis?.growth?.stairs.length]);
+    const now = JSON.stringify([axis?.column, diagnosis, axis?.standing, axis?.offers, isBusy, diagnosis ? null : waitingFor(scene, ""), axis?.growth?.stairs.length, system()]);
     if (now !== drawn) {
       drawn = now;
-      replace(verdict, diagnosis ? verdictElement(diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, state.job ? `This comes with the diagnosis: ${state.job.what} …` : "This axis has not been diagnosed yet.")));
-      const entry = (/** @type {import("../types.js").Finding} */ finding, /** @type {number} */ at) =>
-        findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, unit: diagnosis?.unit ?? "", isBusy, context, axis: axis?.column ?? "" });
-      const entries = diagnosis?.findings.map(entry) ?? [];
+      replace(verdict, axis?.standing ? verdictElement(axis.standing, diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, waitingFor(scene, "This axis has not been diagnosed yet."))));
+      const entry = (/** @type {import("../types.js").FindingWithRms} */ finding, /** @type {number} */ at) =>
+        findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, isBusy, context, axis: /** @type {AxisPage} */ (axis) });
+      const entries = axis ? (diagnosis?.findings.map(entry) ?? []) : [];
       // faults of the data come last, apart from the effects
       const firstFault = diagnosis?.findings.findIndex(({ band }) => band === "data") ?? -1;
       if (firstFault >= 0) entries.splice(firstFault, 0, el("li", { class: "faults" }, el("h3", {}, "Faults of the data")));
@@ -47,10 +50,10 @@ export function missingPart(context) {
       drawnMotion = nowMotion;
       replace(motion, motionOf(state, context));
     }
-    const nowRest = JSON.stringify([axis?.column, diagnosis]);
+    const nowRest = JSON.stringify([axis?.column, diagnosis, system()]);
     if (nowRest !== drawnRest) {
       drawnRest = nowRest;
-      replace(rest, diagnosis ? restOf(diagnosis) : null);
+      replace(rest, axis && diagnosis ? restOf(axis, diagnosis) : null);
     }
   }
 
@@ -72,12 +75,17 @@ export function missingPart(context) {
   };
 }
 
-/** @param {Diagnosis} diagnosis */
-function verdictElement({ verdict, sentence }) {
-  const { title } = VERDICTS[verdict];
-  // the sentence of this answer begins with its title
-  const says = sentence.startsWith(title) && (verdict === "nothing_missing" || verdict === "not_enough_data") ? sentence.replace(/^[^:.]*[:.]\s*/, "") : sentence;
-  return el("div", { class: `verdict ${verdict}`, "data-verdict": verdict }, icon(verdict), el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, says.charAt(0).toUpperCase() + says.slice(1))));
+/** @param {import("../types.js").Standing} standing @param {Diagnosis | null} diagnosis */
+function verdictElement({ outcome, sentence, record }, diagnosis) {
+  const { title } = OUTCOMES[outcome];
+  // some sentences begin with their title
+  const says = sentence.startsWith(title) ? sentence.slice(title.length).replace(/^[:. ]+/, "") : sentence;
+  return el(
+    "div",
+    { class: `verdict ${outcome}`, "data-verdict": outcome },
+    icon(outcome),
+    el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, capitalised(says)), record.length > 0 && el("p", {}, el("b", {}, "What the tests need: "), `${record.join("; ")}.`), outcome === "nothing_missing" && diagnosis && diagnosis.untested.length > 0 && el("p", { class: "note" }, `${diagnosis.tested.length} slow effects were tested. ${diagnosis.untested.length} effects could not be tested on this log; what they need is listed below.`)),
+  );
 }
 
 /** Stretches of a log that are told one by one. */
@@ -95,47 +103,58 @@ function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.quiet)], ["Evaluation log", says(logs.judged)]]).filter(([, told]) => told.length > 0);
   if (!isKept && field.length === 0 && others.length === 0) return null;
   const list = (/** @type {string[]} */ told) => el("ul", {}, told.slice(0, MOST_TOLD).map((text) => el("li", {}, text)), told.length > MOST_TOLD && el("li", {}, `and ${told.length - MOST_TOLD} more`));
-  const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Leave them out again" : "Count them as any others");
+  const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Exclude them again" : "Count them as any others");
   return el(
     "div",
     { class: "card wide moved" },
-    el("h3", {}, "The unit was moved"),
-    el("p", { class: "note" }, isKept ? "Rows in which the unit was moved are not looked for: they count as any others in fits, comparisons and answers." : "Found from all axes together: what moves the unit shows on several at once. These stretches are left out of fits, comparisons and answers."),
+    el("h3", {}, "The device moved"),
+    el("p", { class: "note" }, isKept ? "Motion is not excluded: these rows count as any others in fits, comparisons and diagnoses." : "Motion shows on several axes at once. These stretches are excluded from fits, comparisons and diagnoses."),
     field.length > 0 && list(field),
     others.flatMap(([name, told]) => [el("h4", {}, name), list(told)]),
-    el("p", {}, turn, el("span", { class: "note" }, ` Everything is computed anew${hasEffects(axes) ? "; effects that were added are taken back" : ""}.`)),
+    el("p", {}, turn, el("span", { class: "note" }, ` This computes everything again${hasEffects(axes) ? " and removes the added effects" : ""}.`)),
   );
 }
 
-/** What else is to be known of the answer. @param {Diagnosis} diagnosis */
-function restOf(diagnosis) {
-  const { cautions, notes, leads, rejected, tested, untested, noise, unit } = diagnosis;
-  const levels = [
-    ["white", quantity(noise.levels.white, unit)],
-    ["flicker", quantity(noise.levels.flicker, unit)],
-    ["random walk", quantity(noise.levels.walk, unit)],
-  ];
+/** A slow signal that axes share, over time. @param {import("../types.js").SharedSignal} signal */
+function sharedSignal({ axes, correlations, mean_s, course }) {
+  const low = Math.min(...correlations);
+  const high = Math.max(...correlations);
+  /** @type {import("../types.js").Figure} */
+  const figure = {
+    title: "A slow signal that axes share",
+    panels: [{ title: `${axes.join(", ")}: correlation of the changes ${number(low, 2)} … ${number(high, 2)}`, x: { label: "Time after the first sample (s)", scale: "Linear", names: [] }, y: { label: "Shared signal (standard deviations)", scale: "Linear", names: [] }, series: [{ label: `${number(mean_s)}-s means`, ink: "Residual", shape: { Line: course } }], shading: [] }],
+  };
+  return el("div", { class: "card wide", "data-figure": "shared" }, figureElement(figure, { height: 180 }));
+}
+
+/** Properties of the log, tests and noise behind the answer. @param {AxisPage} axis @param {Diagnosis} diagnosis */
+function restOf(axis, diagnosis) {
+  const { cautions, notes, leads, rejected, tested, untested, noise, shared_signal: shared } = diagnosis;
+  const names = ["N, white noise", "B, bias instability", "K, random walk"];
+  const { white, flicker, walk } = noise.levels;
+  const levels = [white, flicker, walk].map((level, at) => [names[at], inUnit(level, chosen(/** @type {import("../types.js").UnitChoice} */ (axis.units.noise[at])))]);
   return el(
     "div",
     { class: "grid two" },
-    cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "To be taken with care"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
+    shared ? sharedSignal(shared) : null,
+    cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "Cautions"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
     notes.length > 0 && el("div", { class: "card wide" }, el("h3", {}, "About the log"), el("ul", {}, notes.map((text) => el("li", {}, capitalised(text))))),
     leads.length > 0 &&
       el(
         "div",
         { class: "card wide" },
         el("h3", {}, "Leads"),
-        el("p", { class: "note" }, "What the rest follows best. A lead is no finding: it says where to look, not why."),
+        el("p", { class: "note" }, "What the residual follows best. A lead is not a finding: it shows where to look, not why."),
         el("ul", { class: "scores" }, leads.map(({ follows, score }) => el("li", {}, el("span", {}, follows), el("span", { class: "score" }, `score ${number(score)}`)))),
       ),
     el(
       "div",
       { class: "card" },
-      el("h3", {}, "Tried and not chosen"),
+      el("h3", {}, "Tested and not chosen"),
       rejected.length === 0
-        ? el("p", { class: "note" }, "Nothing else was tried.")
+        ? el("p", { class: "note" }, "Nothing else was tested.")
         : [
-            el("p", { class: "note" }, "Each alone on the log; a score below 9 is chance. Of a high one that is not chosen it is said why."),
+            el("p", { class: "note" }, "Each effect alone on the log. A score below 9 is chance; a higher one has its reason beside it."),
             el("ul", { class: "scores" }, rejected.map(({ effect, score, why }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect), why !== undefined && el("span", { class: "note" }, `: ${why}`)), el("span", { class: "score" }, number(score))))),
           ],
     ),
@@ -146,10 +165,10 @@ function restOf(diagnosis) {
       el("p", { class: "note" }, tested.length === 0 ? "No slow effect could be tested on this log." : tested.map(effectName).join(", ")),
       el("h3", {}, "Not tested"),
       untested.length === 0
-        ? el("p", { class: "note" }, "The log has every column that the library asks for.")
-        : [el("p", { class: "note" }, "What this log lacks to try these:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.join(", ")))))],
+        ? el("p", { class: "note" }, "The log allows every test of the library.")
+        : [el("p", { class: "note" }, "These tests need:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.join(", ")))))],
       el("h3", {}, "Noise"),
-      el("p", { class: "note" }, `Learnt from ${noise.learnt_from}; slow effects were looked for in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
+      el("p", { class: "note" }, `Estimated from ${noise.learnt_from}; slow effects were tested in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
     ),
   );

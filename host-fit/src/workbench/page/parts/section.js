@@ -2,6 +2,13 @@
 // What all five parts look like.
 
 import { el, uniqueId } from "../dom.js";
+import { capitalised } from "../format.js";
+
+/** Stands in for what is not computed: the work on this axis while there is any, else `nothing`. @param {import("../studypage.js").Scene} scene @param {string} nothing */
+export function waitingFor({ state, axis }, nothing) {
+  if (axis?.failure) return `${axis.label} cannot be diagnosed; the reason stands at the top.`;
+  return state.job ? `${capitalised(state.job.what)} …` : nothing;
+}
 
 /**
  * @param {number} number

@@ -2,7 +2,8 @@
 // The stretches where the model does worst, as shading, buttons and words.
 
 import { el, replace } from "../dom.js";
-import { number, quantity, seconds } from "../format.js";
+import { number, seconds } from "../format.js";
+import { chosen as unitOf, inUnit } from "../units.js";
 
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../studypage.js").Chosen} Chosen */
@@ -33,7 +34,8 @@ export const wordsFor = ({ from, to, mark }) =>
  */
 export function drawStretches(list, { axis, chosen }, choose) {
   const comparison = axis?.comparison;
-  if (!comparison) return replace(list);
+  if (!axis || !comparison) return replace(list);
+  const unit = unitOf(axis.units.errors);
   const entry = (/** @type {import("../types.js").Stretch} */ stretch, /** @type {number} */ at) => {
     const isChosen = isSame(chosen, stretch.begin_s, stretch.end_s);
     return el(
@@ -50,10 +52,11 @@ export function drawStretches(list, { axis, chosen }, choose) {
         },
         el("b", { class: "mark" }, at + 1),
         el("span", { class: "when" }, `${seconds(stretch.begin_s)} to ${seconds(stretch.end_s)}`),
-        el("span", { class: "size" }, `${quantity(stretch.rms, comparison.unit)} rms, ${number(stretch.ratio)} times the usual`),
+        el("span", { class: "size" }, `slow error ${inUnit(stretch.rms, unit)} RMS, ${number(stretch.ratio)} times the usual`),
         stretch.special.length > 0 ? el("span", { class: "special" }, stretch.special.join("; ")) : null,
       ),
     );
   };
-  replace(list, comparison.worst.map(entry));
+  const none = el("li", { class: "note" }, "No stretch stands out: the slow error is equally large everywhere, within noise.");
+  replace(list, comparison.worst.length > 0 ? comparison.worst.map(entry) : none);
 }

@@ -3,9 +3,10 @@
 
 import { get, messageOf } from "../api.js";
 import { el, icon, replace } from "../dom.js";
-import { count, fileName, number, quantity } from "../format.js";
+import { count, fileName } from "../format.js";
 import { alertElement } from "../notices.js";
 import { modelKey } from "../studypage.js";
+import { chosen, inUnit, system } from "../units.js";
 import { section } from "./section.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
@@ -19,7 +20,7 @@ const FORMATS = [
   { format: "c", name: "C header", says: "The image, with a check for start-up" },
   { format: "report.html", name: "Report, HTML", says: "One file, with every figure" },
   { format: "report.md", name: "Report, Markdown", says: "For a repository" },
-  { format: "study", name: "Study", says: "Goes on with fos" },
+  { format: "study", name: "Study", says: "To continue with fos" },
 ];
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
@@ -30,10 +31,10 @@ export function takePart({ study, announce }) {
   const commands = el("div", { class: "commands" });
   const element = section(
     5,
-    "Take it with you",
+    "Downloads",
     "The model for the device, the report for people, the commands for scripts.",
     el("div", { class: "card" }, refusal, downloads),
-    el("div", { class: "card" }, el("h3", {}, "What the exported image does"), numbers),
+    el("div", { class: "card" }, el("h3", {}, "Result of the exported image"), numbers),
     el("div", { class: "card" }, el("h3", {}, "The same on a command line"), commands),
   );
   let drawn = "";
@@ -52,15 +53,15 @@ export function takePart({ study, announce }) {
     if (modelled.length === 0) {
       asked = "";
       replace(refusal);
-      return replace(numbers, el("p", { class: "empty" }, state.job ? `This comes with the model: ${state.job.what} …` : "There is no model to export yet."));
+      return replace(numbers, el("p", { class: "empty" }, state.job?.what ? `The models are being fitted: ${state.job.what} …` : "There is no model to export yet."));
     }
-    const key = JSON.stringify(modelled.map((axis) => [axis.column, modelKey(axis)]));
+    const key = JSON.stringify([modelled.map((axis) => [axis.column, modelKey(axis)]), system()]);
     if (key === asked) return;
     // numbers of another model would be taken for those of this one
     replace(numbers, el("p", { class: "loading" }, "Running the image over the log, as a device does …"));
     request.abort();
     replace(refusal);
-    if (state.job !== null) return;
+    if (!isReady(state)) return;
     asked = key;
     request = new AbortController();
     const { signal } = request;
@@ -82,18 +83,19 @@ export function takePart({ study, announce }) {
     update(scene) {
       const { state } = scene;
       const hasModel = state.axes.some((axis) => axis.model);
-      // while something is computed the server gives nothing away: half a model is none
-      const isReady = hasModel && state.job === null;
-      const now = JSON.stringify([hasModel, isReady, state.commands]);
+      const now = JSON.stringify([hasModel, isReady(state), state.commands]);
       if (now !== drawn) {
         drawn = now;
-        replace(downloads, FORMATS.map(({ format, name, says }) => download(study, format, name, hasModel ? says : "when there is a model", isReady)));
-        replace(commands, state.commands.length > 0 ? state.commands.map((command, at) => commandElement(command, `command:${at}`, announce)) : el("p", { class: "empty" }, "They stand here as soon as there is something to repeat."));
+        replace(downloads, FORMATS.map(({ format, name, says }) => download(study, format, name, hasModel ? says : "when there is a model", isReady(state))));
+        replace(commands, state.commands.length > 0 ? state.commands.map((command, at) => commandElement(command, `command:${at}`, announce)) : el("p", { class: "empty" }, "The commands appear when the first axis is fitted."));
       }
       void readReplay(scene);
     },
   };
 }
+
+/** Every axis has its model, and none is about to change: part of a model is not exported. @param {import("../types.js").Page} state */
+const isReady = (state) => state.is_whole && !state.job?.asked_for;
 
 /** @param {number} study @param {string} format @param {string} name @param {string} says @param {boolean} isReady */
 function download(study, format, name, says, isReady) {
@@ -125,8 +127,8 @@ const root = (square) => (typeof square === "number" ? Math.sqrt(square) : null)
 function drawReplay(host, { log, summary, command }, state, announce) {
   const named = (/** @type {string} */ column) => state.axes.find((axis) => axis.column === column);
   const row = (/** @type {import("../types.js").AxisSummary} */ axis) => {
-    const unit = named(axis.column)?.unit ?? "";
-    const write = (/** @type {number | null} */ value) => (axis.innovations === 0 ? "–" : quantity(value, unit));
+    const units = named(axis.column)?.units;
+    const write = (/** @type {number | null} */ value) => (axis.innovations === 0 || !units ? "–" : inUnit(value, chosen(units.errors)));
     return el(
       "tr",
       { "data-axis": axis.column },
@@ -134,7 +136,7 @@ function drawReplay(host, { log, summary, command }, state, announce) {
       [count(axis.innovations), write(axis.innovation_rms_f32), write(root(axis.errors?.slow_error_coast)), write(root(axis.errors?.coast.at(-1)?.mse))].map((text) => el("td", { class: "right" }, text)),
     );
   };
-  const head = ["Axis", "innovations", "innovation, rms in f32", "slow error, coasting", "rms after the longest coast"];
+  const head = ["Axis", "innovations", "innovation, RMS in f32", "slow error, free run", "RMS after the longest free run"];
   replace(
     host,
     el("p", {}, "Run over ", el("b", {}, fileName(log)), ` on fos-core in f32, bit for bit as on a device: ${count(summary.rows)} rows, ${count(summary.tracked)} of them tracked.`),

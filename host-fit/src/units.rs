@@ -1,0 +1,131 @@
+//! Units as people read them: °/s or °/h for a gyro, mg for an accelerometer. One rule for the command line and the page.
+
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+
+use fos_data::column::Column;
+use fos_diagnose::effects::SizeUnit;
+use fos_fit::evaluate::ModelErrors;
+
+/// A gyro whose errors are smaller than this is shown in °/h, °/s.
+const IN_DEGREES_PER_HOUR: f64 = 0.1;
+
+/// The units of printed text.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Units {
+    /// °/s, °/h and mg
+    #[default]
+    Field,
+    /// rad/s and m/s²
+    Si,
+}
+
+/// The unit in which the errors of one axis are shown.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ErrorUnit {
+    /// Spelled for people; empty where the column does not state a unit.
+    pub(crate) label: &'static str,
+    /// One of this unit in SI.
+    pub(crate) si: f64,
+}
+
+impl ErrorUnit {
+    /// The unit in which errors of up to `largest`, in SI, are easy to read.
+    pub(crate) fn of(column: &str, largest: f64, units: Units) -> Self {
+        let column = Column::named(column);
+        let size = SizeUnit::of_axis(column).si;
+        let (label, si) = match units {
+            Units::Field if column.is_angular_rate() && largest < IN_DEGREES_PER_HOUR * size => {
+                ("°/h", size / 3600.0)
+            }
+            Units::Field if column.is_angular_rate() => ("°/s", size),
+            Units::Field if column.is_specific_force() => ("mg", size),
+            _ => (column.unit().label(), 1.0),
+        };
+        Self { label, si }
+    }
+
+    /// The unit in which the errors of these models are shown.
+    pub(crate) fn of_models<'a>(
+        column: &str,
+        models: impl IntoIterator<Item = &'a ModelErrors>,
+        units: Units,
+    ) -> Self {
+        let slow = models.into_iter().filter_map(|model| model.slow_error_coast);
+        Self::of(column, slow.fold(0.0, f64::max).sqrt(), units)
+    }
+}
+
+/// A unit as it is spelled for people: a stored value over `divisor` is in it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct ShownUnit {
+    pub(crate) label: String,
+    pub(crate) divisor: f64,
+}
+
+impl ShownUnit {
+    fn new(label: impl Into<String>, divisor: f64) -> Self {
+        Self { label: label.into(), divisor }
+    }
+
+    /// The unit of a coefficient that is stored in `unit`, as `dps/K`.
+    pub(crate) fn of_size(unit: &str, units: Units) -> Self {
+        match (units, unit.parse::<SizeUnit>()) {
+            (Units::Si, Ok(unit)) => Self::new(unit.in_si(), 1.0 / unit.si),
+            (Units::Field, Ok(unit)) => Self::new(unit.spelled(), 1.0),
+            (_, Err(_)) => Self::new(unit, 1.0),
+        }
+    }
+
+    /// The units of N, B and K of an axis.
+    pub(crate) fn of_noise(column: &str, units: Units) -> [Self; 3] {
+        let column = Column::named(column);
+        let size = SizeUnit::of_axis(column).si;
+        let si = column.unit().label();
+        match units {
+            Units::Field if column.is_angular_rate() => [
+                Self::new("°/√h", size / 60.0),
+                Self::new("°/h", size / 3600.0),
+                Self::new("°/h/√h", size / 3600.0 / 60.0),
+            ],
+            Units::Field if column.is_specific_force() => [
+                Self::new("µg/√Hz", 1e-3 * size),
+                Self::new("µg", 1e-3 * size),
+                Self::new("µg/√h", 1e-3 * size / 60.0),
+            ],
+            _ => {
+                let walk = match si {
+                    "rad/s" => "(rad/s²)/√Hz".to_owned(),
+                    "m/s²" => "(m/s³)/√Hz".to_owned(),
+                    other => format!("({other})/√s"),
+                };
+                [Self::new(format!("({si})/√Hz"), 1.0), Self::new(si, 1.0), Self::new(walk, 1.0)]
+            }
+        }
+    }
+}
+
+impl From<ErrorUnit> for ShownUnit {
+    fn from(unit: ErrorUnit) -> Self {
+        Self::new(unit.label, unit.si)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_of_a_data_sheet_keeps_its_size() {
+        // 0.15 °/√h is 0.0025 (°/s)/√Hz; 100 µg/√Hz is 9.81e-4 (m/s²)/√Hz
+        let [white, flicker, walk] = ShownUnit::of_noise("gx_rads", Units::Field);
+        assert!((0.0025_f64.to_radians() / white.divisor - 0.15).abs() < 1e-12);
+        assert!((10.0_f64.to_radians() / 3600.0 / flicker.divisor - 10.0).abs() < 1e-12);
+        // √h is 60 √s
+        assert!((1.0_f64.to_radians() / 3600.0 / walk.divisor - 60.0).abs() < 1e-12);
+        let [white, ..] = ShownUnit::of_noise("ax_mps2", Units::Field);
+        assert!((9.80665e-4 / white.divisor - 100.0).abs() < 1e-9);
+    }
+}
