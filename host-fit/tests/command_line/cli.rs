@@ -317,7 +317,7 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
     assert!(meta.contains("fos-case/1") && meta.contains("\"case_9\"") && !meta.contains("thermal_lag"));
     let truth = std::fs::read_to_string(folder.join("case_9/truth.json")).expect("written");
     assert!(truth.contains("\"tau_s\": 60.0"));
-    for log in ["baseline", "field", "eval", "truth_field", "truth_eval"] {
+    for log in ["reference", "log", "evaluation", "truth_log", "truth_evaluation"] {
         assert!(folder.join(format!("case_9/{log}.parquet")).is_file(), "{log}");
     }
     for (effect, choices) in [
