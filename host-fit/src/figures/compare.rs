@@ -152,7 +152,7 @@ pub fn against(
         series,
         ..Panel::default()
     };
-    Figure { title: headline(subject, &format!("what is left against {channel}")), panels: vec![panel] }
+    Figure { title: headline(subject, &format!("residual against {channel}")), panels: vec![panel] }
 }
 
 fn over_time(

@@ -80,7 +80,7 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
         title: format!("{channel}: the error after every step, on data that were not fitted"),
         panels: vec![
             panel("slow error", &format!("Deviation of 1-s means ({unit})"), |step| step.slow, false),
-            panel("wide error", &format!("Deviation of samples ({unit})"), |step| step.wide, true),
+            panel("broadband error", &format!("Deviation of samples ({unit})"), |step| step.wide, true),
             coast,
         ],
     }
