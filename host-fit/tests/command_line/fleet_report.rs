@@ -263,7 +263,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     for (instead, what) in [
         (nan.as_str(), ":3: "),
         (&nan.replace("[null,0.1]", "[1e999,0.1]"), ":3: "),
-        (&nan.replace("[null,0.1]", "[0.1]"), ":3: no row of a unit: gx_rads: a number is missing"),
+        (&nan.replace("[null,0.1]", "[0.1]"), ":3: not the row of a device: gx_rads: a number is missing"),
         (&third[..third.len() / 2], ":3: "),
         ("{}", ":3: "),
     ] {
