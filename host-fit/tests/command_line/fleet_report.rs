@@ -247,13 +247,13 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     // another fleet of as many units; one unit less; another part
     write(folder, &rows("a", 2));
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 40 rows of 40 units");
+    refused("population.json.rows: 40 rows of 40 devices");
     write(folder, &rows_of_one[1..]);
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 39 rows of 40 units");
+    refused("population.json.rows: 39 rows of 40 devices");
     write(folder, &rows("b", 1));
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 40 rows of 40 units");
+    refused("population.json.rows: 40 rows of 40 devices");
     // a number that is none, too large a one, a matrix that is none, a line that was cut off
     let third = sound.lines().nth(2).expect("a row").to_owned();
     let mut row: Value = serde_json::from_str(&third).expect("JSON");
@@ -277,7 +277,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     for (instead, what) in [
         (wrong.to_string(), "gx_rads: a number is missing"),
         (whole.replace("fos-population/1", "fos-population/9"), "fos-population/9"),
-        ("{".to_owned(), "no population"),
+        ("{".to_owned(), "not a population"),
     ] {
         fs::write(&population, instead).expect("written");
         refused(what);
