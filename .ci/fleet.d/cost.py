@@ -93,7 +93,7 @@ def main():
         flush=True,
     )
     for path in FLEET.glob("*.parquet"):
-        path.read_bytes()  # the disk is not what is measured
+        path.read_bytes()  # the disk is not measured
     print("\n| by | cores | s | units a second | share of linear | memory, MB |\n|---|---|---|---|---|---|", flush=True)
     expected = None
     for name, run in (("fos fleet", of_program), ("Python", of_python), ("Spark", of_spark)):

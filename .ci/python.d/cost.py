@@ -54,27 +54,27 @@ def main() -> None:
             subprocess.run([host_fit, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
         case = fos.simulate_case(["thermal_lag"], setup="desk", seed=3)
-        for log in ("quiet", "field", "later"):
+        for log in ("reference", "log", "evaluation"):
             getattr(case, log).write(folder / f"{log}.parquet")
         read = lambda log: fos.read(folder / f"{log}.parquet")  # noqa: E731
-        fos.fit(read("quiet"), axes="gx").save(folder / "unit.json")
+        fos.fit(read("reference"), axes="gx").save(folder / "unit.json")
         study = fos.Study.load(folder / "unit.json")
         (folder / "unit.fosm").write_bytes(study.export_image())
 
         def fit() -> None:
-            fos.fit(read("quiet"), physical=["temp_c"]).save(folder / "all.json", replace=True)
+            fos.fit(read("reference"), physical=["temp_c"]).save(folder / "all.json", replace=True)
 
         def compare() -> None:
-            fos.Study.load(folder / "unit.json").compare(read("later"))
+            fos.Study.load(folder / "unit.json").compare(read("evaluation"))
 
         def diagnose() -> None:
-            fos.Study.load(folder / "unit.json").diagnose(read("field"))
+            fos.Study.load(folder / "unit.json").diagnose(read("log"))
 
         calls = {
-            "fit, six axes": (fit, ("fit", "quiet.parquet", "--physical", "temp_c", "-o", "all.json", "--json")),
-            "compare, one axis": (compare, ("compare", "unit.json", "later.parquet", "--json")),
-            "diagnose, one axis": (diagnose, ("diagnose", "unit.json", "--from", "field.parquet", "--json")),
-            "noise, six axes": (lambda: fos.noise(read("quiet")), ("noise", "quiet.parquet", "--json")),
+            "fit, six axes": (fit, ("fit", "reference.parquet", "--physical", "temp_c", "-o", "all.json", "--json")),
+            "compare, one axis": (compare, ("compare", "unit.json", "evaluation.parquet", "--json")),
+            "diagnose, one axis": (diagnose, ("diagnose", "unit.json", "--from", "log.parquet", "--json")),
+            "noise, six axes": (lambda: fos.noise(read("reference")), ("noise", "reference.parquet", "--json")),
         }
         print("| call | Python, s | program, s | more, % |\n|---|---|---|---|")
         told = {}

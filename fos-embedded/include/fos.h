@@ -11,7 +11,7 @@
  *     for (;;) {
  *         read_sensor(&raw);
  *         (void)fos_hub_update(hub, &raw, &output); // refuses NULL and misaligned pointers only
- *         use(&output); // what speaks against it: output.validity, output.faults
+ *         use(&output); // flags: output.validity, output.faults
  *     }
  *
  * What holds for every function:

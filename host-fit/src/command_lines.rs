@@ -23,13 +23,14 @@ pub(crate) fn command_lines<'a>(
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
     let field = path(&logs.field);
     let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --reference {}", path(log)));
-    let judge = logs.judged.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
+    let evaluated =
+        logs.judged.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
     let mut lines = vec![
         format!("fos fit {} --axis all{read} -o unit.json", fitted.join(" ")),
         format!("fos compare unit.json {field}{read} --figures figures"),
     ];
     for (column, refinement) in axes {
-        let on = format!("--axis {} --from {field}{quiet}{judge}{read}", quoted(column));
+        let on = format!("--axis {} --from {field}{quiet}{evaluated}{read}", quoted(column));
         lines.push(format!("fos diagnose unit.json {on}"));
         for added in refinement.into_iter().flat_map(Refinement::added) {
             lines.push(format!("fos add unit.json {} {on}", quoted(&added.effect.id)));

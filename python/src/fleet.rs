@@ -117,7 +117,7 @@ impl Rows {
             texts.iter().try_for_each(|text| {
                 let row: UnitRow = serde_json::from_str(text).map_err(|error| {
                     let start: String = text.chars().take(60).collect();
-                    format!("{start:?} … is no row of a unit: {error}\nhelp: rows are what `unit_row` gives, or its `to_json()`")
+                    format!("{start:?} … is not the row of a device: {error}\nhelp: pass results of `unit_row`, or their `to_json()`")
                 })?;
                 gathered.add(&row).map_err(|error| error.to_string())
             })

@@ -196,7 +196,7 @@ fn search(
             text(candidate)
         ),
         Stopped::MaxTerms => "at the most terms allowed".to_owned(),
-        Stopped::Rounding => "what other terms take off the MSE is within its rounding error".to_owned(),
+        Stopped::Rounding => "other terms reduce the MSE by less than its rounding error".to_owned(),
         Stopped::MostMoves => "after as many exchanges as are allowed".to_owned(),
         Stopped::Exact => "nothing is left".to_owned(),
         Stopped::NothingLeft => "every candidate is in".to_owned(),

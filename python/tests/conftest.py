@@ -11,12 +11,12 @@ import pytest
 
 @pytest.fixture(scope="session")
 def case():
-    return fos.simulate_case(["thermal_lag"], setup="desk", seed=3, quiet_s=300, field_s=900, later_s=300)
+    return fos.simulate_case(["thermal_lag"], setup="desk", seed=3, reference_s=300, log_s=900, evaluation_s=300)
 
 
 @pytest.fixture
 def study(case):
-    return fos.fit(case.quiet, axes="gx")
+    return fos.fit(case.reference, axes="gx")
 
 
 @pytest.fixture(scope="session")

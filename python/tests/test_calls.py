@@ -74,7 +74,7 @@ def test_others_run_while_the_engine_works(case):
     ticker = threading.Thread(target=tick)
     ticker.start()
     begun = time.monotonic()
-    fos.fit(case.quiet, axes="gx", max_lag=25)
+    fos.fit(case.reference, axes="gx", max_lag=25)
     spent = time.monotonic() - begun
     done.set()
     ticker.join()
@@ -83,16 +83,16 @@ def test_others_run_while_the_engine_works(case):
 
 
 def test_threads_see_the_same_and_changes_are_whole(case):
-    study = fos.fit(case.quiet, axes="gx", max_lag=3)
-    expected = study.diagnose(case.field)
+    study = fos.fit(case.reference, axes="gx", max_lag=3)
+    expected = study.diagnose(case.log)
     found, raised = [], []
 
     def work(change):
         try:
             if change:
-                study.add("thermal_lag", case.field)
+                study.add("thermal_lag", case.log)
             else:
-                found.append(study.diagnose(case.field, quiet=case.quiet))
+                found.append(study.diagnose(case.log, reference=case.reference))
         except fos.FosError as error:
             raised.append(error)
 

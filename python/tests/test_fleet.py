@@ -113,7 +113,7 @@ def test_rows_that_are_no_fleet_are_refused(line, rows):
         ([], "no row"),
         ([*rows, rows[0]], '"u1" of "bmi270" is there twice'),
         ([*rows, other], r'asked different things: regressors \["temp_c"\] and'),
-        (["{}"], "is no row of a unit"),
+        (["{}"], "is not the row of a device"),
     ):
         with pytest.raises(FleetError, match=says) as error:
             fos.population(some)

@@ -12,7 +12,7 @@ from fos_imu.errors import EffectError, FitError, RefineError, StudyError
 
 
 def test_the_planted_effect_is_named_added_and_taken_back(case, study):
-    diagnosis = study.diagnose(case.field)
+    diagnosis = study.diagnose(case.log)
     assert diagnosis.verdict == "missing"
     finding = diagnosis.findings[0]
     assert finding.effect == "thermal_lag"
@@ -21,11 +21,11 @@ def test_the_planted_effect_is_named_added_and_taken_back(case, study):
     assert finding.cost is not None
     assert finding.evidence is not None
     assert len(finding.evidence.time_s) == len(finding.evidence.error) == len(finding.evidence.effect)
-    before = study.compare(case.later)["gx"].model
-    refinement = study.add(finding, case.field)
+    before = study.compare(case.evaluation)["gx"].model
+    refinement = study.add(finding, case.log)
     assert [step.name for step in refinement.steps] == ["before", "+ thermal_lag"]
     assert refinement.steps[-1].added.measured_reduction > 0.5
-    after = study.compare(case.later)["gx"].model
+    after = study.compare(case.evaluation)["gx"].model
     assert after.slow_error_coast < 0.5 * before.slow_error_coast
     # the logs are remembered
     assert study.diagnose().findings == ()
@@ -38,7 +38,7 @@ def test_the_planted_effect_is_named_added_and_taken_back(case, study):
 
 
 def test_what_is_left_is_there_row_by_row(case, study):
-    comparison = study.compare(case.later)
+    comparison = study.compare(case.evaluation)
     axis = comparison["gx_rads"]
     assert axis.time_s.shape == axis.measured.shape == axis.innovation.shape == axis.left.shape
     one_step = axis.innovation[np.isfinite(axis.innovation)]
@@ -48,26 +48,26 @@ def test_what_is_left_is_there_row_by_row(case, study):
     np.testing.assert_allclose((axis.predicted + axis.left)[known], axis.measured[known], atol=1e-12)
     assert [errors.model for errors in axis.errors][-1] == "model"
     own = study.compare()
-    assert own.judged_s[0] >= case.quiet.time_s[case.quiet.n_rows // 2 - 1]
+    assert own.judged_s[0] >= case.reference.time_s[case.reference.n_rows // 2 - 1]
     with pytest.raises(KeyError):
         comparison["gy"]
 
 
 def test_a_study_opens_in_the_program_and_the_other_way_round(case, study, tmp_path, program):
-    for name in ("quiet", "field", "later"):
+    for name in ("reference", "log", "evaluation"):
         getattr(case, name).write(tmp_path / f"{name}.parquet")
-    quiet, field = fos.read(tmp_path / "quiet.parquet"), fos.read(tmp_path / "field.parquet")
-    ours = fos.fit(quiet, axes="gx")
-    ours.add("thermal_lag", field)
+    reference, log = fos.read(tmp_path / "reference.parquet"), fos.read(tmp_path / "log.parquet")
+    ours = fos.fit(reference, axes="gx")
+    ours.add("thermal_lag", log)
     ours.save(tmp_path / "ours.json")
-    program("fit", "quiet.parquet", "--axis", "gx", "-o", "theirs.json", folder=tmp_path)
-    program("add", "theirs.json", "thermal_lag", "--from", "field.parquet", folder=tmp_path)
+    program("fit", "reference.parquet", "--axis", "gx", "-o", "theirs.json", folder=tmp_path)
+    program("add", "theirs.json", "thermal_lag", "--from", "log.parquet", folder=tmp_path)
     # the same file but for the paths as they were given
     ours_json, theirs_json = ((tmp_path / f"{name}.json").read_text() for name in ("ours", "theirs"))
     assert ours_json.replace(f"{tmp_path}/", "") == theirs_json.replace(f"{tmp_path}/", "")
 
-    told = program("compare", "ours.json", "later.parquet", "--json", folder=tmp_path)
-    mine = fos.Study.load(tmp_path / "theirs.json").compare(fos.read(tmp_path / "later.parquet"))
+    told = program("compare", "ours.json", "evaluation.parquet", "--json", folder=tmp_path)
+    mine = fos.Study.load(tmp_path / "theirs.json").compare(fos.read(tmp_path / "evaluation.parquet"))
     assert told["axes"][0]["errors"][-1]["one_step_mse"] == mine["gx"].model.one_step_mse
     assert told["axes"][0]["errors"][-1]["slow_error_coast"] == mine["gx"].model.slow_error_coast
 
@@ -81,8 +81,8 @@ def test_a_study_opens_in_the_program_and_the_other_way_round(case, study, tmp_p
     history = program("history", "theirs.json", "--json", folder=tmp_path)
     assert len(history[0]["stairs"]) == 1
 
-    diagnosis = program("diagnose", "theirs.json", "--from", "field.parquet", "--json", folder=tmp_path)[0]
-    mine = fos.Study.load(tmp_path / "theirs.json").diagnose(field)
+    diagnosis = program("diagnose", "theirs.json", "--from", "log.parquet", "--json", folder=tmp_path)[0]
+    mine = fos.Study.load(tmp_path / "theirs.json").diagnose(log)
     assert (diagnosis["sentence"], diagnosis["findings"][0]["score"]) == (mine.sentence, mine.findings[0].score)
     program("export", "theirs.json", "--image", "theirs.fosm", "--sensor", "unit 7", folder=tmp_path)
     assert again.export_image("unit 7") == (tmp_path / "theirs.fosm").read_bytes()
@@ -92,13 +92,13 @@ def test_a_study_of_arrays_names_what_it_was_fitted_to(case, study, tmp_path):
     study.save(tmp_path / "unit.json")
     again = fos.Study.load(tmp_path / "unit.json")
     assert again.axes == study.axes == ("gx_rads",)
-    assert again.sources == case.quiet.sources
+    assert again.sources == case.reference.sources
     assert again.export_image() == study.export_image()
     # the log itself is in no file
     with pytest.raises(fos.FosError, match="not there"):
         again.compare()
-    assert again.compare(case.later)["gx"].rows > 0
-    assert again.diagnose(case.field, quiet=case.quiet).findings[0].effect == "thermal_lag"
+    assert again.compare(case.evaluation)["gx"].rows > 0
+    assert again.diagnose(case.log, reference=case.reference).findings[0].effect == "thermal_lag"
 
 
 def test_a_file_is_not_written_over_what_somebody_else_wrote(study, tmp_path):
@@ -180,7 +180,7 @@ def test_an_effect_of_ones_own(case, study, tmp_path):
         '[parameter]\nname = "tau_s"\nunit = "s"\nlow = 5\nhigh = 400\n'
     )
     assert fos.effects([path])["my_lag"].name == "my lag"
-    assert study.add("my_lag", case.field, effects=[path]).steps[-1].added.measured_reduction > 0.5
+    assert study.add("my_lag", case.log, effects=[path]).steps[-1].added.measured_reduction > 0.5
     path.write_text("id = 7\n")
     with pytest.raises(EffectError) as bad:
         fos.effects([path])
@@ -188,21 +188,21 @@ def test_an_effect_of_ones_own(case, study, tmp_path):
 
 
 def test_a_diagnosis_without_a_model(case):
-    diagnosis = fos.diagnose(case.field, axis="gx", quiet=case.quiet, judged=case.later)
+    diagnosis = fos.diagnose(case.log, axis="gx", reference=case.reference, evaluate_on=case.evaluation)
     finding = diagnosis.findings[0]
     assert finding.effect == "thermal_lag"
     assert finding.measured_reduction is not None
     assert finding.evidence is not None
     error, effect = np.array(finding.evidence.error), np.array(finding.evidence.effect)
     assert np.corrcoef(error, effect)[0, 1] > 0.8
-    nothing = fos.diagnose(case.quiet, axis="gx")
+    nothing = fos.diagnose(case.reference, axis="gx")
     assert nothing.verdict == "nothing_missing"
     assert "#00734f" in nothing._repr_html_()
 
 
 def test_a_line_has_its_spectrum():
-    case = fos.simulate_case([fos.Plant("spectral_line", 80.0)], seed=4, quiet_s=120, field_s=300, later_s=60)
-    finding = fos.diagnose(case.field, axis="gx", quiet=case.quiet).findings[0]
+    case = fos.simulate_case([fos.Plant("spectral_line", 80.0)], seed=4, reference_s=120, log_s=300, evaluation_s=60)
+    finding = fos.diagnose(case.log, axis="gx", reference=case.reference).findings[0]
     assert finding.effect == "spectral_line"
     assert finding.line is not None
     peak = finding.line.frequency_hz[int(np.argmax(finding.line.density))]
@@ -211,9 +211,9 @@ def test_a_line_has_its_spectrum():
 
 
 def test_results_are_frozen_and_show_themselves(case, study):
-    diagnosis = study.diagnose(case.field)
-    refinement = study.add(None, case.field)
-    comparison = study.compare(case.later)
+    diagnosis = study.diagnose(case.log)
+    refinement = study.add(None, case.log)
+    comparison = study.compare(case.evaluation)
     for result in (
         diagnosis,
         diagnosis.findings[0],
@@ -235,22 +235,22 @@ def test_results_are_frozen_and_show_themselves(case, study):
 
 def test_results_are_tables_of_pandas(case, study):
     pytest.importorskip("pandas")
-    refinement = study.add("thermal_lag", case.field)
-    comparison = study.compare(case.later)
+    refinement = study.add("thermal_lag", case.log)
+    comparison = study.compare(case.evaluation)
     steps = refinement.to_pandas()
     assert list(steps["step"]) == ["before", "+ thermal_lag"]
     assert steps["slow_left"].is_monotonic_decreasing
     models = comparison["gx"].to_pandas()
     assert models["one_step_mse"].iloc[-1] == comparison["gx"].model.one_step_mse
     assert len(comparison.to_pandas()) == len(models)
-    found = fos.diagnose(case.field, axis="gx", quiet=case.quiet).to_pandas()
+    found = fos.diagnose(case.log, axis="gx", reference=case.reference).to_pandas()
     assert found["effect"].iloc[0] == "thermal_lag"
     assert found["size_low"].iloc[0] < found["size"].iloc[0] < found["size_high"].iloc[0]
 
 
 def test_text_from_outside_is_escaped(case):
-    arrays = {name: case.quiet[name] for name in case.quiet}
-    evil = fos.Recording.from_arrays({"t_s": case.quiet.time_s, **arrays}, name="<script>alert(1)</script>")
+    arrays = {name: case.reference[name] for name in case.reference}
+    evil = fos.Recording.from_arrays({"t_s": case.reference.time_s, **arrays}, name="<script>alert(1)</script>")
     page = evil._repr_html_() + fos.fit(evil, axes="gx")._repr_html_()
     assert "<script" not in page
 

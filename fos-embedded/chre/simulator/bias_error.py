@@ -2,7 +2,7 @@
 """bias_error.py LOG TRUTH BEFORE AFTER STUDY: the slow error that the messages of bias leave in gyro x, before and after.
 
 LOG was played twice, BEFORE and AFTER are the bias.csv of the two plays; TRUTH has, row by row, the error that is in LOG, in its
-column gx_rads; STUDY is what `fos add --json` printed. As fos judges, the slow error is the variance of means over a
+column gx_rads; STUDY is what `fos add --json` printed. As in fos, the slow error is the variance of means over a
 second. Fails where the measured fall is outside what was predicted.
 """
 
@@ -55,7 +55,7 @@ def main():
     step = json.load(open(study))["stairs"][-1]
     finding = step["added"]["finding"]
     low, high = finding["expected_drop_ci"]
-    print(f"slow error of {AXIS}, rad/s, with the bias that the nanoapp sent taken off:")
+    print(f"slow error of {AXIS}, rad/s, after the bias that the nanoapp sent is subtracted:")
     falls = []
     for what, error in [("measured", column(log, AXIS)), ("true", true_error)]:
         left = []

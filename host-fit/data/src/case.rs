@@ -85,7 +85,7 @@ pub struct DataSheetFigures {
 /// Names of the logs of a case, without ending; up to three.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CaseFiles {
-    /// Name of the quiet log; absent where there is none.
+    /// Name of the reference log; absent where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<String>,
     /// The log to be explained.
@@ -124,13 +124,13 @@ pub enum CaseError {
         found: String,
     },
     /// There is no log to explain.
-    #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"field\" }}", path.display())]
+    #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"log\" }}", path.display())]
     NoField {
         /// Path of the description.
         path: PathBuf,
     },
     /// A log of that name is there in no format.
-    #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or leave it out of \"files\"", folder.display())]
+    #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or remove it from \"files\"", folder.display())]
     NoLog { folder: PathBuf, name: String },
     /// A log cannot be read.
     #[error(transparent)]
@@ -151,6 +151,12 @@ fn this_schema() -> String {
     SCHEMA.to_owned()
 }
 
+fn path_of(folder: &Path, name: &str) -> Result<PathBuf, CaseError> {
+    let named = ["parquet", "csv.gz", "csv"].map(|ending| folder.join(format!("{name}.{ending}")));
+    let found = named.into_iter().find(|path| path.exists());
+    found.ok_or_else(|| CaseError::NoLog { folder: folder.to_owned(), name: name.to_owned() })
+}
+
 impl CaseMeta {
     /// Reads `meta.json` of a case folder.
     ///
@@ -164,6 +170,16 @@ impl CaseMeta {
             Refused::NotJson { line, column, reason } => CaseError::Meta { path, line, column, reason },
             Refused::Schema(found) => CaseError::Schema { path, found },
         })
+    }
+
+    /// Paths of the logs in `folder`, in the order of the roles.
+    ///
+    /// # Errors
+    ///
+    /// A log that is named is there in no format.
+    pub fn paths(&self, folder: &Path) -> Result<Vec<PathBuf>, CaseError> {
+        let CaseFiles { baseline, field, eval } = &self.files;
+        [baseline, field, eval].into_iter().flatten().map(|name| path_of(folder, name)).collect()
     }
 
     /// The target is a gyro.
@@ -209,11 +225,7 @@ impl Case {
         let meta = CaseMeta::read(folder)?;
         let log = |name: &Option<String>| -> Result<Option<Recording>, CaseError> {
             let Some(name) = name else { return Ok(None) };
-            let named = ["parquet", "csv.gz", "csv"].map(|ending| folder.join(format!("{name}.{ending}")));
-            let path = named
-                .iter()
-                .find(|path| path.exists())
-                .ok_or_else(|| CaseError::NoLog { folder: folder.to_owned(), name: name.clone() })?;
+            let path = path_of(folder, name)?;
             let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
             Ok(Some(load(path, &options)?))
         };

@@ -189,6 +189,28 @@ mod tests {
         }
     }
 
+    /// Shows that docs/columns-and-units.md lists every spelling in the row of its unit, and no other.
+    #[test]
+    fn the_page_of_units_has_every_spelling() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/columns-and-units.md");
+        let Ok(page) = std::fs::read_to_string(page) else { return }; // the crate alone, as packaged
+        let table = page.split("| to | spellings |").nth(1).unwrap().split("\n\n").next().unwrap();
+        let rows = table.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" | "));
+        let listed: Vec<(String, String)> = rows
+            .flat_map(|(unit, cells)| {
+                let cells = cells.split('`').skip(1).step_by(2);
+                cells.map(|spelling| (unit.to_owned(), spelling.to_owned())).collect::<Vec<_>>()
+            })
+            .collect();
+        let known = KNOWN.iter().flat_map(|(names, unit, ..)| names.iter().map(|name| (unit.label(), *name)));
+        let known: Vec<(String, String)> =
+            known.map(|(unit, name)| (unit.to_owned(), name.to_owned())).collect();
+        for one in &known {
+            assert!(listed.contains(one), "{one:?}");
+        }
+        assert_eq!(listed.len(), known.len());
+    }
+
     #[test]
     fn a_stamp_is_the_same_number_in_every_unit() {
         for (text, us) in

@@ -141,7 +141,7 @@ impl PartSummary {
 /// Why the rows of a fleet cannot be kept.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
-    #[error("{}: {source}\nhelp: the rows of a fleet are kept there, so that it goes on where it was broken off", path.display())]
+    #[error("{}: {source}\nhelp: the rows of a fleet are stored there, so that interrupted runs resume", path.display())]
     Rows {
         /// Where rows are kept.
         path: PathBuf,
@@ -149,14 +149,14 @@ pub enum FleetError {
         source: std::io::Error,
     },
     /// It is no population, or of another schema.
-    #[error("{}: no population: {reason}\nhelp: a population of schema {SCHEMA}, made of the units anew", path.display())]
+    #[error("{}: not a population: {reason}\nhelp: make the population again; its schema is {SCHEMA}", path.display())]
     NotAPopulation {
         path: PathBuf,
         /// What is wrong, with its line and column.
         reason: String,
     },
     /// The rows beside a population are not those that it was made of.
-    #[error("{}: {found} rows of {units} units\nhelp: the rows of a population lie beside it under its name with .rows behind it; where they are lost, make the population anew", path.display())]
+    #[error("{}: {found} rows of {units} devices\nhelp: the rows of a population are beside it, under its name with .rows appended; if they are lost, make the population again", path.display())]
     OtherRows {
         /// The rows.
         path: PathBuf,
@@ -166,7 +166,7 @@ pub enum FleetError {
         units: usize,
     },
     /// A line of the rows beside a population is none.
-    #[error("{}:{line}: no row of a unit: {reason}\nhelp: make the population anew; rows that are whole are taken from there", path.display())]
+    #[error("{}:{line}: not the row of a device: {reason}\nhelp: make the population again; complete rows are reused", path.display())]
     NotARow {
         /// The rows.
         path: PathBuf,
@@ -175,7 +175,7 @@ pub enum FleetError {
         reason: String,
     },
     /// Something else is there.
-    #[error("{}: there is a file of that name that has no rows of a fleet; it would be lost\nhelp: write to another file, or move that one away", .0.display())]
+    #[error("{}: a file of that name has other content than the rows of a fleet, and would be lost\nhelp: write to another file, or move that one away", .0.display())]
     NotRows(PathBuf),
     #[error(transparent)]
     File(#[from] FileError),

@@ -1,9 +1,10 @@
-//! The units in a folder: those of its `units.csv`, or a log each.
+//! The devices in a folder: those of its `units.csv`, or one per log or case.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
+use fos_data::case::{CaseError, CaseMeta};
 use fos_data::file::{self, FileError};
 use fos_data::recording::may_be_log;
 use serde::Deserialize;
@@ -13,7 +14,7 @@ use crate::row::Unit;
 /// The table of a fleet.
 pub const UNITS: &str = "units.csv";
 
-/// Why a folder is no fleet.
+/// A folder that cannot be read as a fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     #[error("{}: {source}", path.display())]
@@ -25,15 +26,18 @@ pub enum FolderError {
     /// Its table cannot be opened.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A case in it cannot be read.
+    #[error(transparent)]
+    Case(#[from] CaseError),
     /// Its table cannot be read.
-    #[error("{}:{line}: {reason}\nhelp: a header `unit,part,lot,log`, then a line for each log of each unit; part and lot may be empty, and logs are looked for beside the table", path.display())]
+    #[error("{}:{line}: {reason}\nhelp: write a header `unit,part,lot,log`, then a line for each log of each device; part and lot may be empty, and paths of logs are relative to the table", path.display())]
     Table {
         path: PathBuf,
         /// Line, from 1.
         line: u64,
         reason: String,
     },
-    #[error("{}: no logs in it, nor in the folders in it\nhelp: a log for each unit, in a folder for each lot, or a table {UNITS} with a header `unit,part,lot,log`", .0.display())]
+    #[error("{}: no logs in it, nor in the folders in it\nhelp: put a log for each device into it, in a folder for each lot, or a table {UNITS} with a header `unit,part,lot,log`", .0.display())]
     Empty(PathBuf),
 }
 
@@ -48,10 +52,10 @@ struct Line {
     log: PathBuf,
 }
 
-/// The units of a folder, by name.
+/// The devices of a folder, by name.
 ///
-/// With a table [`UNITS`] those that it names, whose logs need not be there: a unit on several lines has a log on each. Else every log is a unit of its name, and the folder that it
-/// lies in, within `folder`, its lot.
+/// With a table [`UNITS`] they are those in the table, whose logs need not exist: a device on several lines has a log on each. Otherwise every log is a device with the name of the
+/// log, and its subfolder is the lot. A case folder, one with `meta.json`, is one device with the logs of the case.
 ///
 /// # Errors
 ///
@@ -96,11 +100,21 @@ fn of_table(folder: &Path, table: &Path) -> Result<Vec<Unit>, FolderError> {
 }
 
 fn of_logs(folder: &Path) -> Result<Vec<Unit>, FolderError> {
+    if is_case(folder) {
+        return Ok(vec![unit_of_case(folder, None)?]);
+    }
     let mut units = Vec::new();
     for path in listed(folder)? {
-        if path.is_dir() {
+        if is_case(&path) {
+            units.push(unit_of_case(&path, None)?);
+        } else if path.is_dir() {
             let lot = name_of(&path);
-            units.extend(listed(&path)?.iter().filter_map(|log| unit_of(log, Some(&lot))));
+            for path in listed(&path)? {
+                match is_case(&path) {
+                    true => units.push(unit_of_case(&path, Some(&lot))?),
+                    false => units.extend(unit_of(&path, Some(&lot))),
+                }
+            }
         } else {
             units.extend(unit_of(&path, None));
         }
@@ -108,14 +122,27 @@ fn of_logs(folder: &Path) -> Result<Vec<Unit>, FolderError> {
     Ok(units)
 }
 
+fn is_case(folder: &Path) -> bool {
+    folder.join("meta.json").is_file()
+}
+
+fn unit_of_case(folder: &Path, lot: Option<&str>) -> Result<Unit, FolderError> {
+    let logs = CaseMeta::read(folder)?.paths(folder)?;
+    Ok(Unit { name: named(lot, name_of(folder)), part: String::new(), lot: lot.map(str::to_owned), logs })
+}
+
+/// Two lots may have devices of one name.
+fn named(lot: Option<&str>, name: String) -> String {
+    lot.map_or_else(|| name.clone(), |lot| format!("{lot}/{name}"))
+}
+
 fn unit_of(log: &Path, lot: Option<&str>) -> Option<Unit> {
     if !log.is_file() || !may_be_log(&log.to_string_lossy()) {
         return None;
     }
     let stem = log.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    // two lots may have logs of one name
-    let name = lot.map_or_else(|| stem.clone(), |lot| format!("{lot}/{stem}"));
-    Some(Unit { name, part: String::new(), lot: lot.map(str::to_owned), logs: vec![log.to_owned()] })
+    let lot_of = lot.map(str::to_owned);
+    Some(Unit { name: named(lot, stem), part: String::new(), lot: lot_of, logs: vec![log.to_owned()] })
 }
 
 fn listed(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
@@ -150,6 +177,23 @@ mod tests {
         let units = units_in(folder.path()).expect("units");
         let named: Vec<_> = units.iter().map(|unit| (unit.name.as_str(), unit.lot.as_deref())).collect();
         assert_eq!(named, [("a/7", Some("a")), ("a/8", Some("a")), ("alone", None), ("b/7", Some("b"))]);
+    }
+
+    #[test]
+    fn a_case_is_one_device_with_its_logs_and_without_its_truth() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let logs = ["reference.csv", "log.csv", "truth_log.csv"];
+        for case in ["one", "w7/two"] {
+            touched(folder.path(), &logs.map(|log| format!("{case}/{log}")).each_ref().map(String::as_str));
+            let meta = r#"{"case": "x", "target": "gx_rads", "nominal_rate_hz": 200, "files": {"baseline": "reference", "field": "log"}}"#;
+            std::fs::write(folder.path().join(case).join("meta.json"), meta).expect("a file");
+        }
+        let units = units_in(folder.path()).expect("units");
+        let named: Vec<_> =
+            units.iter().map(|unit| (unit.name.as_str(), unit.lot.as_deref(), unit.logs.len())).collect();
+        assert_eq!(named, [("one", None, 2), ("w7/two", Some("w7"), 2)]);
+        let alone = units_in(&folder.path().join("one")).expect("a unit");
+        assert_eq!((alone[0].name.as_str(), alone[0].logs.len()), ("one", 2));
     }
 
     #[test]

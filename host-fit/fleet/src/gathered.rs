@@ -22,7 +22,7 @@ const LEVELS: usize = 3;
 /// Why rows are no fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum GatheredError {
-    #[error("there is no row of a unit\nhelp: a row for each unit of the fleet")]
+    #[error("the fleet is empty\nhelp: give a row for each device")]
     Nothing,
     /// Two were asked different things.
     #[error(
@@ -47,7 +47,7 @@ pub enum GatheredError {
     )]
     NotWhole { unit: String, column: String },
     /// Bytes that are no gathered rows.
-    #[error("no gathered rows: {0}\nhelp: what this version has gathered; gather the rows anew")]
+    #[error("not gathered rows: {0}\nhelp: gather the rows again with this version")]
     NotGathered(String),
 }
 

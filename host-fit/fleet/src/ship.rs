@@ -68,7 +68,7 @@ pub enum ShipError {
     NoPopulation(String),
     /// A row lacks what the image needs.
     #[error(
-        "{}the rows do not say what was seen of {input}\nhelp: look at the fleet anew: these are rows of an earlier version", named(.part)
+        "{}the rows have no range of {input}\nhelp: make the population again: these are rows of an earlier version", named(.part)
     )]
     NotSeen { part: String, input: String },
     /// The model does not fit an image.

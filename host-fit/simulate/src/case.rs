@@ -49,10 +49,10 @@ pub struct Truth {
     pub disturbed_field: Vec<Disturbed>,
     /// When the evaluation is.
     pub disturbed_eval: Vec<Disturbed>,
-    /// What a perfect model subtracts from the field, and what it is made of; in truth_field.parquet.
+    /// What a perfect model subtracts from the field, and what it is made of; in truth_log.parquet.
     #[serde(skip)]
     pub field: LogTruth,
-    /// The same of the evaluation; in truth_eval.parquet.
+    /// The same of the evaluation; in truth_evaluation.parquet.
     #[serde(skip)]
     pub eval: LogTruth,
 }

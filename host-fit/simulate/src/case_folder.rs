@@ -27,8 +27,8 @@ pub enum CaseFolderError {
 }
 
 impl SimulatedCase {
-    /// Writes `meta.json`, `baseline.parquet`, `field.parquet`, `eval.parquet`; and what a user does not get:
-    /// `truth.json`, and by rows `truth_field.parquet`, `truth_eval.parquet` (columns `error` and the regressors). The
+    /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device does not have:
+    /// `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and the regressors). The
     /// case is called as the folder.
     ///
     /// # Errors
@@ -42,17 +42,17 @@ impl SimulatedCase {
         }
         if self.truth.plan.disturbance == Disturbance::Streams {
             // no table holds streams: it is written as they are joined
-            for (name, joined) in ["baseline", "field", "eval"].into_iter().zip(self.recordings()?) {
+            for (name, joined) in ["reference", "log", "evaluation"].into_iter().zip(self.recordings()?) {
                 write(folder, name, columns_of(&joined).iter())?;
             }
         } else {
             for (name, columns) in
-                [("baseline", &self.baseline), ("field", &self.field), ("eval", &self.eval)]
+                [("reference", &self.baseline), ("log", &self.field), ("evaluation", &self.eval)]
             {
                 write(folder, name, columns.iter())?;
             }
         }
-        for (name, truth) in [("truth_field", &self.truth.field), ("truth_eval", &self.truth.eval)] {
+        for (name, truth) in [("truth_log", &self.truth.field), ("truth_evaluation", &self.truth.eval)] {
             let LogTruth { error, motion, regressors } = truth;
             let mut columns: Vec<NamedSeries> = vec![("error".to_owned(), error.clone())];
             if motion.iter().any(|moved| *moved != 0.0) {

@@ -27,10 +27,10 @@ pub(super) fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
             accel_tco_mg_per_k: Some(part.accel_tco_mg_per_k),
         },
         files: CaseFiles {
-            baseline: Some("baseline".to_owned()),
-            field: Some("field".to_owned()),
-            eval: Some("eval".to_owned()),
+            baseline: Some("reference".to_owned()),
+            field: Some("log".to_owned()),
+            eval: Some("evaluation".to_owned()),
         },
-        note: "baseline: quiet log of the same unit, nothing missing. field: explain its target channel. eval: apply the final model, nothing to fit.".to_owned(),
+        note: "reference: steady conditions, no effect missing. log: explain its target column. evaluation: apply the final model, fit nothing.".to_owned(),
     }
 }

@@ -204,7 +204,7 @@ fn a_case_is_written_and_its_meta_reads_back() {
     let truth = std::fs::read_to_string(folder.join("truth.json")).expect("there");
     assert!(truth.contains("vibration_rectification"));
     let recording =
-        fos_data::recording::load(folder.join("field.parquet"), &Default::default()).expect("a log");
+        fos_data::recording::load(folder.join("log.parquet"), &Default::default()).expect("a log");
     assert_eq!(**recording.channel("az_mps2").expect("there").values, *column(&case.field, "az_mps2"));
     assert_eq!(recording.segments.len(), 1);
 }

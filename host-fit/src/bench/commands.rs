@@ -137,13 +137,13 @@ const ROWS: [Row; 9] = [
     },
     Row {
         name: "fit of a case",
-        arguments: "fit unit/baseline.parquet --axis gx -o case.json",
+        arguments: "fit unit/reference.parquet --axis gx -o case.json",
         writes: Some("case.json"),
         prints: true,
     },
     Row {
         name: "diagnose a case",
-        arguments: "diagnose case.json --from unit/field.parquet",
+        arguments: "diagnose case.json --from unit/log.parquet",
         writes: None,
         prints: true,
     },

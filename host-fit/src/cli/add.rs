@@ -24,10 +24,10 @@ pub(super) struct Add {
     /// The effect, by its identifier
     #[arg(required_unless_present = "best", conflicts_with = "best")]
     effect: Option<String>,
-    /// Add what the diagnosis finds, what should help most first, until nothing is worth adding
+    /// Add the findings of the diagnosis, the most useful first, until nothing is worth adding
     #[arg(long)]
     best: bool,
-    /// The axis, where the study has several
+    /// The axis, if the study has several
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub(super) struct Add {
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE", id = "effect_files")]
     effects: Vec<PathBuf>,
-    /// Folder for the picture of the staircase, SVG and PNG; made if it is not there
+    /// Folder for the picture of the staircase, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]

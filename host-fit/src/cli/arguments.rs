@@ -49,31 +49,49 @@ macro_rules! path {
 path!(OutputFile);
 path!(OutputFolder);
 
+/// # Errors
+///
+/// The name of the file has another ending than those of the formats that can be written. A name without one is taken.
+pub(super) fn only_ends_in(path: &Path, option: &str, known: &[&str]) -> Result<(), Failure> {
+    let Some(ending) = path.extension().and_then(|ending| ending.to_str()) else { return Ok(()) };
+    if known.contains(&ending.to_ascii_lowercase().as_str()) {
+        return Ok(());
+    }
+    let dotted: Vec<String> = known.iter().map(|one| format!(".{one}")).collect();
+    Err(format!(
+        "{option} {}: .{ending} cannot be written, only {}\nhelp: {option} {}",
+        path.display(),
+        dotted.join(" and "),
+        path.with_extension(known[0]).display()
+    )
+    .into())
+}
+
 /// How a log is read.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
-    /// gx_rads=gx_cnt:*1.33e-4:rad/s; a column with a colon in its name stands in quotes, gx_rads="gyro:x":mdps. May be
+    /// gx_rads=gx_cnt:*1.33e-4:rad/s; quote a column with a colon in its name, gx_rads="gyro:x":mdps. May be
     /// repeated
     #[arg(long = "map", id = "columns", value_name = "COLUMN=SOURCE[:ARITHMETIC][:UNIT]")]
     pub(super) map: Vec<String>,
-    /// The same, from a TOML file
+    /// Column map from a TOML file
     #[arg(long, value_name = "FILE")]
     pub(super) map_file: Option<PathBuf>,
-    /// The format of the log, where it is not found by the content; `fos formats` lists them
+    /// The format of the log, if its content is ambiguous; `fos formats` lists them
     #[arg(long)]
     pub(super) format: Option<Format>,
-    /// Which sensor, where a log has several: the number of an instance, the name of a topic
+    /// The sensor, if a log has several: the number of an instance, or the name of a topic
     #[arg(long, value_name = "NAME")]
     pub(super) topic: Option<String>,
-    /// Sample rate, Hz; needed if the log has no time stamps. Where its stamps show another rate, or cannot be time, this one
-    /// holds, and the rows count in their order
+    /// Sampling rate, Hz; needed if the log has no timestamps. It replaces timestamps that show another rate or are
+    /// impossible; rows then count in their order
     #[arg(long = "rate", id = "rate_hz", value_name = "HZ")]
     pub(super) rate: Option<f64>,
     /// Refuse the first row that cannot be read instead of skipping and counting
     #[arg(long)]
     pub(super) strict: bool,
-    /// Count the rows in which the unit was moved (knocks, steps, hands) as any others
+    /// Keep rows with detected motion (knocks, steps, hands)
     #[arg(long)]
     pub(super) keep_moved: bool,
 }

@@ -15,7 +15,7 @@ use fos_diagnose::batch;
 pub(super) struct Batch {
     /// The folder: one folder per case, with meta.json and its logs
     folder: PathBuf,
-    /// Where answers.json and the corrections go; made if it is not there
+    /// Where answers.json and the corrections go; created if missing
     #[arg(short, long, default_value = "answers")]
     output: OutputFolder,
     /// Effects of your own, one TOML file each. May be repeated

@@ -34,13 +34,13 @@ pub(super) struct Bench {
     /// Time whole commands over simulated logs instead: fit, compare, report, diagnose, demo
     #[arg(long, conflicts_with_all = ["max_lag", "degree", "terms"])]
     commands: bool,
-    /// Another build of the program: each command is run by both in turn, and what they say and write is compared
+    /// Another build of the program: both run each command in turn, and their outputs are compared
     #[arg(long, value_name = "PROGRAM", requires = "commands")]
     against: Option<PathBuf>,
     /// Length of the logs of --commands, min
     #[arg(long, default_value_t = 60, requires = "commands", value_parser = clap::value_parser!(u32).range(10..=1440))]
     minutes: u32,
-    /// With --commands, fit a log of so many hours too
+    /// With --commands, also fit a log of this many hours
     #[arg(long, value_name = "HOURS", default_value_t = 0, requires = "commands", value_parser = clap::value_parser!(u32).range(0..=24))]
     long: u32,
     /// Runs of each of --commands; the least counts

@@ -21,23 +21,23 @@ pub(super) struct Calibrate {
     /// Cases: a third with nothing missing
     #[arg(long, default_value_t = 450, value_parser = count(0..=100_000))]
     cases: usize,
-    /// Seed of all of them
+    /// Seed of all cases
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What disturbs the logs beside the effect; "all" for a table of all of them
+    /// Disturbance of the logs; "all" for a table of all
     #[arg(long, value_enum, default_value = "clean")]
     world: Worlds,
-    /// Ask every axis of the logs in which nothing is missing, not only one
+    /// Diagnose every axis of the logs without a missing effect, not only one
     #[arg(long)]
     every_axis: bool,
-    /// Write what came out of every case to this file, JSON. Until all have, what came out is kept in FILE.partial (of
-    /// all worlds in FILE.WORLD.partial each): a calibration that was broken off goes on where it was
+    /// Write the outcome of every case to this file, as JSON. Until all are complete, they are in FILE.partial (with all
+    /// worlds, in a FILE.WORLD.partial each), and interrupted calibrations resume
     #[arg(long, value_name = "FILE")]
     outcomes: Option<OutputFile>,
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,
-    /// Fail if a figure is certainly not as it must be, its 95 % interval considered
+    /// Fail if the 95 % interval of a figure is outside its limit
     #[arg(long)]
     check: bool,
     /// Print the figures as JSON
@@ -109,7 +109,7 @@ impl Calibrate {
         Cases { seed: self.seed, count: self.cases, world, every_axis: self.every_axis }
     }
 
-    /// What is kept of a world until the outcomes of all are written.
+    /// Results of a world, held until the outcomes of all are written.
     fn kept(
         &self,
         path: &OutputFile,

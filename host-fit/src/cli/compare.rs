@@ -27,7 +27,7 @@ pub(super) struct Compare {
     study: PathBuf,
     /// The log; by default the study's own, evaluated on the rows that were not fitted
     log: Option<PathBuf>,
-    /// Folder for the figures, SVG and PNG; made if it is not there
+    /// Folder for the figures, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]

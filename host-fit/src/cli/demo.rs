@@ -32,13 +32,13 @@ use fos_simulate::{HIDDEN_IN as AXIS, hidden_effects};
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos demo --folder fos-demo")]
 pub(super) struct Demo {
-    /// Folder for everything that is written; made if it is not there
+    /// Folder for all files; created if missing
     #[arg(long, default_value = "fos-demo")]
     folder: OutputFolder,
-    /// Seed of the simulated unit
+    /// Seed of the simulated device
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print what was found as JSON
+    /// Print the results as JSON
     #[arg(long)]
     json: bool,
 }

@@ -26,7 +26,7 @@ use fos_diagnose::study::Study;
     after_help = "Example: fos diagnose flight.ulg\nExample: fos diagnose log.parquet --reference reference.parquet --axis gx\nExample: fos diagnose unit.json --from log.parquet --axis gx"
 )]
 pub(super) struct Diagnose {
-    /// The log to explain; or a study (.json), whose model is taken off first
+    /// The log to explain; or a study (.json), whose model is subtracted first
     #[arg(value_name = "LOG|STUDY")]
     of: PathBuf,
     /// gx, a column, or several with commas; all axes of a log if not given, needed for a study of several
@@ -37,7 +37,7 @@ pub(super) struct Diagnose {
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE")]
     effects: Vec<PathBuf>,
-    /// Full scale of the axis, in its SI unit
+    /// Full scale of the axis, in SI units
     #[arg(long, value_parser = within(1.0 / IN_UNIT..=IN_UNIT))]
     full_scale: Option<f64>,
     #[command(flatten)]
@@ -52,7 +52,7 @@ pub(super) struct Diagnose {
 impl Diagnose {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = library(&self.effects)?;
-        let spinner = spinner("looking for what is missing");
+        let spinner = spinner("testing effects");
         let (answers, read_as) = match self.of.extension().is_some_and(|extension| extension == "json") {
             true => (vec![self.of_study(&library)?], Vec::new()),
             false => self.of_log(&library)?,

@@ -7,8 +7,9 @@ use fos_core::FittedOn;
 use fos_embedded::hub::{PERIOD_TOLERANCE, is_given};
 
 use super::arguments::OutputFile;
-use super::output::{Failure, Written, number, print_json, print_line, print_warning, print_written};
+use super::output::{Failure, Written, print_json, print_line, print_warning, print_written};
 use super::temperature_tables::TableArguments;
+use super::units::{counted, three};
 use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
 use fos_data::recording::Source;
@@ -17,12 +18,12 @@ use fos_fit::model::UnitModel;
 
 /// Export a model as an image, Rust, C, or PX4 and ArduPilot parameters
 ///
-/// Both sources come with a test vector: raw samples, and the bits that the device must make of them. Its `check` runs
-/// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h. Says which hubs refuse
-/// the model, and what the one that takes it must be set up for.
+/// Both sources come with a test vector: raw samples and the bits that the device must compute from them. Its `check` runs
+/// them at start-up. Rust source needs fos-core, its check fos-embedded; the header needs fos.h. The command prints the
+/// sensor settings that the model needs, and warns if a hub refuses it.
 ///
-/// The tables for PX4 and ArduPilot are cubics of the temperature, which is all that these correct by: fitted to the log
-/// of the study, and evaluated on the same rows as the study itself.
+/// The tables for PX4 and ArduPilot are cubics of temperature, fitted to the log of the study and evaluated on the same
+/// rows as the study. These autopilots correct by nothing else.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: fos export unit.json --image unit.fosm --rust model.rs --c model.h\n         \
@@ -59,7 +60,7 @@ impl Export {
         self.tables.check()?;
         let study = Study::read(&self.study)?;
         let (model, provenance) = (&study.model, study.provenance());
-        // what cannot be written is said before anything is
+        // an output that is impossible is refused before any is written
         let image = match &self.image {
             Some(path) => Some((path, image(model, &self.sensor, &provenance)?)),
             None => None,
@@ -79,15 +80,15 @@ impl Export {
         let terms = model.n_terms();
         if let Some((path, bytes)) = &image {
             write_atomically(path, bytes)?;
-            note(path, format!("{} bytes, {terms} terms", bytes.len()));
+            note(path, format!("{} bytes, {}", bytes.len(), counted(terms, "term")));
         }
         if let Some(path) = &self.rust {
             write_atomically(path, rust_source(model, &provenance).as_bytes())?;
-            note(path, format!("Rust source, {terms} terms"));
+            note(path, format!("Rust source, {}", counted(terms, "term")));
         }
         if let Some((path, source)) = &header {
             write_atomically(path, source.as_bytes())?;
-            note(path, format!("C header, {terms} terms"));
+            note(path, format!("C header, {}", counted(terms, "term")));
         }
         if let Some(tables) = &tables {
             self.tables.write(tables, &mut written)?;
@@ -139,8 +140,8 @@ fn print_sensor(model: &UnitModel) {
         FittedOn::FactoryCorrected => "factory-corrected values",
     };
     print_line!(
-        "a hub takes it for a sensor that is set to {} samples a second, at most {:.0} % off, and gives {values}",
-        number(1.0 / model.period_s),
+        "a hub accepts it for a sensor at {} samples per second, within {:.0} %, with {values}",
+        three(1.0 / model.period_s),
         100.0 * PERIOD_TOLERANCE
     );
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));

@@ -25,7 +25,7 @@ use fos_fit::signal::wavelet::Denoising;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fit reference.csv.gz --axis all -o unit.json")]
 pub(super) struct Fit {
-    /// The log, in any format that `fos formats` lists. Several of one unit are taken one after the other and never spliced
+    /// The log, in any format that `fos formats` lists. Several logs of one device are fitted together and never spliced
     #[arg(required = true)]
     log: Vec<PathBuf>,
     /// gx, a column, several with commas, or all
@@ -50,7 +50,7 @@ pub(super) struct Fit {
     /// Cross-product degree (CP): 1, 2 or 3
     #[arg(long, default_value_t = FitOptions::default().degree, value_parser = count(1..=3))]
     degree: usize,
-    /// Time constants of the low-passes of the output offered beside its lags, s; "none" for none
+    /// Time constants of the low-passes of the output that are candidates, s; "none" for none
     #[arg(long, default_value = "0.1,1,10,100")]
     memory: String,
     /// Offer an input to the search: temp_c, temp_c:lowpass(60), clock:decay(200). May be repeated
@@ -62,25 +62,25 @@ pub(super) struct Fit {
     /// Put an input into the physical part, which also holds in motion. May be repeated
     #[arg(long, value_name = "INPUT")]
     physical: Vec<InputSpec>,
-    /// Most terms of an axis
+    /// Largest number of terms of an axis
     #[arg(long, default_value_t = FitOptions::default().max_terms, value_parser = count(0..=10_000))]
     max_terms: usize,
-    /// When to stop before: multiplicity (allows for the number of candidates), korenberg, never
+    /// Stop rule: multiplicity (allows for the number of candidates), korenberg, never
     #[arg(long, default_value = "multiplicity")]
     stop: Stop,
     /// Part of the log to train on, from its start: a share (50%) or a time (180s)
     #[arg(long, default_value = "50%")]
     train: Train,
-    /// Take this off the error instead of its mean, in the axis' unit
+    /// Subtract this from the error instead of its mean, in SI units
     #[arg(long, allow_negative_numbers = true, value_parser = within(-IN_UNIT..=IN_UNIT))]
     offset: Option<f64>,
-    /// Scale by this instead of the standard deviation, in the axis' unit
+    /// Scale by this instead of the standard deviation, in SI units
     #[arg(long, value_parser = within(1.0 / IN_UNIT..=IN_UNIT))]
     scale: Option<f64>,
-    /// Measured values of this magnitude count as saturated, in the axis' unit
+    /// Measured values of this magnitude count as saturated, in SI units; 0 for none
     #[arg(long, default_value_t = 0.0, value_parser = within(0.0..=IN_UNIT))]
     full_scale: f64,
-    /// The log is after a factory's or driver's correction
+    /// The values of the log are after a factory's or driver's correction
     #[arg(long)]
     factory_corrected: bool,
     #[command(flatten)]

@@ -46,7 +46,7 @@ impl Formats {
                     rows.add_row(vec![known.id, known.name, known.files]);
                 }
                 print_line!(
-                    "{rows}\n\na log is told by its content; `fos formats FORMAT` says what is read of it and what to look out for"
+                    "{rows}\n\nthe format is recognised by the content of the log; `fos formats FORMAT` explains one"
                 );
                 Ok(())
             }

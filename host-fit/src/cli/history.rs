@@ -17,7 +17,7 @@ use fos_diagnose::study::Study;
 pub(super) struct History {
     /// The study
     study: PathBuf,
-    /// Folder for the pictures of the staircases, SVG and PNG; made if it is not there
+    /// Folder for the pictures of the staircases, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]

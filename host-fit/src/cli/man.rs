@@ -12,7 +12,7 @@ use fos_data::file::{make_folder, write_atomically};
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos man ~/.local/share/man/man1 && man fos-add")]
 pub(super) struct Man {
-    /// The folder; made if it is not there
+    /// The folder; created if missing
     folder: OutputFolder,
     /// Print what was written as JSON
     #[arg(long)]

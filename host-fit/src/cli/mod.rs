@@ -134,7 +134,7 @@ pub fn subcommands() -> Vec<(String, clap::Command)> {
 /// How long the program runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lifetime {
-    /// Until what was asked is done.
+    /// Until its work is done.
     UntilDone,
     /// Until somebody ends it: a workbench.
     UntilEnded,

@@ -6,9 +6,9 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::arguments::{OutputFile, Reading, axes, describe};
-use super::output::{Failure, number, print_json, print_line, print_warning, spinner, table};
-use super::units::Printed;
+use super::arguments::{OutputFile, Reading, axes, describe, only_ends_in};
+use super::output::{Failure, print_json, print_line, print_warning, spinner, table};
+use super::units::{NoiseLevelUnits, Printed, Units, UnitsOption, three};
 use crate::export::{NoiseModel, NoiseUnits, allan_csv, imu_yaml, orb_slam3, vins};
 use crate::figures::noise::allan_of_noise;
 use crate::figures::write_svg;
@@ -18,18 +18,17 @@ use fos_data::recording::Recording;
 use fos_data::stillness::{self, Stillness};
 use fos_fit::noise::{AxisNoise, Level, axis_noise};
 
-/// A temperature that moves by more than this moves what is measured, K.
+/// A change of temperature above this moves the bias noticeably, K.
 const STEADY_K: f64 = 2.0;
 
 /// Estimate noise density, bias instability and random walk; write imu.yaml
 ///
-/// Each with the interval that holds it with 90 %. Motion, knocks and samples that are no measurements are left out.
-/// What a log is too short to tell is said, with how long one would have to be. N and K are those that Kalibr, OpenVINS
-/// and ORB-SLAM3 ask for.
+/// Each with its 90 % interval. Motion, knocks and outliers are excluded. If the log is too short for K, its upper limit
+/// is printed, with the length that would show half of it. N and K are those that Kalibr, OpenVINS and ORB-SLAM3 need.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml")]
 pub(super) struct Noise {
-    /// The log of a unit lying still, in any format that `fos formats` lists
+    /// The log of a device at rest, in any format that `fos formats` lists
     log: PathBuf,
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
@@ -37,7 +36,7 @@ pub(super) struct Noise {
     /// Write the Allan deviation, N, B and K as a table
     #[arg(long, value_name = "FILE")]
     csv: Option<OutputFile>,
-    /// Draw them
+    /// Draw them, as SVG
     #[arg(long, value_name = "FILE")]
     svg: Option<OutputFile>,
     /// Write the noise for Kalibr and OpenVINS, which both read this file
@@ -53,6 +52,8 @@ pub(super) struct Noise {
     #[arg(long, value_name = "FILE")]
     vins: Option<OutputFile>,
     #[command(flatten)]
+    shown: UnitsOption,
+    #[command(flatten)]
     reading: Reading,
     /// Print everything as JSON
     #[arg(long)]
@@ -61,10 +62,13 @@ pub(super) struct Noise {
 
 impl Noise {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.svg {
+            only_ends_in(path, "--svg", &["svg"])?;
+        }
         let recording = self.reading.read(&self.log)?;
         let stillness = stillness::find(&recording);
         let columns = axes(&recording, &self.axis)?;
-        let spinner = spinner("telling the noise");
+        let spinner = spinner("estimating the noise");
         let found: Result<Vec<AxisNoise>, _> =
             columns.par_iter().map(|column| axis_noise(&recording, &stillness, column)).collect();
         spinner.finish_and_clear();
@@ -91,7 +95,7 @@ impl Noise {
             );
         }
         print_line!("{}", describe(&recording, &stillness, Printed::default()));
-        print_noise(&found);
+        print_noise(&found, self.shown.units);
         for (path, what) in written {
             print_line!("{}: {what}", path.display());
         }
@@ -135,68 +139,112 @@ fn warn(recording: &Recording, stillness: &Stillness) {
     });
     if high - low > STEADY_K {
         print_warning(&format!(
-            "the temperature moves from {low:.1} to {high:.1} °C: what it does to the bias counts as B and K here\nhelp: \
-             record at a steady temperature, after a warm-up; or fit the temperature and take the noise of what \
-             `fos replay` leaves"
+            "the temperature moves from {low:.1} to {high:.1} °C: its effect on the bias counts as B and K here\nhelp: \
+             record at a steady temperature, after a warm-up; or fit the temperature and estimate the noise of the \
+             log that `fos replay` corrects"
         ));
     }
 }
 
-/// N, B and K of every axis, and what the log is too short for.
-fn print_noise(axes: &[AxisNoise]) {
-    let mut rows = table(&["  axis", "N", "90 %", "B", "90 %", "K", "90 %", "at rest, s"]);
-    for axis in axes {
-        let mut row = vec![format!("  {}", axis.column)];
-        for (level, none) in
-            [(axis.levels.white, "–"), (axis.levels.flicker, "–"), (axis.levels.walk, "too short")]
-        {
-            row.extend(cells(&level, none));
+/// N, B and K of every axis, and the limits of what the log shows.
+fn print_noise(axes: &[AxisNoise], units: Units) {
+    let shown: Vec<(&AxisNoise, Shown)> = axes.iter().map(|axis| (axis, Shown::of(axis, units))).collect();
+    // axes of one unit together, so that a column has one unit
+    for same in shown.chunk_by(|(_, one), (_, other)| one.names() == other.names()) {
+        let [white, flicker, walk] = same[0].1.names();
+        let header = [
+            "  axis".to_owned(),
+            format!("N, {white}"),
+            "90 %".to_owned(),
+            format!("B, {flicker}"),
+            "90 %".to_owned(),
+            format!("K, {walk}"),
+            "90 %".to_owned(),
+            "at rest, s".to_owned(),
+        ];
+        let mut rows = table(&header);
+        for (axis, shown) in same {
+            let mut row = vec![format!("  {}", axis.column)];
+            row.extend(cells(&axis.levels.white, shown.white.1, "–"));
+            row.extend(cells(&axis.levels.flicker, shown.flicker.1, "–"));
+            row.extend(cells(&axis.levels.walk, shown.walk.1, "too short"));
+            row.push(format!("{:.0}", axis.seconds));
+            rows.add_row(row);
         }
-        row.push(format!("{:.0}", axis.seconds));
-        rows.add_row(row);
+        print_line!("\n{rows}");
     }
-    print_line!("\n{rows}");
-    let mut units: Vec<&str> = axes.iter().map(|axis| axis.unit.as_str()).collect();
-    units.dedup();
-    for unit in units {
-        let NoiseUnits { white, flicker, walk } = NoiseUnits::of(unit);
-        print_line!("  in {unit}: N in {white}, B in {flicker}, K in {walk}");
+    if units == Units::Field {
+        print_line!("  --units si prints the units of imu.yaml");
     }
-    for axis in axes {
+    for (axis, shown) in &shown {
         let Some(needed) = axis.walk_needs_s else { continue };
         print_line!(
-            "  {}: the log is too short for K: {} at rest show none; it is at most {} (95 %). About {} would show half as much",
+            "  {}: the log is too short for K: {} at rest show none; it is at most {} {} (95 %). About {} would show half as much",
             axis.column,
             duration(axis.span_s),
-            number(axis.levels.walk.high),
+            three(axis.levels.walk.high / shown.walk.1),
+            shown.walk.0,
             duration(needed)
         );
     }
-    for (axis, step) in axes.iter().filter_map(|axis| Some((axis, axis.step?))) {
+    for (axis, shown) in &shown {
+        let Some(step) = axis.step else { continue };
         print_line!(
-            "  {}: the sensor's step, {}, hides the noise; N is at most {} (95 %). Choose a finer range of the sensor",
+            "  {}: the sensor's step, {} {}, hides the noise; N is at most {} {} (95 %). Choose a finer range of the sensor",
             axis.column,
-            number(step),
-            number(axis.levels.white.high)
+            three(step / shown.flicker.1),
+            shown.flicker.0,
+            three(axis.levels.white.high / shown.white.1),
+            shown.white.0
         );
     }
-    for axis in axes.iter().filter(|axis| axis.levels.flicker.value.is_none() && axis.step.is_none()) {
+    for (axis, shown) in
+        shown.iter().filter(|(axis, _)| axis.levels.flicker.value.is_none() && axis.step.is_none())
+    {
         print_line!(
-            "  {}: no flicker noise shows between N and K; B is at most {} (95 %)",
+            "  {}: no flicker noise shows between N and K; B is at most {} {} (95 %)",
             axis.column,
-            number(axis.levels.flicker.high)
+            three(axis.levels.flicker.high / shown.flicker.1),
+            shown.flicker.0
         );
     }
 }
 
-fn cells(level: &Level, none: &str) -> [String; 2] {
+/// The units in which N, B and K of an axis are shown, each with one of it in SI.
+struct Shown {
+    white: (String, f64),
+    flicker: (String, f64),
+    walk: (String, f64),
+}
+
+impl Shown {
+    fn of(axis: &AxisNoise, units: Units) -> Self {
+        match NoiseLevelUnits::of_data_sheets(&axis.column, units) {
+            Some(NoiseLevelUnits { white, flicker, walk }) => {
+                let owned = |(name, si): (&str, f64)| (name.to_owned(), si);
+                Self { white: owned(white), flicker: owned(flicker), walk: owned(walk) }
+            }
+            None => {
+                let NoiseUnits { white, flicker, walk } = NoiseUnits::of(&axis.unit);
+                Self { white: (white, 1.0), flicker: (flicker, 1.0), walk: (walk, 1.0) }
+            }
+        }
+    }
+
+    fn names(&self) -> [&str; 3] {
+        [&self.white.0, &self.flicker.0, &self.walk.0]
+    }
+}
+
+fn cells(level: &Level, unit: f64, none: &str) -> [String; 2] {
+    let show = |value: f64| three(value / unit);
     match (level.value, level.low) {
-        (Some(value), Some(low)) => [number(value), format!("{} … {}", number(low), number(level.high))],
-        _ => [none.to_owned(), format!("0 … {}", number(level.high))],
+        (Some(value), Some(low)) => [show(value), format!("{} … {}", show(low), show(level.high))],
+        _ => [none.to_owned(), format!("0 … {}", show(level.high))],
     }
 }
 
-/// In the unit that suits it.
+/// A duration in s, min or h.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 120.0 => format!("{s:.0} s"),

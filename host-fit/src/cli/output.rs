@@ -51,7 +51,7 @@ macro_rules! print_note {
     };
 }
 
-/// Prints text for people, unless JSON is asked for.
+/// Prints text for people, unless the output is JSON.
 macro_rules! say {
     ($command:expr, $($text:tt)*) => {
         if !$command.json {
@@ -252,11 +252,6 @@ pub(super) fn first(mut lines: Vec<String>, most: usize) -> Vec<String> {
         lines.push(format!("and {more} more"));
     }
     lines
-}
-
-/// A number in four significant digits, or a dash where there is none.
-pub(super) fn optional(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), number)
 }
 
 /// A bar whose message is shown as all else is.

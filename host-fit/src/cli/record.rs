@@ -18,8 +18,8 @@ use fos_data::recording::{check_log_path, write_columns};
 
 /// Record the telemetry of a device as a log
 ///
-/// While it runs, what arrives is kept in LOG.telemetry, and brought to the disk every second; when the log is written,
-/// that is removed. After a cut of power, or where the recording was killed, `fos record LOG.telemetry -o LOG`
+/// While it runs, the received bytes are in LOG.telemetry, synced every second; when the log is written,
+/// that is removed. After a power loss or a killed recording, `fos record LOG.telemetry -o LOG`
 /// makes the log of it.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o log.parquet")]
@@ -29,10 +29,10 @@ pub(super) struct Record {
     /// The log to write: .csv, .csv.gz or .parquet
     #[arg(short, long)]
     output: OutputFile,
-    /// Stop after so long; else at the end of the stream, or at Ctrl-C
+    /// Stop after this time; otherwise at the end of the stream, or at Ctrl-C
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
-    /// Print what came and what was lost as JSON
+    /// Print the number of received and lost samples as JSON
     #[arg(long)]
     json: bool,
 }
@@ -73,12 +73,12 @@ impl Record {
         }
     }
 
-    /// Where what arrives is kept; what was left there before is told of.
+    /// Opens the file for the received bytes, and reports one from an earlier recording.
     fn keep(&self) -> Result<Kept, Failure> {
         let (kept, left) = Kept::beside(&self.output)?;
         for left in left {
             print_warning(&format!(
-                "{0} is what a recording left that was broken off; it stays: `fos record {0} -o LOG` makes a log of it",
+                "{0} is from an interrupted recording and is not touched: `fos record {0} -o LOG` converts it to a log",
                 left.display()
             ));
         }
@@ -157,7 +157,7 @@ impl Stream {
     fn says(&self, notice: &Notice) -> String {
         match notice {
             Notice::NotOpen if self.kind == Kind::Fifo => {
-                "a FIFO that nobody writes to; waiting for a writer, Ctrl-C ends".to_owned()
+                "a FIFO without a writer; waiting for one, Ctrl-C ends".to_owned()
             }
             Notice::NotOpen => "waiting for it to open, Ctrl-C ends".to_owned(),
             Notice::Silent => "nothing has come yet; still waiting, Ctrl-C ends".to_owned(),

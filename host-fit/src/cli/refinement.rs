@@ -18,18 +18,18 @@ use fos_fit::evaluate::ModelErrors;
 /// The logs that an axis is refined on.
 #[derive(Debug, Clone, Args)]
 pub(super) struct LogArguments {
-    /// The log to explain, where the model fails; by default the one of the step before
+    /// The log to explain; by default that of the previous step
     #[arg(long, value_name = "LOG")]
     pub(super) from: Option<PathBuf>,
     /// A log of the same device without the missing effect; by default the log that the study was fitted to
     #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
     pub(super) quiet: Option<PathBuf>,
-    /// A later log that nothing is fitted to, for the errors; by default the last two fifths of the log to explain
+    /// The evaluation log: a later log that nothing is fitted to; by default the last two fifths of the log to explain
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     pub(super) judge: Option<PathBuf>,
 }
 
-/// Reads the logs that are asked for, or those that the refinement of `column` names; `study` is in `file`.
+/// Reads the logs in the arguments, or those that the refinement of `column` names; `study` is in `file`.
 pub(super) fn read_logs(
     logs: &LogArguments,
     reading: &Reading,

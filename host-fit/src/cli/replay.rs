@@ -7,7 +7,8 @@ use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;
-use super::output::{Failure, optional, print_json, print_line, spinner, table};
+use super::output::{Failure, print_json, print_line, spinner, table};
+use super::units::{ErrorUnit, UnitsOption, percent};
 use crate::hub_log::hub_log;
 use crate::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_data::file;
@@ -21,20 +22,22 @@ use fos_fit::export::model_of;
 pub(super) struct Replay {
     /// The image
     image: PathBuf,
-    /// The log
+    /// The log, in any format that `fos formats` lists
     log: PathBuf,
     /// The corrected log to write: .csv, .csv.gz or .parquet
     #[arg(short, long)]
     output: Option<OutputFile>,
-    /// Write the log in the form that the firmware in the loop reads
+    /// Write the log for firmware in the loop
     #[arg(long, value_name = "FILE")]
     device_log: Option<OutputFile>,
-    /// Write the log as raw samples for a hub: what the firmware example and the C program read
+    /// Write the log as raw samples for a hub, for the firmware example and the C program
     #[arg(long, value_name = "FILE")]
     hub_log: Option<OutputFile>,
-    /// Columns of the axes and quantities, where the image's own names do not fit: gx_rads,gy_rads
+    /// Columns of the axes and quantities, if the names in the image do not fit: gx_rads,gy_rads
     #[arg(long, value_delimiter = ',', value_name = "COLUMNS")]
     axes: Vec<String>,
+    #[command(flatten)]
+    shown: UnitsOption,
     #[command(flatten)]
     reading: Reading,
     /// Print JSON
@@ -84,54 +87,62 @@ impl Replay {
         let header = [
             "  axis",
             "innovations",
-            "rms f32",
-            "rms f64",
+            "RMS f32",
+            "RMS f64",
             "f32 costs",
             "fixed costs",
             "valid rows",
-            "slow, coast",
-            "60 s, coast",
+            "slow error",
+            "after 60 s",
+            "unit",
         ];
         let mut rows = table(&header);
         for axis in &summary.axes {
+            let errors = axis.errors.as_ref();
+            let slow = errors.and_then(|errors| errors.slow_error_coast);
+            let longest = errors.and_then(|errors| errors.coast.last()).map(|at| at.mse);
+            let square = |rms: f64| known(rms).map(|rms| rms * rms);
+            let (single, double) = (square(axis.innovation_rms_f32), square(axis.innovation_rms_f64));
+            let largest = [single, double, slow, longest].into_iter().flatten().fold(0.0, f64::max);
+            let unit = ErrorUnit::of(&axis.column, largest.sqrt(), self.shown.units);
             rows.add_row(vec![
                 format!("  {}", axis.column),
                 axis.innovations.to_string(),
-                optional(known(axis.innovation_rms_f32)),
-                optional(known(axis.innovation_rms_f64)),
+                unit.root(single),
+                unit.root(double),
                 cost(axis.cost_of_f32()),
                 cost(axis.cost_of_fixed()),
-                known(axis.valid_share)
-                    .map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
-                optional(axis.errors.as_ref().and_then(|left| left.slow_error_coast).map(f64::sqrt)),
-                optional(axis.errors.as_ref().and_then(|left| left.coast.last()).map(|at| at.mse.sqrt())),
+                known(axis.valid_share).map_or_else(|| "–".to_owned(), percent),
+                unit.root(slow),
+                unit.root(longest),
+                unit.label.to_owned(),
             ]);
         }
         print_line!("{rows}");
         print_line!(
-            "  slow, coast: root of the variance of 1-s means; 60 s, coast: rms after the longest coast there is; in f32"
+            "  slow error: RMS of 1-s means in a free run; after 60 s: RMS at the end of the longest free run, 60 s or less; in f32"
         );
         print_line!(
-            "  f32, fixed costs: largest difference of an innovation between that and f64, over their rms"
+            "  f32 costs, fixed costs: largest difference of an innovation from f64, divided by their RMS"
         );
         if let Some(reason) = &summary.not_in_fixed_point {
             print_line!("  not in fixed point: {reason}");
         }
         if summary.axes.iter().any(|axis| matches!(axis.cost_of_f32(), CostOfScalar::NothingLeft(_))) {
             print_line!(
-                "  of 0: the model leaves nothing of this log that the difference could be held against"
+                "  of 0: the model predicts this log exactly, so the difference has nothing to be divided by"
             );
         }
         if summary.axes.iter().any(|axis| axis.cost_of_f32() == CostOfScalar::NotKnown) {
             print_line!(
                 "  –: no row at rest has its whole history before it, so there is no error to compare\n  \
-                 help: a log in which the unit rests, or a column `still` that says where"
+                 help: use a log with rests, or mark them in a column `still`"
             );
         }
         if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests_away > 0) {
             print_line!(
                 "  away from gravity: in {} of {} rests, {} of {} rows, the accelerometers are further from 9.81 m/s² corrected than as measured\n  \
-                 help: the model was fitted to something else, as to two poses: fit it anew to a log in one pose, or with ref_ columns",
+                 help: the model was fitted to something else, for example to two orientations: fit it again to a log in one orientation, or with ref_ columns",
                 gravity.rests_away,
                 gravity.rests,
                 gravity.rows_away,

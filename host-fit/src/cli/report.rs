@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::arguments::{OutputFile, Reading, library};
+use super::arguments::{OutputFile, Reading, library, only_ends_in};
 use super::output::{Failure, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, read_logs};
 use crate::report::{Report as Content, html, markdown};
@@ -17,7 +17,7 @@ use fos_diagnose::study::Study;
 pub(super) struct Report {
     /// The study
     study: PathBuf,
-    /// The axis; by default those that effects were added to, else the study's only one
+    /// The axis; by default those with added effects, otherwise the only one of the study
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(super) struct Report {
     /// The file to write
     #[arg(short, long, default_value = "report.html")]
     output: OutputFile,
-    /// Its form; by default what its name ends in
+    /// The form; by default that of the ending of the file
     #[arg(long)]
     form: Option<Form>,
     #[command(flatten)]
@@ -48,6 +48,9 @@ enum Form {
 
 impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if self.form.is_none() && !self.json {
+            only_ends_in(&self.output, "--output", &["html", "htm", "md"])?;
+        }
         let library = library(&self.effects)?;
         let study = Study::read(&self.study)?;
         let refined: Vec<String> =
@@ -73,11 +76,15 @@ impl Report {
         };
         write_atomically(&self.output, text.as_bytes())?;
         print_line!(
-            "{}: {} axes, {} kB",
+            "{}: {}, {} kB",
             self.output.display(),
-            content.axes.len(),
+            axes_in_words(content.axes.len()),
             text.len().div_ceil(1000)
         );
         Ok(())
     }
+}
+
+fn axes_in_words(count: usize) -> String {
+    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
 }

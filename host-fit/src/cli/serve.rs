@@ -25,16 +25,16 @@ pub(super) struct Serve {
     /// A log of the same device without the missing effect
     #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
     quiet: Option<PathBuf>,
-    /// A later log that nothing is fitted to, for the errors
+    /// The evaluation log: a later log that nothing is fitted to
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     judge: Option<PathBuf>,
     /// Port; 0 for any that is free
     #[arg(long, default_value_t = 4180)]
     port: u16,
-    /// Address to listen at. Whoever can reach another than the default can read every log that may be opened here
+    /// Address to listen at. With another address than the default, everyone who can reach it can read every log that can be opened here
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     listen: IpAddr,
-    /// Folder for dropped files and the example; made if it is not there
+    /// Folder for dropped files and the example; created if missing
     #[arg(long, default_value = "fos-workbench")]
     folder: OutputFolder,
     /// Effects of your own, one TOML file each. May be repeated

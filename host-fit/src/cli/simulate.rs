@@ -33,14 +33,14 @@ pub(super) struct Simulate {
     /// Seed of every random number
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Sensitivity to temperature, as a multiple of the unit's; 0 for none
+    /// Sensitivity to temperature, as a multiple of the simulated device's; 0 for none
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_parser = within(-1000.0..=1000.0))]
     temperature: f64,
-    /// Never move the unit; else it is moved for 30 s out of every 90 s in the last third
+    /// Never move the device; otherwise it moves for 30 s of every 90 s in the last third
     #[arg(long)]
     at_rest: bool,
-    /// In place of a unit: band-limited nonlinear error of an accelerometer and a gyro, innovation 10⁻⁴ of its size,
-    /// as the paper's methods are compared on
+    /// Simulate the paper's signals instead: band-limited nonlinear error of an accelerometer and a gyro, with an innovation of 10⁻⁴ of
+    /// its size
     #[arg(long, conflicts_with_all = ["rate", "temperature", "at_rest", "truth"])]
     band_limited: bool,
     /// Add the true values as columns ref_ax_mps2 … ref_gz_rads

@@ -14,28 +14,28 @@ use fos_simulate::{Axis, CasePlan, Disturbance, Effect, Kind, Level, Plant, Setu
 /// What goes into a case.
 #[derive(Debug, Args)]
 pub(super) struct CaseArguments {
-    /// Write a case: baseline, field and evaluation of one unit with known effects, and the truth
+    /// Write a case: reference log, log to explain and evaluation log of one device with known effects, and the truth
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["log", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
     case: Option<OutputFolder>,
-    /// Write a seeded mix of N cases, FOLDER/case_000 …: nothing missing, single effects, pairs, undecidable, outside
+    /// Write a seeded mix of N cases, FOLDER/case_000 …: nothing missing, single effects, pairs, indistinguishable effects, effects outside the library
     #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"], value_parser = count(0..=100_000))]
     suite: Option<usize>,
-    /// How the unit of a case is used
+    /// How the device of a case is used
     #[arg(long, value_enum, default_value = "bench", requires = "case", conflicts_with = "log")]
     setup: SetupArgument,
-    /// Its part: bmi160, bmi270, lsm6dso, icm42688, mpu6050
+    /// Part of the sensor: bmi160, bmi270, lsm6dso, icm42688, mpu6050
     #[arg(long, default_value = "bmi270", requires = "case", conflicts_with = "log")]
     part: String,
     /// The axis to be explained: ax … gz
     #[arg(long, default_value = "gx", requires = "case", conflicts_with = "log")]
     target: String,
-    /// An effect to plant; may be repeated; without any, nothing is missing. `outside:…` are in no library
+    /// An effect to plant; may be repeated; without any, nothing is missing. `outside:…` are outside the library
     #[arg(long = "effect", value_name = "ID[:PARAMETER=VALUE]", requires = "case", conflicts_with = "log")]
     effects: Vec<String>,
-    /// Size of each effect in the noise of the field, in standard errors
+    /// Size of each effect in the noise of the log to explain, in standard errors
     #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log", value_parser = within(1e-6..=1e6))]
     size: f64,
-    /// What disturbs field and evaluation of a case, or of the cases of a suite that it suits
+    /// Disturbance of the log to explain and the evaluation log of a case, or of the cases of a suite that it suits
     #[arg(long, value_enum, default_value = "clean", conflicts_with_all = ["minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
     world: World,
 }
@@ -70,12 +70,12 @@ impl ValueEnum for SetupArgument {
 }
 
 impl CaseArguments {
-    /// Whether a case or a suite is asked for.
+    /// Returns whether a case or a suite is requested.
     pub(super) fn are_given(&self) -> bool {
         self.case.is_some() || self.suite.is_some()
     }
 
-    /// Writes what is asked for; `folder` is that of a suite.
+    /// Writes the case or the suite; `folder` is that of a suite.
     pub(super) fn run(&self, folder: Option<&Path>, seed: u64, json: bool) -> Result<(), Failure> {
         match (&self.case, self.suite, folder) {
             (Some(folder), ..) => {

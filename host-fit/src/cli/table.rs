@@ -7,8 +7,8 @@ use comfy_table::presets;
 
 use super::arguments::{OutputFolder, Reading, axes, describe};
 use super::numbers::{count, within};
-use super::output::{Failure, number, optional, print_json, print_line, progress, table};
-use super::units::Printed;
+use super::output::{Failure, number, print_json, print_line, progress, table};
+use super::units::{ErrorUnit, Printed, Units, UnitsOption, counted, three};
 use crate::paper::{Cell, Comparison, Curves, Entry, PaperError, Settings, compare, figures};
 use crate::plots;
 use fos_data::stillness;
@@ -16,6 +16,8 @@ use fos_fit::fit::Search;
 use fos_fit::signal::wavelet::Denoising;
 
 /// Reproduce the paper's tables and figures on a log
+///
+/// Errors are RMS in °/s, °/h or mg; with --units si they are the mean squares of the paper.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: fos simulate hour.parquet --band-limited --minutes 60 && fos table hour.parquet --axis ay,gy"
@@ -26,10 +28,10 @@ pub(super) struct Table {
     /// gx, a column, several with commas, or all
     #[arg(long, default_value = "all")]
     axis: String,
-    /// Train on so many seconds at rest, from the start
+    /// Seconds at rest to train on, from the start
     #[arg(long, value_name = "SECONDS", default_value_t = 180.0, value_parser = within(0.001..=1e9))]
     train: f64,
-    /// Choose a model on so many seconds after those; the rest is predicted
+    /// Seconds after those to choose a model on; the following ones are predicted
     #[arg(long, value_name = "SECONDS", default_value_t = 180.0, value_parser = within(0.001..=1e9))]
     evaluate: f64,
     /// Model orders 1 … this
@@ -44,7 +46,7 @@ pub(super) struct Table {
     /// How fos searches: greedy (the paper's) or exchange (terms are swapped until nothing improves)
     #[arg(long, default_value = "greedy")]
     search: Search,
-    /// Fits that each time is the median of
+    /// Number of fits whose median is the printed time
     #[arg(long, default_value_t = 5, value_parser = count(1..=1000))]
     repeats: usize,
     /// Draw autocorrelation, samples and error against order into this folder, as SVG and PNG
@@ -53,6 +55,8 @@ pub(super) struct Table {
     /// Print the tables as Markdown
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
+    #[command(flatten)]
+    shown: UnitsOption,
     #[command(flatten)]
     reading: Reading,
     /// Print every method at every order as JSON
@@ -90,7 +94,7 @@ impl Table {
                 plots::write(folder, &comparison.column, &figures)?;
             }
             if !self.json {
-                print(&comparison, &settings, self.markdown);
+                print(&comparison, &settings, self.markdown, self.shown.units);
             }
             comparisons.push(comparison);
         }
@@ -114,31 +118,33 @@ fn helpful(error: PaperError) -> Failure {
     }
 }
 
-fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
+fn print(comparison: &Comparison, settings: &Settings, markdown: bool, units: Units) {
     let [train, evaluate, predict] = comparison.samples;
+    let error = ErrorShown::of(comparison, units);
     print_line!(
-        "\n{}: {train} samples to train, {evaluate} to evaluate, {predict} to predict; squares in ({})²",
+        "\n{}: {train} samples to train, {evaluate} to evaluate, {predict} to predict; {} in {}",
         comparison.column,
-        comparison.unit
+        error.name(),
+        error.unit_of(comparison)
     );
     print_line!(
-        "  de-noised by {}: the low band left is 0 to {} Hz",
+        "  de-noised by {}: the remaining band is 0 to {} Hz",
         settings.denoising,
         number(comparison.band_hz)
     );
     for order in [1, settings.max_order] {
         print_line!("\n  model order (largest output lag) {order}");
         let mut lines = table(&[
-            "  method",
-            "terms",
-            "MSE as in the paper",
-            "position, m",
-            "MSE same target",
-            "position, m",
-            "time, ms",
+            "  method".to_owned(),
+            "terms".to_owned(),
+            format!("{} as in the paper", error.name()),
+            "position, m".to_owned(),
+            format!("{} same target", error.name()),
+            "position, m".to_owned(),
+            "time, ms".to_owned(),
         ]);
         for cell in comparison.cells.iter().filter(|cell| cell.order == order) {
-            lines.add_row(line(cell));
+            lines.add_row(line(cell, error));
         }
         if markdown {
             lines.load_style(presets::ASCII_MARKDOWN);
@@ -151,40 +157,81 @@ fn print(comparison: &Comparison, settings: &Settings, markdown: bool) {
             }
         }
     }
-    print_line!("\n  predicting the mean: {}", number(comparison.variance));
+    print_line!("\n  predicting the mean: {}", error.show(comparison.variance));
     if let Some((floor, (low, high))) = comparison.noise_floor {
         print_line!(
-            "  noise floor of linear predictors: {} (95 %: {} … {}); * marks what lies below it: another target, or a nonlinear predictor",
-            number(floor),
-            number(low),
-            number(high)
+            "  noise floor of linear predictors: {} (95 %: {} … {}); * marks values below it: another target, or a nonlinear predictor",
+            error.show(floor),
+            error.show(low),
+            error.show(high)
         );
     }
     if let Some(Cell { entry: Entry::Fos(degree), order, result: Ok(judged) }) =
         comparison.chosen.map(|index| &comparison.cells[index])
     {
         print_line!(
-            "  chosen by the least MSE on the evaluation part: fos, L = {order}, CP {degree}, {} terms, same-target MSE {}",
-            judged.terms,
-            number(judged.mse_same_target)
+            "  chosen by the least error on the evaluation part: fos, L = {order}, CP {degree}, {}, {} on the same target {}",
+            counted(judged.terms, "term"),
+            error.name(),
+            error.show(judged.mse_same_target)
         );
     }
 }
 
-fn line(cell: &Cell) -> Vec<String> {
+/// How the mean squares of a comparison are shown.
+#[derive(Debug, Clone, Copy)]
+enum ErrorShown {
+    /// As their roots, in a unit of the field.
+    Rms(ErrorUnit),
+    /// As they are, as in the paper.
+    MeanSquare,
+}
+
+impl ErrorShown {
+    fn of(comparison: &Comparison, units: Units) -> Self {
+        match units {
+            Units::Si => Self::MeanSquare,
+            Units::Field => Self::Rms(ErrorUnit::of(&comparison.column, comparison.variance.sqrt(), units)),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rms(_) => "RMS",
+            Self::MeanSquare => "MSE",
+        }
+    }
+
+    fn unit_of(self, comparison: &Comparison) -> String {
+        match self {
+            Self::Rms(unit) => unit.label.to_owned(),
+            Self::MeanSquare => format!("({})²", comparison.unit),
+        }
+    }
+
+    fn show(self, mean_square: f64) -> String {
+        match self {
+            Self::Rms(unit) => unit.root(Some(mean_square)),
+            Self::MeanSquare => number(mean_square),
+        }
+    }
+}
+
+fn line(cell: &Cell, error: ErrorShown) -> Vec<String> {
     let name = format!("  {}", cell.entry);
     match &cell.result {
         Err(_) => vec![name, "–".into(), "–".into(), "–".into(), "–".into(), "–".into(), "–".into()],
         Ok(judged) => {
-            let marked = |mse, below| format!("{}{}", number(mse), if below { "*" } else { " " });
+            let marked = |mse, below| format!("{}{}", error.show(mse), if below { "*" } else { " " });
+            let metres = |position: Option<f64>| position.map_or_else(|| "–".to_owned(), three);
             vec![
                 name,
                 judged.terms.to_string(),
                 marked(judged.mse_as_fitted, judged.as_fitted_below_floor),
-                optional(judged.position_error_as_fitted_m),
+                metres(judged.position_error_as_fitted_m),
                 marked(judged.mse_same_target, judged.same_target_below_floor),
-                optional(judged.position_error_same_target_m),
-                number(judged.time_s * 1e3),
+                metres(judged.position_error_same_target_m),
+                three(judged.time_s * 1e3),
             ]
         }
     }

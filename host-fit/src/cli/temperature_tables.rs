@@ -1,4 +1,4 @@
-//! `export` of tables by temperature for autopilots, and what they leave of the error.
+//! `export` of tables by temperature for autopilots, and the remaining error after each.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,8 @@ use clap::Args;
 use serde::Serialize;
 
 use super::arguments::OutputFile;
-use super::output::{Failure, Written, number, optional, print_line, print_warning, table};
+use super::output::{Failure, Written, print_line, print_warning, table};
+use super::units::{ErrorUnit, Units, UnitsOption};
 use crate::export::{ArduPilot, Autopilot, Px4, StatedSensor, TableSensor};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::{Recording, load};
@@ -34,6 +35,8 @@ pub(super) struct TableArguments {
     /// A later log to evaluate these tables on; by default the rows of the study's log that were not fitted
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     judge: Option<PathBuf>,
+    #[command(flatten)]
+    shown: UnitsOption,
 }
 
 /// Tables that can be written, and what they leave.
@@ -45,6 +48,7 @@ pub(super) struct Tables {
     ardupilot: Option<(ArduPilot, TableSensor)>,
     judged: String,
     left: Vec<LeftByTemperature>,
+    units: Units,
 }
 
 /// What they leave, for programs.
@@ -123,7 +127,7 @@ impl TableArguments {
             }
         };
         let range_c = [fitted.low_c, fitted.high_c];
-        Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left }))
+        Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left, units: self.shown.units }))
     }
 
     /// The sensor that the tables are for, as the user states it.
@@ -136,7 +140,7 @@ impl TableArguments {
         StatedSensor { instance: self.instance, device_ids }
     }
 
-    /// The log that is fitted, how many rows of it, and the one that is judged, if that is another.
+    /// The fitted log, its number of fitted rows, and the evaluation log, if it is another.
     fn logs(&self, study: &Study, file: &Path) -> Result<(Recording, usize, Option<Recording>), Failure> {
         let (recording, fitted_rows, judged, read) = match study.refinements.first() {
             Some(refinement) => {
@@ -158,7 +162,7 @@ impl TableArguments {
         Ok((recording, fitted_rows, judged))
     }
 
-    /// Writes what is asked for.
+    /// Writes the requested tables.
     pub(super) fn write(&self, tables: &Tables, note: &mut Vec<Written>) -> Result<(), Failure> {
         let Tables { log, range_c: [low, high], .. } = tables;
         let range = format!("{low:.2} to {high:.2} °C");
@@ -203,23 +207,24 @@ impl Tables {
         }
     }
 
-    /// What each leaves, side by side.
+    /// The remaining error after each correction, side by side.
     pub(super) fn print(&self) {
-        print_line!(
-            "\nwhat is left at rest on {}: root mean square of the means over 1 s, less their mean",
-            self.judged
-        );
+        print_line!("\nremaining slow error at rest on {}: RMS of 1-s means about their mean", self.judged);
         let mut header = vec!["  axis".to_owned(), "nothing corrected".to_owned()];
         header.extend(self.names().iter().map(|name| format!("{name}'s cubic")));
         header.extend(["the study".to_owned(), "unit".to_owned()]);
         let mut rows = table(&header);
         for axis in &self.left {
-            let mut row = vec![format!("  {}", axis.column), number(axis.nothing)];
-            row.extend(axis.corrected.iter().map(|left| number(*left)));
-            row.extend([optional(axis.study), axis.unit.clone()]);
+            let corrected = axis.corrected.iter().copied();
+            let largest = corrected.clone().chain(axis.study).fold(axis.nothing, f64::max);
+            let unit = ErrorUnit::of(&axis.column, largest, self.units);
+            let mut row = vec![format!("  {}", axis.column), unit.show(axis.nothing)];
+            row.extend(corrected.map(|rms| unit.show(rms)));
+            let of_study = axis.study.map_or_else(|| "–".to_owned(), |rms| unit.show(rms));
+            row.extend([of_study, unit.label.to_owned()]);
             rows.add_row(row);
         }
         print_line!("{rows}");
-        print_line!("  the study: its physical part, which holds in motion as the cubics do");
+        print_line!("  the study: its physical part, which holds in motion, as the cubics do");
     }
 }

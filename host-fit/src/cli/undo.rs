@@ -15,7 +15,7 @@ use fos_diagnose::study::Study;
 pub(super) struct Undo {
     /// The study
     study: PathBuf,
-    /// The axis, where the study has several
+    /// The axis, if the study has several
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]

@@ -6,6 +6,14 @@ use crate::units::ShownUnit;
 pub(super) use crate::units::{ErrorUnit, Units};
 use fos_data::text::rounded;
 
+/// Units of the printed text, where its extent is fixed.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(super) struct UnitsOption {
+    /// Units of the printed text; JSON and files are always in SI
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) units: Units,
+}
+
 /// Extent and units of the printed text.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct Printed {
@@ -39,6 +47,38 @@ impl ErrorUnit {
     /// The root of a variance in SI, without the unit; a dash where there is none.
     pub(super) fn root(self, variance: Option<f64>) -> String {
         variance.map_or_else(|| "–".to_owned(), |variance| self.show(variance.max(0.0).sqrt()))
+    }
+}
+
+/// Units of N, B and K on one axis, each with one of it in SI.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NoiseLevelUnits {
+    pub(super) white: (&'static str, f64),
+    pub(super) flicker: (&'static str, f64),
+    pub(super) walk: (&'static str, f64),
+}
+
+impl NoiseLevelUnits {
+    /// Those of data sheets; `None` with SI, and for a column that is neither gyro nor accelerometer.
+    pub(super) fn of_data_sheets(column: &str, units: Units) -> Option<Self> {
+        const DEGREE_PER_HOUR: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+        const MICRO_G: f64 = 9.80665e-6;
+        const ROOT_HOUR: f64 = 60.0;
+        let column = Column::named(column);
+        match units {
+            Units::Si => None,
+            Units::Field if column.is_angular_rate() => Some(Self {
+                white: ("°/√h", DEGREE_PER_HOUR * ROOT_HOUR),
+                flicker: ("°/h", DEGREE_PER_HOUR),
+                walk: ("(°/h)/√h", DEGREE_PER_HOUR / ROOT_HOUR),
+            }),
+            Units::Field if column.is_specific_force() => Some(Self {
+                white: ("µg/√Hz", MICRO_G),
+                flicker: ("µg", MICRO_G),
+                walk: ("µg/√h", MICRO_G / ROOT_HOUR),
+            }),
+            Units::Field => None,
+        }
     }
 }
 
@@ -95,6 +135,17 @@ mod tests {
         assert_eq!(shown(si, 0.02045, "dps/K"), "0.000357 (rad/s)/K");
         assert_eq!(shown(field, 1.5, "mg/K"), "1.50 mg/K");
         assert_eq!(shown(si, 1.5, "mg/K"), "0.0147 (m/s²)/K");
+    }
+
+    /// 1 °/√h is 1/60 (°/s)/√Hz; a walk of 1 (°/h)/√h moves the bias by 1 °/h in an hour.
+    #[test]
+    fn noise_levels_convert_to_the_units_of_data_sheets() {
+        let degree = std::f64::consts::PI / 180.0;
+        let gyro = NoiseLevelUnits::of_data_sheets("gx_rads", Units::Field).expect("a gyro");
+        assert!((degree / 60.0 / gyro.white.1 - 1.0).abs() < 1e-12);
+        assert!((gyro.walk.1 * 3600_f64.sqrt() / gyro.flicker.1 - 1.0).abs() < 1e-12);
+        assert!(NoiseLevelUnits::of_data_sheets("gx_rads", Units::Si).is_none());
+        assert!(NoiseLevelUnits::of_data_sheets("temp_c", Units::Field).is_none());
     }
 
     #[test]

@@ -98,7 +98,7 @@ pub enum TableRefusal {
     },
     /// The user states another sensor than the log.
     #[error(
-        "{log}: it is of {found}, and {stated} was stated\nhelp: leave out {option}, or fit the log of that sensor (--topic)"
+        "{log}: it is of {found}, but {stated} was stated\nhelp: remove {option}, or fit the log of that sensor (--topic)"
     )]
     OtherSensor {
         /// The log.

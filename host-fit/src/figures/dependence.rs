@@ -37,7 +37,7 @@ pub fn dependence(subject: Subject, found: &Dependence) -> Figure {
     panels.push(delays(&drawn));
     panels.push(map(&found.power));
     Figure {
-        title: format!("{}: what is left, against all that is logged", capitalised(subject.channel)),
+        title: format!("{}: residual against every logged channel", capitalised(subject.channel)),
         panels,
     }
 }

@@ -18,7 +18,7 @@ pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Opt
     let y = || Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit));
     let ranges = largest_s.map(|[from, to]| ShadedRange { from, to, ..ShadedRange::default() });
     let mut panels = vec![Panel {
-        title: format!("means over {:.1} s, all else that was found taken off", found.block_s),
+        title: format!("means over {:.1} s, other findings subtracted", found.block_s),
         x: Axis::linear("Time (s)"),
         y: y(),
         series: vec![error(&found.time_s), explained(Shape::Line(pairs(&found.time_s, &found.effect)))],

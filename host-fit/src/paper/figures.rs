@@ -89,7 +89,7 @@ fn mse_by_order(comparison: &Comparison) -> Figure {
         }
     };
     Figure {
-        title: format!("{}: one-step error against model order", name(comparison)),
+        title: format!("{}: one-step prediction error against model order", name(comparison)),
         panels: vec![
             panel("As in the paper: what each was fitted to", |judged| judged.mse_as_fitted, false),
             panel(

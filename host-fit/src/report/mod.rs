@@ -103,7 +103,7 @@ impl Report {
             };
             progress(&format!("{column}: comparing"));
             let examination = examine(study, &refinement, logs, |_| {})?;
-            progress(&format!("{column}: what is missing"));
+            progress(&format!("{column}: testing effects"));
             let section = AxisSection::of(study, &refinement).examined(&examination);
             let section = section.diagnosed(&refinement, logs, library)?;
             let moved = &summaries.field.moved;

@@ -100,7 +100,7 @@ pub fn offers(
             why_not: match added {
                 Err(RefineError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
                 Err(other) => Some(other.to_string()),
-                Ok(()) if finding.correction.is_empty() => Some("nothing of it can be taken off".to_owned()),
+                Ok(()) if finding.correction.is_empty() => Some("it cannot be corrected".to_owned()),
                 Ok(()) => finding
                     .doubt
                     .as_ref()

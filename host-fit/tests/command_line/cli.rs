@@ -49,7 +49,7 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     assert!(fails(folder, 1, &["export", "unit.json"]).contains("--c FILE"));
     let inspected = done(folder, &["inspect", "unit.fosm"]);
     assert!(
-        inspected.contains("demo part") && inspected.contains("Gx") && inspected.contains("temp_c"),
+        inspected.contains("demo part") && inspected.contains("gyro x: ") && inspected.contains("temp_c"),
         "{inspected}"
     );
     let replayed = done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]);
@@ -70,7 +70,7 @@ fn export_says_which_hub_refuses_the_model() {
     let fit = ["fit", "log.parquet", "--axis", "gx", "--method", "yule-walker", "-o", "unit.json"];
     done(folder, &[&fit[..], &["--max-lag", "10"]].concat());
     let exported = done(folder, &["export", "unit.json", "--image", "a.fosm", "--c", "a.h"]);
-    assert!(exported.contains("samples a second, at most 10 % off, and gives raw values"), "{exported}");
+    assert!(exported.contains("samples per second, within 10 %, with raw values"), "{exported}");
 
     done(folder, &[&fit[..], &["--max-lag", "140"]].concat());
     let warned = said(folder, &["export", "unit.json", "--image", "b.fosm", "--rust", "b.rs"]);
@@ -317,7 +317,7 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
     assert!(meta.contains("fos-case/1") && meta.contains("\"case_9\"") && !meta.contains("thermal_lag"));
     let truth = std::fs::read_to_string(folder.join("case_9/truth.json")).expect("written");
     assert!(truth.contains("\"tau_s\": 60.0"));
-    for log in ["baseline", "field", "eval", "truth_field", "truth_eval"] {
+    for log in ["reference", "log", "evaluation", "truth_log", "truth_evaluation"] {
         assert!(folder.join(format!("case_9/{log}.parquet")).is_file(), "{log}");
     }
     for (effect, choices) in [

@@ -247,13 +247,13 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     // another fleet of as many units; one unit less; another part
     write(folder, &rows("a", 2));
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 40 rows of 40 units");
+    refused("population.json.rows: 40 rows of 40 devices");
     write(folder, &rows_of_one[1..]);
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 39 rows of 40 units");
+    refused("population.json.rows: 39 rows of 40 devices");
     write(folder, &rows("b", 1));
     fs::write(&population, &whole).expect("written");
-    refused("population.json.rows: 40 rows of 40 units");
+    refused("population.json.rows: 40 rows of 40 devices");
     // a number that is none, too large a one, a matrix that is none, a line that was cut off
     let third = sound.lines().nth(2).expect("a row").to_owned();
     let mut row: Value = serde_json::from_str(&third).expect("JSON");
@@ -263,7 +263,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     for (instead, what) in [
         (nan.as_str(), ":3: "),
         (&nan.replace("[null,0.1]", "[1e999,0.1]"), ":3: "),
-        (&nan.replace("[null,0.1]", "[0.1]"), ":3: no row of a unit: gx_rads: a number is missing"),
+        (&nan.replace("[null,0.1]", "[0.1]"), ":3: not the row of a device: gx_rads: a number is missing"),
         (&third[..third.len() / 2], ":3: "),
         ("{}", ":3: "),
     ] {
@@ -277,7 +277,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     for (instead, what) in [
         (wrong.to_string(), "gx_rads: a number is missing"),
         (whole.replace("fos-population/1", "fos-population/9"), "fos-population/9"),
-        ("{".to_owned(), "no population"),
+        ("{".to_owned(), "not a population"),
     ] {
         fs::write(&population, instead).expect("written");
         refused(what);

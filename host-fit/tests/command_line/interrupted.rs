@@ -227,7 +227,7 @@ fn who_waits_for_a_fifo_is_told_and_can_end_it() {
     let folder = folder.path();
     fifo(folder);
     let said = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
-    assert!(said.contains("port: a FIFO that nobody writes to; waiting for a writer"), "{said}");
+    assert!(said.contains("port: a FIFO without a writer; waiting for one"), "{said}");
     assert!(said.contains("port: nothing came") && said.contains("help: "), "{said}");
     let mut waiting = record(folder, &["port", "-o", "log.csv"]);
     let mut told = String::new();

@@ -1,7 +1,6 @@
 //! The program on the command line: each test runs it in a folder of its own.
 
 mod cli;
-mod coming_from;
 mod empty_axis;
 mod escaping;
 mod fleet_report;
@@ -13,6 +12,7 @@ mod noise;
 mod own_input;
 mod physical_units;
 mod random_tables;
+mod reference_pages;
 mod same_study;
 mod session;
 mod sources;
@@ -20,5 +20,6 @@ mod strangers_file;
 mod study_file;
 mod subcommands;
 mod temperature_tables;
+mod tutorials;
 mod unusual_files;
 mod versions;

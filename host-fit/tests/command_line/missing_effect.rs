@@ -14,12 +14,12 @@ fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
     let simulate =
         ["simulate", "--case", "unit", "--setup", setup, "--effect", effect, "--size", "100", "--seed", seed];
     done(folder.path(), &simulate);
-    done(folder.path(), &["fit", "unit/baseline.parquet", "--axis", "gx", "-o", "unit.json"]);
+    done(folder.path(), &["fit", "unit/reference.parquet", "--axis", "gx", "-o", "unit.json"]);
     folder
 }
 
-const FIELD: [&str; 2] = ["--from", "unit/field.parquet"];
-const LATER: [&str; 2] = ["--evaluate-on", "unit/eval.parquet"];
+const FIELD: [&str; 2] = ["--from", "unit/log.parquet"];
+const LATER: [&str; 2] = ["--evaluate-on", "unit/evaluation.parquet"];
 
 fn refinement(folder: &Path) -> Refinement {
     Study::read(&folder.join("unit.json"))
@@ -80,7 +80,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     // the refined model runs on fos-core and takes out there what it takes out here
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("temp_c"));
-    let replay = ["replay", "unit.fosm", "unit/eval.parquet", "--json"];
+    let replay = ["replay", "unit.fosm", "unit/evaluation.parquet", "--json"];
     let summary: serde_json::Value = serde_json::from_str(&done(folder, &replay)).expect("a summary");
     let axis = &summary["axes"][0];
     let (single, own) = (axis["innovation_rms_f32"].as_f64(), after.errors.one_step_mse.sqrt());
@@ -103,7 +103,7 @@ fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
     );
     assert!(refined.added().next().is_some_and(|added| added.effect.id.starts_with("temp")));
     // another log is another staircase
-    let other = [&["add", "unit.json", "bias_ramp"][..], &["--from", "unit/eval.parquet"]].concat();
+    let other = [&["add", "unit.json", "bias_ramp"][..], &["--from", "unit/evaluation.parquet"]].concat();
     assert!(fails(folder, 1, &other).contains("cannot be compared"));
 }
 

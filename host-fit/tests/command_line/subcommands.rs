@@ -80,6 +80,41 @@ fn a_log_in_the_place_of_a_study_and_the_reverse_are_recognised() {
     assert!(said.contains("did you mean gx_rads?"), "{said}");
     let said = fails(folder, 2, &["fit", "log.csv", "--train", "50"]);
     assert!(said.contains("50% or 50s"), "{said}");
+    let said = fails(folder, 1, &["fit", "log.csv", "--axis", "gx", "--physical", "Temperature"]);
+    assert!(said.contains("did you mean \"temp_c\"?"), "{said}");
+}
+
+#[test]
+fn refuses_figures_and_reports_with_an_ending_that_cannot_be_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let said = fails(folder, 1, &["noise", "log.csv", "--svg", "allan.png"]);
+    assert!(said.contains("help: --svg allan.svg"), "{said}");
+    let said = fails(folder, 1, &["report", "unit.json", "-o", "unit.pdf"]);
+    assert!(said.contains("help: --output unit.html"), "{said}");
+    let said = fails(folder, 1, &["fleet", "report", "population.json", "-o", "fleet.pdf"]);
+    assert!(said.contains("help: --output fleet.html"), "{said}");
+}
+
+#[test]
+fn prints_field_units_by_default_and_si_on_request() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.csv", "--minutes", "3", "--at-rest", "--rate", "50"]);
+    let noise = done(folder, &["noise", "log.csv", "--axis", "gx,ax"]);
+    assert!(noise.contains("N, °/√h") && noise.contains("N, µg/√Hz"), "{noise}");
+    let noise = done(folder, &["noise", "log.csv", "--axis", "gx", "--units", "si"]);
+    assert!(noise.contains("N, rad/s/sqrt(Hz)") && !noise.contains("°/√h"), "{noise}");
+    done(folder, &["fit", "log.csv", "--axis", "gx", "--max-terms", "2", "-o", "unit.json"]);
+    done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    assert!(done(folder, &["inspect", "unit.fosm"]).contains("\ngyro x: reference 0 rad/s"));
+    let unit = |units: &str| {
+        let told = done(folder, &["replay", "unit.fosm", "log.csv", "--units", units]);
+        let row =
+            told.lines().find(|line| line.starts_with("   gx_rads")).expect("a row").trim_end().to_owned();
+        row.rsplit(' ').next().expect("a unit").to_owned()
+    };
+    assert!(["°/s", "°/h"].contains(&unit("field").as_str()) && unit("si") == "rad/s");
 }
 
 #[test]

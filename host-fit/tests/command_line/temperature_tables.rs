@@ -244,7 +244,7 @@ fn the_table_of_an_imu_is_written_for_that_imu() {
         let other = if topic == "0" { "1" } else { "0" };
         let refused =
             fails(folder, 1, &["export", "unit.json", "--instance", other, "--ardupilot", "other.parm"]);
-        assert!(refused.contains(&format!("it is of IMU {topic}, and IMU {other} was stated")), "{refused}");
+        assert!(refused.contains(&format!("it is of IMU {topic}, but IMU {other} was stated")), "{refused}");
         // numbers of ArduPilot's IMUs are not those of PX4's
         let refused = fails(folder, 1, &["export", "unit.json", "--px4", "other.params"]);
         assert!(refused.contains("which of its IMUs the log is of is not known"), "{refused}");
@@ -376,5 +376,5 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     assert!(written.keys().all(|name| name.ends_with("_ENABLE") || name.contains('1')), "{written:?}");
     let refused =
         fails(folder, 1, &["export", "unit.json", "--px4", "other.params", "--device-id", "111,222"]);
-    assert!(refused.contains("it is of device_id 333, and device_id 111 was stated"), "{refused}");
+    assert!(refused.contains("it is of device_id 333, but device_id 111 was stated"), "{refused}");
 }

@@ -1,17 +1,17 @@
-"""Models of the error of accelerometers and gyros: fitted from logs, what they lack named and added, the image that a
-device runs.
+"""Models of the error of accelerometers and gyros, fitted from logs; missing effects identified and added; the image that
+a device runs.
 
-From a log to what is missing, with its evidence::
+From a log to the missing effect, with its evidence::
 
     import fos_imu as fos
 
-    quiet, field = fos.read("quiet.parquet"), fos.read("field.parquet")
-    study = fos.fit(quiet, axes="gx")
-    diagnosis = study.diagnose(field)
+    reference, log = fos.read("reference.parquet"), fos.read("log.parquet")
+    study = fos.fit(reference, axes="gx")
+    diagnosis = study.diagnose(log)
     if diagnosis.findings:
-        study.add(diagnosis.findings[0], field)
+        study.add(diagnosis.findings[0], log)
     image = study.export_image()
-    corrected = fos.Predictor(image).run(field).corrected
+    corrected = fos.Predictor(image).run(log).corrected
 
 In a notebook every result shows itself; `help()` of any name says shapes and units. All values are in SI units.
 """

@@ -14,7 +14,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 MEASURED, PREDICTED, LEFT, MARKED, DARK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
-"""Colours that colour-blind people tell apart (Okabe and Ito 2008), the same as in the program's figures."""
+"""Colours that colour-blind people can distinguish (Okabe and Ito 2008), the same as in the program's figures."""
 
 WIDTH, HEIGHT = 760, 240
 LEFT_EDGE, RIGHT_EDGE, TOP, BOTTOM = 78, 12, 26, 42

@@ -37,7 +37,7 @@ class CoastError:
 
 @dataclass(frozen=True)
 class AllanValue:
-    """Allan deviation of what is left when coasting: averaging time, s, and deviation, unit of the axis."""
+    """Allan deviation of the residual in free run: averaging time, s, and deviation, unit of the axis."""
 
     tau_s: float
     deviation: float
@@ -45,20 +45,20 @@ class AllanValue:
 
 @dataclass(frozen=True)
 class ModelErrors:
-    """What is left of the error with one model; squares in the square of the axis' unit.
+    """Residual with one model; squares in the square of the axis' unit.
 
     Attributes:
         model: `model`, or the name of a rival.
         one_step_mse: Mean square of measured − predicted from measured history.
         coast: The same from own history, after 1, 10 and 60 s where the log is long enough.
-        coast_whole_mse: The same over all rows, never starting anew.
+        coast_whole_mse: The same over all rows, never restarted.
         slow_error_one_step: Variance of 1-s means, one-step; None where too short.
         slow_error_coast: Variance of 1-s means, coasting for at most 60 s.
         wide_error_one_step: Variance of the samples, one-step.
         wide_error_coast: Variance of the samples, coasting for at most 60 s.
-        position_error_m: What the one-step error comes to as a position after an hour, m: a formula, not a navigation.
+        position_error_m: Position error after an hour by a formula of the one-step prediction error, m; not navigated.
         allan: Allan deviation when coasting, at 1, 10, 100 s.
-        below_noise_floor: The one-step error is below what any causal predictor can reach: not to be trusted.
+        below_noise_floor: The one-step prediction error is below the limit of causal predictors: not to be trusted.
         cautions: Rows whose prediction came with a caution.
     """
 
@@ -83,7 +83,7 @@ class Stretch:
     Attributes:
         begin_s: Begin, s as stamped.
         end_s: End, s as stamped.
-        rms: Of what is left, coasting, unit of the axis.
+        rms: RMS of the residual in free run, unit of the axis.
         mean: Of the same.
         ratio: `rms` over that of the median stretch.
         special: What of the logged is special there, most striking first.
@@ -99,7 +99,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class ChannelTest:
-    """Whether what is left follows a channel.
+    """Dependence of the residual on a channel.
 
     Attributes:
         gain: 2Δ ln L of a curve of the channel.
@@ -114,7 +114,7 @@ class ChannelTest:
 
 @dataclass(frozen=True)
 class ChannelDependence:
-    """What is left of an axis against one channel.
+    """Residual of an axis against one channel.
 
     Attributes:
         channel: Its column.
@@ -131,7 +131,7 @@ class ChannelDependence:
 
 @dataclass(frozen=True)
 class Dependence:
-    """What is left of an axis against everything that is logged.
+    """Residual of an axis against every logged channel.
 
     Attributes:
         block_s: Length of the blocks that means were taken over, s.
@@ -153,13 +153,13 @@ class AxisComparison:
     Attributes:
         column: As `gx_rads`.
         unit: Its unit.
-        rows: Rows at rest that were judged.
+        rows: Rows at rest that were evaluated.
         noise_floor: What no causal predictor can beat, unit², and its 95 % interval.
         floor_cautions: Why the floor should not be trusted.
         errors: The rivals, then the model.
         worst: The stretches where the model fails worst.
-        dependence: What is left against everything that is logged; None where that is too little to tell.
-        time_s: Time stamps of the judged rows, s, shape `(n,)`.
+        dependence: Residual against every logged channel; None if the log is too short.
+        time_s: Time stamps of the evaluated rows, s, shape `(n,)`.
         measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
         innovation: Measured − predicted one step ahead, shape `(n,)`.
         left: Measured − predicted from own history of at most 60 s, shape `(n,)`.
@@ -209,7 +209,7 @@ class AxisComparison:
         return pandas.DataFrame([row(errors) for errors in self.errors])
 
     def picture(self) -> str:
-        """Measured against predicted, and what is left, as SVG."""
+        """Measured against predicted, and the residual, as SVG."""
         centre = float(np.nanmean(self.measured)) if np.isfinite(self.measured).any() else 0.0
         measured = _svg.Series("measured", self.time_s, self.measured - centre, _svg.MEASURED, "envelope")
         mean = _svg.Series("its mean", *_svg.means(self.time_s, self.measured - centre), _svg.DARK)
@@ -219,7 +219,7 @@ class AxisComparison:
         worst = [(one.begin_s, one.end_s) for one in self.worst[:1]]
         title = f"{self.column}: from own history of at most 60 s"
         return _svg.plot(title, "time, s", label, [measured, mean, predicted]) + _svg.plot(
-            "what is left; worst where shaded", "time, s", label, [left], shaded=worst
+            "residual; worst where shaded", "time, s", label, [left], shaded=worst
         )
 
     def _repr_html_(self) -> str:
@@ -234,9 +234,9 @@ class AxisComparison:
             return [errors.model, *(number(None if mse is None else mse**0.5) for mse in squares)]
 
         follows = [one for one in self.dependence.channels if one.p_of_all < 0.05] if self.dependence else []
-        notes = [f"what is left follows {one.channel} (p = {one.p_of_all:.2g})" for one in follows[:4]]
+        notes = [f"the residual follows {one.channel} (p = {one.p_of_all:.2g})" for one in follows[:4]]
         if self.model.below_noise_floor:
-            notes.append("the one-step error is below the noise floor: not to be trusted")
+            notes.append("the one-step prediction error is below the noise floor: not to be trusted")
         worst = [
             f"worst from {s.begin_s:.1f} to {s.end_s:.1f} s, {s.ratio:.1f} times the usual" for s in self.worst[:1]
         ]
@@ -255,7 +255,7 @@ class Comparison:
     """A model against the measurements.
 
     Attributes:
-        judged_s: First and last time stamp of the judged rows, s.
+        judged_s: First and last time stamp of the evaluated rows, s.
         axes: The axes of the model.
     """
 

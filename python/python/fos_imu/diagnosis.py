@@ -1,4 +1,4 @@
-"""What is missing: a verdict with its evidence."""
+"""Missing effects: a verdict with its evidence."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Separation:
 
 @dataclass(frozen=True)
 class CorrectionTerm:
-    """One term of what a finding takes off: coefficient times regressor, in the unit of the axis (SI).
+    """One term of the correction by a finding: coefficient times regressor, in the unit of the axis (SI).
 
     Attributes:
         regressor: A product of inputs.
@@ -137,12 +137,12 @@ class Finding:
             of the samples (wide).
         predicted_reduction_interval: 90 %.
         measured_reduction: The share that went on the evaluation log; None where none was given.
-        doubt: Why it is no claim; None where nothing speaks against it.
-        confounded_with: Effects that this log cannot tell from it.
+        doubt: Why it is not conclusive; None if it is.
+        confounded_with: Effects that are indistinguishable from it in this log.
         separate: The experiments that would.
         shows_against: The column against which it shows best.
         shows_from_to_s: Where it is largest, s as stamped.
-        correction: What it takes off.
+        correction: The correction that it adds.
         evidence: What speaks for it, if it is slow.
         line: What speaks for it, if it is a line.
         cost: What the model would cost more with it; None without a model.
@@ -177,7 +177,7 @@ class Finding:
             shaded = [self.shows_from_to_s] if self.shows_from_to_s else []
             error = _svg.Series("error", seen.time_s, seen.error, _svg.LEFT, "dots")
             says = _svg.Series(self.name, seen.time_s, seen.effect, _svg.PREDICTED)
-            title = f"means over {seen.block_s:.1f} s, all else taken off; largest where shaded"
+            title = f"means over {seen.block_s:.1f} s, other findings subtracted; largest where shaded"
             parts.append(_svg.plot(title, "time, s", f"error, {unit}", [error, says], shaded=shaded))
             if seen.against_values is not None:
                 series = [
@@ -207,7 +207,7 @@ class Lead:
     Attributes:
         follows: In words.
         score: As of a finding.
-        share: Its share of the variance of the block means of what is left.
+        share: Its share of the variance of the block means of the residual.
     """
 
     follows: str
@@ -266,7 +266,7 @@ class NoiseReport:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is missing on a log, from a model or from none. Shows itself in a notebook with the evidence.
+    """Missing effects on a log, with a model or without. Shows itself in a notebook with the evidence.
 
     Attributes:
         target: The column that was explained.
@@ -281,7 +281,7 @@ class Diagnosis:
         untested: Effects that could not be tested.
         noise: The noise that the evidence rests on.
         cautions: Why the answer should be taken with care.
-        moved: When the unit was moved though it was meant to be at rest.
+        moved: Detected motion in a log at rest.
         notes: Properties of the log that are no faults, as its duty cycle.
     """
 
@@ -372,7 +372,7 @@ def _finding(finding: Finding, unit: str) -> str:
     if finding.score is not None:
         rows.append(("score", f"{finding.score:.0f}"))
     doubt = [_html.paragraph(f"not conclusive: {finding.doubt}", _html.BAD)] if finding.doubt else []
-    rivals = [f"cannot be told from {other.effect}: {other.experiment}" for other in finding.separate]
+    rivals = [f"indistinguishable from {other.effect}: {other.experiment}" for other in finding.separate]
     return _html.card(
         f"{finding.name} ({finding.effect})",
         *doubt,
@@ -409,19 +409,19 @@ def diagnose(
     log: Recording,
     *,
     axis: str,
-    quiet: Recording | None = None,
-    judged: Recording | None = None,
+    reference: Recording | None = None,
+    evaluate_on: Recording | None = None,
     full_scale: float | None = None,
     lsb: float | None = None,
     effects: Sequence[Path] = (),
 ) -> Diagnosis:
-    """Says what is missing on an axis of a log, without a model. With one: `Study.diagnose`.
+    """Identifies the missing effects of an axis of a log, without a model. With one: `Study.diagnose`.
 
     Args:
-        log: Where the error is to be explained: 60 blocks at rest at least, better half an hour.
+        log: The log to explain: at least 60 blocks at rest, better half an hour.
         axis: As `gx`, or a column.
-        quiet: A log of the same unit in which nothing is missing: what its noise is learnt from.
-        judged: A later log: how much of its error goes is measured there.
+        reference: A log of the same device under steady conditions; it fixes the noise.
+        evaluate_on: A later log; the reduction is measured on it.
         full_scale: Full scale of the axis, in its unit.
         lsb: Least significant bit of the axis, in its unit.
         effects: Effects of your own, one TOML file each.
@@ -433,8 +433,8 @@ def diagnose(
     answer = _engine.diagnose(
         engine_of(log),
         axis,
-        engine_of(quiet),
-        engine_of(judged),
+        engine_of(reference),
+        engine_of(evaluate_on),
         full_scale,
         lsb,
         [os.fspath(path) for path in effects],

@@ -60,7 +60,7 @@ class CompareError(FosError, ValueError):
 
 
 class DiagnoseError(FosError, ValueError):
-    """A log that does not tell what is missing."""
+    """A log that cannot be diagnosed."""
 
 
 class EffectError(FosError, ValueError):

@@ -1,4 +1,4 @@
-"""From one unit to a fleet: a row for each unit, the populations behind the rows, the units that do not belong."""
+"""From one device to a fleet: a row for each device, the populations behind the rows, odd devices."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class AxisDiagnosis:
 
     Attributes:
         verdict: As of `Diagnosis`.
-        effects: Those that are missing, and nothing speaks against.
+        effects: Missing effects that are conclusive.
     """
 
     verdict: Literal["missing", "nothing_missing", "unexplained", "not_enough_data"]
@@ -96,7 +96,7 @@ class LogSummary:
 
 @dataclass(frozen=True)
 class UnitRow:
-    """A unit, and what its log tells; or, in `failed`, why it tells nothing, or not everything.
+    """A device with the estimates from its log; in `failed`, why they are missing or incomplete.
 
     Attributes:
         unit: Its name.
@@ -106,7 +106,7 @@ class UnitRow:
         sha256: Digest of the log, hexadecimal; of several that of their digests, a line each; empty where none could be read.
         axes: The axes that could be estimated.
         log: What was read; None where the log could not be.
-        failed: Why the log, or an axis of it, tells nothing.
+        failed: Why the log, or an axis of it, cannot be used.
     """
 
     unit: str
@@ -130,7 +130,7 @@ class UnitRow:
             return build(cls, {**json.loads(text), "_text": text})
         except (TypeError, ValueError, KeyError) as error:
             raise FleetError(
-                f"{text[:60]!r} … is no row of a unit: {error}",
+                f"{text[:60]!r} … is not the row of a device: {error}",
                 remedy="rows are what `unit_row` gives, or its `to_json()`",
             ) from None
 
@@ -195,7 +195,7 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Lot:
-    """What is known of a lot.
+    """Estimates of a lot.
 
     Attributes:
         name: Empty for units whose lot is not known.
@@ -228,7 +228,7 @@ class Population:
         between_lots: Covariance between lots, shape `(n, n)`.
         between_units: Covariance between units of a lot, shape `(n, n)`.
         scatter: Of each coefficient.
-        lots: What is known of each.
+        lots: Estimates of each lot.
     """
 
     names: tuple[str, ...]
@@ -300,7 +300,7 @@ class Distance:
 
 @dataclass(frozen=True)
 class OddUnit:
-    """A unit that does not belong.
+    """An odd device.
 
     Attributes:
         unit: Its name.
@@ -324,7 +324,7 @@ class PartSummary:
     Attributes:
         part: Its name.
         axes: Its axes.
-        odd: Its units that do not belong, the furthest first.
+        odd: Its odd devices, the furthest first.
         units_needed: Units needed to find an odd one, where there are fewer: that none is odd is then not conclusive.
             None if there are enough.
     """
@@ -370,7 +370,7 @@ class Fleet:
     duplicates: tuple[DuplicateUnit, ...] = ()
 
     def save(self, path: Path, *, rows: Rows | None = None) -> None:
-        """Writes it as `fos fleet -o` does, byte for byte of the same rows; whole or not at all.
+        """Writes it as `fos fleet -o` does, byte for byte of the same rows, and atomically.
 
         Args:
             path: Of the population.
@@ -391,7 +391,7 @@ class Fleet:
 
     def _about_odd(self, some: bool) -> str:
         if some:
-            return "units that do not belong"
+            return "odd devices"
         needed = max((part.units_needed or 0 for part in self.parts), default=0)
         return (
             f"odd units: not conclusive; at least {needed} units are needed"
@@ -471,7 +471,7 @@ def unit_row(
     """A unit in one row: of each axis bias and coefficients with their covariance, from a log at rest or several.
 
     What is wrong with a log is in `failed` of the row, and no exception. Several logs count as one that goes on; what cannot
-    be read of them is left out.
+    be read of them is excluded.
 
     Args:
         log: A file, or a recording, which is taken as it was read; or several files or several recordings.

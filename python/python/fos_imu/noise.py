@@ -60,14 +60,14 @@ class AllanPoint:
 
 @dataclass(frozen=True)
 class AxisNoise:
-    """Noise of one axis at rest. Motion, knocks and samples that are no measurements are left out.
+    """Noise of one axis at rest. Motion, knocks and outliers are excluded.
 
     Attributes:
         column: The axis.
         unit: Its unit.
         seconds: Time at rest that it is of, s.
         span_s: From the first to the last sample at rest, s.
-        left_out: Samples that are no measurements.
+        left_out: Number of outliers.
         white: N: the mean over t seconds has variance N²/t.
         flicker: B, bias instability: the Allan deviation is flat at 0.664·B.
         walk: K, rate random walk: the bias moves by K·√t in t seconds.

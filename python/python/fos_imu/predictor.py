@@ -28,7 +28,7 @@ MOST_STEPS = 10_000_000
 
 
 class Validity(enum.IntFlag):
-    """What speaks against trusting a corrected value; 0 when nothing does."""
+    """Validity of a corrected value; 0 if it can be trusted."""
 
     WARMING_UP = 1 << 0
     """The history is not full yet: only the physical part is subtracted."""
@@ -166,7 +166,7 @@ class Predictor:
     def step(
         self, measured: npt.ArrayLike, quantities: npt.ArrayLike | None = None, *, still: npt.ArrayLike = True
     ) -> Corrections:
-        """Takes samples one after the other, going on from the last: in pieces it comes to the same bits as at once.
+        """Runs over samples from where the last call ended; in pieces it gives the same bits as at once.
 
         Args:
             measured: Shape `(n_rows, n_axes)`, or `(n_rows,)` of one axis; SI units; taken as float32.
@@ -214,7 +214,7 @@ class Predictor:
         self._engine.skip(samples)
 
     def reset(self) -> None:
-        """As at power-on: history, inputs and clocks start anew."""
+        """As at power-on: history, inputs and clocks are reset."""
         self._engine.reset()
 
     def __repr__(self) -> str:

@@ -72,7 +72,7 @@ class _Summary:
 
 
 class Recording(Mapping[str, Floats]):
-    """Measured data of one sensor: channels in SI units on one grid of samples, in segments without gaps.
+    """Measured data of one sensor: channels in SI units on a common time base, in segments without gaps.
 
     Made by `read`, `Recording.from_arrays`, `simulate`. A mapping of channel names to arrays of shape `(n_rows,)`, which
     are copied out of the engine when they are first asked for and must not be written to.
@@ -107,7 +107,7 @@ class Recording(Mapping[str, Floats]):
             map: Columns under other names, converted: `"gx_rads=gyro_x:mdps"`, `"t_s=time:us"`,
                 `"gx_rads=counts:*1.33e-4:rad/s"`; `"!temp_c"` leaves one out.
             rate_hz: Nominal sample rate, Hz; needed where there is no column of time stamps.
-            keep_moved: Count rows in which the unit was moved, though it was meant to be at rest, as any others.
+            keep_moved: Keep rows with detected motion.
             name: What studies and reports call the data.
 
         Raises:
@@ -185,7 +185,7 @@ class Recording(Mapping[str, Floats]):
 
     def at_rest(self) -> npt.NDArray[np.bool_]:
         """Where the unit is taken to be at rest, shape `(n_rows,)`: by the log's own column, by the detector that runs on
-        the device, or, without all six axes, everywhere; less the rows in which it was moved.
+        the device, or, without all six axes, everywhere; less the rows with detected motion.
         """
         return _locked(self._engine.stillness()[0])
 
@@ -214,7 +214,7 @@ class Recording(Mapping[str, Floats]):
     __hash__ = None  # type: ignore[assignment]
 
     def write(self, path: Path) -> None:
-        """Writes it in the log format: `.parquet` (every bit), `.csv` or `.csv.gz`; whole or not at all.
+        """Writes it in the log format: `.parquet` (every bit), `.csv` or `.csv.gz`, atomically.
 
         Raises:
             FileError: The file cannot be written.
@@ -283,7 +283,7 @@ def read(
     strict: bool = False,
     keep_moved: bool = False,
 ) -> Recording:
-    """Reads a log; what it is, is told from its content.
+    """Reads a log; its format is recognised by its content.
 
     Args:
         path: PX4 ULog, ArduPilot DataFlash, MCAP and ROS 1 bags, EuRoC, Kalibr, phone apps, ST tools, Betaflight, or any
@@ -293,7 +293,7 @@ def read(
         format: The format by its identifier, where the content does not tell.
         topic: Which sensor, where a log has several.
         strict: Refuse the first row that cannot be used, instead of counting up to 5 % of them.
-        keep_moved: Count rows in which the unit was moved, though it was meant to be at rest, as any others.
+        keep_moved: Keep rows with detected motion.
 
     Raises:
         FileError: It cannot be opened or read.

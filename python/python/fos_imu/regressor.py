@@ -43,7 +43,7 @@ class RegressorTerm:
 
 @dataclass(frozen=True)
 class RegressorReport:
-    """How the model was found: y(n) = constant + Σ terms, where the centres are taken off output and inputs first.
+    """How the model was found: y(n) = constant + Σ terms, with output and inputs centred first.
 
     Attributes:
         constant: Unit of the output.
@@ -53,7 +53,7 @@ class RegressorReport:
         rows: Samples that counted.
         stopped: Why the search stopped.
         condition_number: Of the final terms, columns scaled.
-        mse: Mean square of the one-step error on the training data, unit² of the output.
+        mse: Mean square of the one-step prediction error on the training data, unit² of the output.
     """
 
     constant: float
@@ -80,7 +80,7 @@ class FosRegressor:
         search: Whether terms are exchanged until nothing improves, or the best next one is taken as in the paper.
         stop: When to stop before: allowing for the number of candidates, by Korenberg's test, never.
         centre: Take the means off output and inputs first: for signals whose mean dwarfs what they vary by. The terms are
-            then products of what is left, not of the signals.
+            then products of the centred values, not of the signals.
 
     Attributes:
         n_features_in_: Columns of X.
@@ -113,7 +113,7 @@ class FosRegressor:
 
         Args:
             X: Inputs, shape `(n_samples, n_features)`; an array, a DataFrame, or None for a series without inputs. A
-                column that never changes is left out.
+                column that never changes is excluded.
             y: Output, shape `(n_samples,)`.
             groups: Label of every sample, shape `(n_samples,)`: where it changes a new stretch begins, and nothing is
                 learnt across.
@@ -187,7 +187,7 @@ class FosRegressor:
                 before it; the first ones, before a history is there, by the mean.
             steps: So many samples behind the training data are forecast; X are their inputs.
             y_init: Measured output of the first rows of X, which the own run goes on from; these rows are not predicted.
-            groups: Labels, with y: where they change the history begins anew.
+            groups: Labels, with y: the history restarts where they change.
 
         Returns:
             Shape `(n_samples,)`, less the rows of `y_init`, unit of the output. Without y and steps from the model's own

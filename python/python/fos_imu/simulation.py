@@ -51,18 +51,18 @@ class Plant:
 
 @dataclass(frozen=True)
 class Case:
-    """Three logs of one unit, and the truth.
+    """Three logs of one device, and the truth.
 
     Attributes:
-        quiet: Nothing is missing in it.
-        field: With the planted effects: to be explained.
-        later: With the same: to be corrected.
+        reference: Steady conditions; no effect is missing.
+        log: The log to explain, with the planted effects.
+        evaluation: A later log with the same effects.
         truth: What was planted, the noise, the true rate.
     """
 
-    quiet: Recording
-    field: Recording
-    later: Recording
+    reference: Recording
+    log: Recording
+    evaluation: Recording
     truth: Mapping[str, Any]
 
 
@@ -74,28 +74,28 @@ def simulate_case(
     axis: str = "gx",
     seed: int = 1,
     world: str = "clean",
-    quiet_s: float = 600.0,
-    field_s: float = 1500.0,
-    later_s: float = 900.0,
+    reference_s: float = 600.0,
+    log_s: float = 1500.0,
+    evaluation_s: float = 900.0,
 ) -> Case:
     """A case: a reference log, a log with planted effects, and a later evaluation log, of one device.
 
     Args:
         planted: Effects by identifier, with size and parameter as `Plant`; none: nothing is missing.
-        setup: How the unit is used.
+        setup: How the device is used.
         part: `bmi160`, `bmi270`, `lsm6dso`, `icm42688`, `mpu6050`.
-        axis: The one that is to be explained.
+        axis: The axis with the planted effects.
         seed: Of every random number.
-        world: What disturbs field and later; `clean`: nothing.
-        quiet_s: Duration of the reference log, s.
-        field_s: Duration of the log to explain, s.
-        later_s: Duration of the later log, s.
+        world: Disturbance of the log to explain and the evaluation log; `clean`: none.
+        reference_s: Duration of the reference log, s.
+        log_s: Duration of the log to explain, s.
+        evaluation_s: Duration of the evaluation log, s.
 
     Raises:
         SimulationError: A plan that cannot be carried out.
     """
     plants = [one if isinstance(one, Plant) else Plant(one) for one in planted]
     rows = [(one.effect, float(one.size), one.parameter) for one in plants]
-    durations = (quiet_s, field_s, later_s)
-    quiet, field, later, truth = _engine.simulate_case(rows, setup, part, axis, seed, world, durations)
-    return Case(Recording(quiet), Recording(field), Recording(later), MappingProxyType(json.loads(truth)))
+    durations = (reference_s, log_s, evaluation_s)
+    reference, log, evaluation, truth = _engine.simulate_case(rows, setup, part, axis, seed, world, durations)
+    return Case(Recording(reference), Recording(log), Recording(evaluation), MappingProxyType(json.loads(truth)))

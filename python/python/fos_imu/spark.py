@@ -170,7 +170,7 @@ def _row(cells: Mapping[str, Any], asked: Mapping[str, Any]) -> UnitRow:
     where = [_local(path) for path in ([given] if isinstance(given, str) else given or [""])]
     name = PurePosixPath(where[0])
     named = {"unit": cells.get("unit") or name.stem, "part": cells.get("part") or "", "lot": cells.get("lot")}
-    # what is read is told by its content, and tables by the ending of the name: a log of bytes needs a file of its name
+    # the format is recognised by the content, and tables by the ending of the name: a log of bytes needs a file of its name
     with tempfile.TemporaryDirectory() as folder:
         logs = [Path(path) for path in where] if content is None else [Path(folder, name.name)]
         if content is not None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Left:
-    """What the physical part leaves on the judged rows.
+    """Residual after the physical part, on the evaluated rows.
 
     Attributes:
         slow: Variance of 1-s means, unit².
@@ -78,22 +78,22 @@ class Refinement:
 
     Attributes:
         column: The axis.
-        field: The log where the model failed.
-        quiet: The log that the noise was learnt from; None if there was none.
-        judged: The log that the errors are of; None: the rows of the log to explain from `fitted_rows` on.
+        log: The log to explain, on which the model failed.
+        reference: The log that fixed the noise; None if there was none.
+        evaluation: The evaluation log; None: the rows of the log to explain from `fitted_rows` on.
         fitted_rows: Rows of the log to explain that effects were estimated from.
         steps: The model before anything was added, then after each effect.
     """
 
     column: str
-    field: Source
-    quiet: Source | None
-    judged: Source | None
+    log: Source
+    reference: Source | None
+    evaluation: Source | None
     fitted_rows: int
     steps: tuple[Step, ...]
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row a step: what was added, the predicted and the measured reduction, what is left, what it costs."""
+        """One row a step: what was added, the predicted and the measured reduction, the residual, the cost."""
         import pandas
 
         def row(step: Step) -> dict[str, Any]:
@@ -147,9 +147,9 @@ class Refinement:
             cost = (step.cost.terms, step.cost.ram_bytes, step.cost.instructions)
             return (step.name, predicted, measured, number(step.left.slow**0.5), number(step.left.wide**0.5), *cost)
 
-        judged = self.judged.path if self.judged else f"its rows from {self.fitted_rows} on"
+        evaluated_on = self.evaluation.path if self.evaluation else f"its rows from {self.fitted_rows} on"
         return _html.card(
-            f"{self.column}, refined on {self.field.path}, evaluated on {judged}",
+            f"{self.column}, refined on {self.log.path}, evaluated on {evaluated_on}",
             _html.paragraph(f"left: roots of variances, {_unit(self.column)}, of what the physical part leaves"),
             _html.table(header, [row(step) for step in self.steps]),
             self.picture(),
@@ -230,7 +230,7 @@ def fit(
     factory_corrected: bool = False,
     denoise: str | None = None,
 ) -> Study:
-    """Fits nonlinear autoregressive models of the error of one or more axes, and judges them on the rows left over.
+    """Fits nonlinear autoregressive models of the error of one or more axes, and evaluates them on the remaining rows.
 
     Args:
         recordings: A log, or several of one unit, which are taken one after the other and never spliced.
@@ -247,7 +247,7 @@ def fit(
         max_terms: Most terms of an axis.
         stop: When to stop before: allowing for the number of candidates, by Korenberg's test, never.
         train: The part of the log, from its start, that is fitted: a share (`"50%"`) or a time (`"180s"`).
-        offset: Taken off the error instead of its mean, unit of the axis.
+        offset: Subtracted from the error instead of its mean, unit of the axis.
         scale: Divides the error instead of its standard deviation, unit of the axis.
         full_scale: Measured values of this magnitude count as saturated, unit of the axis; 0 if not known.
         factory_corrected: The log is after a factory's or driver's correction.
@@ -256,7 +256,7 @@ def fit(
     Raises:
         RecordingError: A column is missing, or the logs do not go together.
         FitError: The log is too short, an axis is stuck, an option is none.
-        CompareError: No row at rest is left to judge on.
+        CompareError: No row at rest remains for the evaluation.
     """
     logs = [recordings] if isinstance(recordings, Recording) else list(recordings)
     chosen = [axes] if isinstance(axes, str) else axes
@@ -303,7 +303,7 @@ class Study:
         return cls(_engine.load_study(os.fspath(path)))
 
     def save(self, path: Path | None = None, *, replace: bool = False) -> None:
-        """Writes it, whole or not at all, where `fos` reads it.
+        """Writes it atomically, as `fos` reads it.
 
         Args:
             path: The file; where it was loaded from or saved to before if not given. That file is written only if nobody
@@ -351,7 +351,7 @@ class Study:
             log: By default the study's own, evaluated on the rows that were not fitted.
 
         Raises:
-            CompareError: No row at rest is left to judge on.
+            CompareError: No row at rest remains for the evaluation.
             RecordingError: The log is not at hand, or a column is missing.
         """
         answer, time_s, rows, off = self._engine.compare(engine_of(log))
@@ -370,17 +370,17 @@ class Study:
         log: Recording | None = None,
         *,
         axis: str | None = None,
-        quiet: Recording | None = None,
-        judged: Recording | None = None,
+        reference: Recording | None = None,
+        evaluate_on: Recording | None = None,
         effects: Sequence[Path] = (),
     ) -> Diagnosis:
-        """Says what is missing from the model of an axis on a log.
+        """Identifies the effects that the model of an axis lacks on a log.
 
         Args:
-            log: Where the model fails; by default the log that the axis was refined on.
+            log: The log to explain; by default the log that the axis was refined on.
             axis: As `gx`, or a column; needed where the study has several.
-            quiet: A reference log of the same device; by default the one that was fitted.
-            judged: The log that errors are of; by default the last two fifths of `log`.
+            reference: A reference log of the same device; by default the one that was fitted.
+            evaluate_on: The evaluation log; by default the last two fifths of `log`.
             effects: Effects of your own, one TOML file each.
 
         Raises:
@@ -388,7 +388,7 @@ class Study:
             RecordingError: A log is not at hand, or a column is missing.
         """
         files = [os.fspath(path) for path in effects]
-        answer = self._engine.diagnose(engine_of(log), axis, engine_of(quiet), engine_of(judged), files)
+        answer = self._engine.diagnose(engine_of(log), axis, engine_of(reference), engine_of(evaluate_on), files)
         return diagnosis_of(*answer)
 
     def add(
@@ -397,32 +397,32 @@ class Study:
         log: Recording | None = None,
         *,
         axis: str | None = None,
-        quiet: Recording | None = None,
-        judged: Recording | None = None,
+        reference: Recording | None = None,
+        evaluate_on: Recording | None = None,
         effects: Sequence[Path] = (),
     ) -> Refinement:
-        """Adds an effect to the model of an axis: all that were added are estimated anew together, and the error is
+        """Adds an effect to the model of an axis: all added effects are estimated again together, and the error is
         measured on rows that were not fitted.
 
         Args:
             effect: Its identifier, or a finding of a diagnosis; None adds what the diagnosis finds, what should help most
                 first, until nothing is worth adding.
-            log: Where the model fails; by default the log of the step before.
+            log: The log to explain; by default the log of the step before.
             axis: As `gx`, or a column; needed where the study has several.
-            quiet: A reference log of the same device; by default the one that was fitted.
-            judged: The log that errors are of; by default the last two fifths of `log`.
+            reference: A reference log of the same device; by default the one that was fitted.
+            evaluate_on: The evaluation log; by default the last two fifths of `log`.
             effects: Effects of your own, one TOML file each.
 
         Returns:
             The axis with all steps.
 
         Raises:
-            RefineError: It is in the model already, nothing of it can be taken off, or the axis was refined on other logs.
+            RefineError: It is in the model already, it cannot be corrected, or the axis was refined on other logs.
             EffectError: It is not known.
         """
         name = effect.effect if isinstance(effect, Finding) else effect
         files = [os.fspath(path) for path in effects]
-        column = self._engine.add(name, engine_of(log), axis, engine_of(quiet), engine_of(judged), files)
+        column = self._engine.add(name, engine_of(log), axis, engine_of(reference), engine_of(evaluate_on), files)
         return next(one for one in self.history if one.column == column)
 
     def undo(self, axis: str | None = None) -> str:

@@ -227,7 +227,7 @@ fn the_header_says_what_the_model_is() {
         "// provenance   made for a test",
         "//              with a backslash /",
         "temp_linear",
-        "// Gx: reference 0 rad/s, offset 0.01230 rad/s",
+        "// gyro x: reference 0 rad/s, offset 0.01230 rad/s",
         "//     +6.000000e-1 r(n-1)",
         "#define UNIT_IMAGE_LENGTH",
     ] {

@@ -196,7 +196,7 @@ pub enum RecordingError {
     SeveralLogs { path: PathBuf, logs: Vec<String> },
     /// A channel without a single number.
     #[error(
-        "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: leave out the axis and what needs it, or name the column that holds it in the column map, as in {name}=column"
+        "{path}: {name}: every cell of its {rows} rows is empty or not a number\nhelp: choose other axes, or name the column that holds it in the column map, as in {name}=column"
     )]
     NoValues {
         path: String,
@@ -341,7 +341,7 @@ pub enum RecordingError {
     BadRow { path: PathBuf, row: Box<BadRow> },
     /// So many rows cannot be used that the log cannot be trusted.
     #[error(
-        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be left out (`columns` '!column')",
+        "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be excluded (`columns` '!column')",
         path.display(),
         limit * 100.0,
         path.display()
@@ -436,6 +436,6 @@ fn left_out(text_columns: &[String], first: Option<&BadRow>) -> String {
     let place = first.map_or_else(String::new, |row| format!("; the first is {row}"));
     match text_columns {
         [] => String::new(),
-        names => format!("; left out, since they hold text: {}{place}", names.join(", ")),
+        names => format!("; excluded because they hold text: {}{place}", names.join(", ")),
     }
 }

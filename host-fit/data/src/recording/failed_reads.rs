@@ -143,7 +143,7 @@ mod tests {
         let log = recording("temp_c", vec![0.0; 2000]);
         assert!(log.channel("temp_c").is_err());
         let text = log.oddities(&[true; 2000])[0].to_string();
-        assert!(text.contains("temp_c is exactly 0 °C in every row") && text.contains("left out"), "{text}");
+        assert!(text.contains("temp_c is exactly 0 °C in every row") && text.contains("excluded"), "{text}");
     }
 
     #[test]

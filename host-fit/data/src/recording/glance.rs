@@ -151,7 +151,7 @@ impl fmt::Display for Oddity {
                 if *share >= 1.0 {
                     return write!(
                         f,
-                        "{column} is exactly {} °C in every row: not a temperature; the column is left out",
+                        "{column} is exactly {} °C in every row: not a temperature; the column is excluded",
                         said.join(" or ")
                     );
                 }

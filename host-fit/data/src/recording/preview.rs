@@ -132,7 +132,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         target: None,
         unit: None,
         spec: None,
-        why: "holds text: left out".to_owned(),
+        why: "holds text: excluded".to_owned(),
         sure: true,
     });
     let columns: Vec<ColumnPreview> = columns.chain(text).collect();

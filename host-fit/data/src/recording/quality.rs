@@ -181,10 +181,10 @@ impl fmt::Display for Quality {
             lines.push(format!("{column}: {empty} cells empty, {not_finite} not finite"));
         }
         for axis in &self.empty_axes {
-            lines.push(format!("{axis}: every cell is empty or not a number; this axis is left out"));
+            lines.push(format!("{axis}: every cell is empty or not a number; this axis is excluded"));
         }
         if !self.text_columns.is_empty() {
-            lines.push(format!("columns of text, left out: {}", self.text_columns.join(", ")));
+            lines.push(format!("excluded columns of text: {}", self.text_columns.join(", ")));
         }
         f.write_str(&lines.join("\n"))
     }

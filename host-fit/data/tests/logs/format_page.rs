@@ -111,7 +111,7 @@ fn what_is_known_of_every_format_stands_on_the_page() {
     for known in KNOWN_FORMATS {
         let _ = write!(
             text,
-            "**{}** (`--format {}`; {})\n\n- read: {}\n- units: {}; clock: {}; temperature: {}\n- values: {}\n- look out for: {}\n- refused: {}\n\n",
+            "**{}** (`--format {}`; {})\n\n- read: {}\n- units: {}; clock: {}; temperature: {}\n- values: {}\n- pitfalls: {}\n- refused: {}\n\n",
             known.name,
             known.id,
             known.files,
@@ -132,7 +132,7 @@ fn what_comes_out_of_a_flight_stands_on_the_page() {
     let flight = Flight::new(SAMPLES, 5000, 1);
     let folder = TempDir::new().unwrap();
     let mut text = String::from(
-        "\n| format | file | holds | axes | rows | rate, Hz | furthest off: m/s² | rad/s | °C | gap: found | samples missing |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "\n| format | file | holds | axes | rows | rate, Hz | largest error: m/s² | rad/s | °C | gaps found | samples missing |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut covered = Vec::new();
     for Variant { format, name, what, write } in variants() {
@@ -170,7 +170,7 @@ fn what_hostile_files_are_told_stands_on_the_page() {
     let folder = TempDir::new().unwrap();
     let all = variants();
     let mut text =
-        String::from("\n| format | file | rows | of them wrong | is told |\n|---|---|---|---|---|\n");
+        String::from("\n| format | file | rows | of them wrong | message |\n|---|---|---|---|---|\n");
     let mut last = None;
     for Variant { format, name, write, .. } in &all {
         // one file of each format
@@ -191,15 +191,19 @@ fn what_hostile_files_are_told_stands_on_the_page() {
             ("empty", Vec::new(), None),
             ("its first 100 bytes", whole[..100].to_vec(), None),
             (
-                if other == Format::Ulog { "ULog, said to be it" } else { "DataFlash, said to be it" },
+                if other == Format::Ulog {
+                    "a ULog, stated as this format"
+                } else {
+                    "a DataFlash log, stated as this format"
+                },
                 (of_another(other).write)(&flight),
                 Some(*format),
             ),
             (
                 if table == Format::Euroc {
-                    "EuRoC's table, said to be it"
+                    "EuRoC's table, stated as this format"
                 } else {
-                    "Kalibr's table, said to be it"
+                    "Kalibr's table, stated as this format"
                 },
                 (of_another(table).write)(&flight),
                 Some(*format),

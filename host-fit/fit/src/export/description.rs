@@ -3,8 +3,9 @@
 use fos_data::column::Column;
 use std::fmt::{self, Display, Formatter};
 
-use fos_core::{Axis, AxisParameters, Channel, FittedOn, Image, Range, Source, Term};
+use fos_core::{AxisParameters, Channel, FittedOn, Image, Range, Source, Term};
 
+use super::model_of::column_of;
 use crate::fit::input_text;
 
 use fos_data::text::number;
@@ -86,15 +87,12 @@ impl Display for Description<'_> {
 }
 
 fn write_parameters(f: &mut Formatter<'_>, p: &AxisParameters<f32>) -> fmt::Result {
-    let unit = match p.axis {
-        Axis::Ax | Axis::Ay | Axis::Az => Column::named("_mps2").unit().label(),
-        Axis::Gx | Axis::Gy | Axis::Gz => Column::named("_rads").unit().label(),
-        Axis::Other => "",
-    };
+    let column = column_of(p.axis).map(Column::named);
+    let unit = column.map_or("", |column| column.unit().label());
     writeln!(
         f,
-        "\n{:?}: reference {} {unit}, offset {} {unit}, scale {} {unit}",
-        p.axis,
+        "\n{}: reference {} {unit}, offset {} {unit}, scale {} {unit}",
+        column.map_or("other axis", Column::label),
         number(p.reference.into()),
         number(p.offset.into()),
         number(p.scale.into())

@@ -22,7 +22,7 @@ fn remedy(error: &ImageError) -> &'static str {
         | ImageError::Model(TooManyInputs { .. } | TooManyTerms { .. } | LagTooDeep { .. }) => {
             "a model with a smaller `max_terms`, `max_lag`, or with fewer inputs"
         }
-        _ => "a model that was fitted anew: what is stored does not fit into f32, or was changed by hand",
+        _ => "fit the model again: the stored values do not fit into f32, or were changed by hand",
     }
 }
 

@@ -15,7 +15,7 @@ pub struct NoColumn {
 }
 
 /// The column of an axis.
-fn column_of(axis: Axis) -> Option<&'static str> {
+pub(super) fn column_of(axis: Axis) -> Option<&'static str> {
     match axis {
         Axis::Ax => Some("ax_mps2"),
         Axis::Ay => Some("ay_mps2"),

@@ -41,7 +41,7 @@ pub enum AxisError {
     },
     /// An accelerometer without a reference, in more than one pose.
     #[error(
-        "{column}: the unit lies still in two poses, from {:.1} s on with {} and from {:.1} s on with {} m/s²: what gravity gives is not one value, and the difference would be taken for an error\nhelp: fit one pose: `train` {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros do not mind: `axis` gx,gy,gz",
+        "{column}: the device rests in several orientations, from {:.1} s on with {} and from {:.1} s on with {} m/s²: gravity differs between them, and the difference would be fitted as an error\nhelp: fit one orientation: `train` {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros are not affected: `axis` gx,gy,gz",
         first.0, force(&first.1), second.0, force(&second.1)
     )]
     TwoPoses {
@@ -90,7 +90,7 @@ pub enum AxisError {
     Autoregression { column: String, source: AutoregressionError },
     /// The model does not follow the rows that it was fitted to.
     #[error(
-        "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or leave out inputs that hardly change in it (`physical`, `input`)"
+        "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or remove inputs that hardly change in it (`physical`, `input`)"
     )]
     Diverges {
         column: String,
@@ -102,7 +102,7 @@ pub enum AxisError {
     },
     /// fos-core refuses the model.
     #[error(
-        "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and leave out rows that are no measurements"
+        "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and remove rows that are not measurements"
     )]
     Model { column: String, source: ModelError },
 }

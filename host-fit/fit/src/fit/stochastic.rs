@@ -79,7 +79,7 @@ fn search(
             name(&pool.monomials()[candidate])
         ),
         Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
-        Stopped::Rounding => "stopped: what other terms take off the MSE is within its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
+        Stopped::Rounding => "stopped: other terms reduce the MSE by less than its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
         Stopped::MostMoves => "stopped after as many exchanges as are allowed; another might lower the error further".to_owned(),
         Stopped::MseRatio => "stopped: MseRatio".to_owned(),
         Stopped::NothingLeft => "stopped: NothingLeft".to_owned(),

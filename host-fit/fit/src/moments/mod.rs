@@ -159,7 +159,7 @@ impl SubAssign<&Moments> for Moments {
     /// If the moments were made for different pools, or `other` has more rows.
     fn sub_assign(&mut self, other: &Moments) {
         self.assert_same_pool(other);
-        self.rows = self.rows.checked_sub(other.rows).expect("the rows left out are part of these moments");
+        self.rows = self.rows.checked_sub(other.rows).expect("the excluded rows are part of these moments");
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a -= b);
     }
 }

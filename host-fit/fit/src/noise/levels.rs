@@ -117,7 +117,7 @@ impl LevelPrior {
 /// The levels cannot be told: what is known of their logarithms is no covariance, as of data that are not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the noise levels cannot be told from this log: the precision of their logarithms is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
+    "the noise levels are not identifiable from this log: the precision of their logarithms is not positive definite\nhelp: use a longer log at rest, without outliers"
 )]
 pub struct UnknownLevels;
 

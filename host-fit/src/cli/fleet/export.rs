@@ -1,4 +1,4 @@
-//! `fleet export`: an image for a part and a record for each of its units.
+//! `fleet export`: an image for a part and a record for each device.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,26 +13,26 @@ use crate::cli::output::{Failure, Written, print_line, print_warning, print_writ
 use fos_data::file::process_reads::Identity;
 use fos_data::file::write_atomically;
 
-/// Write what a part ships with: an image for all its units, and some 100 bytes for each
+/// Write the image of a part, and a record of some 100 bytes for each device
 ///
-/// The image has the means of the population. The record of a unit has what its own log tells beside its population, and a device makes the image of the
-/// unit of both (fos_core::image::for_unit, in C fos_image_for_unit). A unit without a record runs on the image of its part. One that does not belong to its population has
-/// what its own log tells and nothing else.
+/// The image has the means of the population. The record of a device combines its own log with the population, and the device makes its
+/// image of both (fos_core::image::for_unit, in C fos_image_for_unit). A device without a record runs on the image of its part. The record of
+/// an odd device comes from its own log alone.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fleet export population.json -o shipment --sensor bmi270")]
 pub(super) struct Export {
-    /// The population: what `fos fleet` wrote, with its rows beside it
+    /// The population, as `fos fleet` wrote it, with its rows beside it
     population: PathBuf,
-    /// The folder to write: part.fosm, units.csv, and a file for each unit in units/
+    /// The folder to write: part.fosm, units.csv, and a file for each device in units/
     #[arg(short, long, default_value = "shipment")]
     output: OutputFolder,
-    /// The part, where the population has several
+    /// The part, if the population has several
     #[arg(long, value_name = "NAME")]
     part: Option<String>,
-    /// Name of the sensor, stored in the image; the name of the part, if it is not given
+    /// Name of the sensor, stored in the image; by default the name of the part
     #[arg(long, value_name = "NAME")]
     sensor: Option<String>,
-    /// The logs were after a factory's or driver's correction, and so is what the image is for
+    /// The logs, and the values on the device, are after a factory's or driver's correction
     #[arg(long)]
     factory_corrected: bool,
     /// Print what was written as JSON
@@ -130,7 +130,7 @@ impl Export {
         let odd: Vec<String> =
             shipment.units.iter().filter(|unit| unit.odd).map(|unit| unit.unit.clone()).collect();
         if !odd.is_empty() {
-            print_warning(&format!("{} units do not belong to their population: {}", odd.len(), some(&odd)));
+            print_warning(&format!("odd devices: {}: {}", odd.len(), some(&odd)));
         }
         if !self.json {
             let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! `fleet`: what the units in a folder have in common, which do not belong, and what follows from it. Each subcommand in a file of its own.
+//! `fleet`: the population of the devices in a folder, odd devices, and the records to ship. One file per subcommand.
 
 mod export;
 mod make;
@@ -10,9 +10,9 @@ use super::output::Failure;
 
 /// Compare many devices: mean of the part, scatter, odd devices
 ///
-/// Every unit is a log at rest of some minutes, in which the temperature changes. Its bias and its coefficients are estimated with their errors,
-/// and the scatter of the units is told apart from those. Rows are kept beside the output, and a run that was broken off goes on where it
-/// was. A unit that cannot be read is told and left out.
+/// Every device is a log at rest of some minutes, in which the temperature changes. Its bias and its coefficients are estimated with their
+/// errors, and the scatter of the devices is separated from those. Rows are stored beside the output, and interrupted runs resume. A device
+/// that cannot be read is reported and excluded.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example: fos fleet line3 -o population.json --regressor temp_c",
@@ -27,7 +27,7 @@ pub(super) struct Fleet {
     make: make::Make,
 }
 
-/// What is done with a population that was made.
+/// Commands that read a population.
 #[derive(Debug, Subcommand)]
 enum OfPopulation {
     Export(export::Export),

@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::OutputFile;
+use crate::cli::arguments::{OutputFile, only_ends_in};
 use crate::cli::output::{Failure, print_json, print_line};
 use crate::report::fleet::{FleetReport, html};
 use fos_data::file::write_atomically;
 use fos_fleet::Fleet;
 
-/// Write a population into one page: how units and lots scatter, which units do not belong, what to ship
+/// Write a population as one page: scatter of devices and lots, odd devices, what to ship
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fleet report population.json -o fleet.html")]
 pub(super) struct Report {
-    /// The population; the rows of its units lie beside it, under the same name with .rows behind it
+    /// The population; its rows are beside it, under the same name with .rows appended
     population: PathBuf,
     /// The page to write
     #[arg(short, long, default_value = "fleet.html")]
@@ -26,6 +26,9 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if !self.json {
+            only_ends_in(&self.output, "--output", &["html", "htm"])?;
+        }
         let (fleet, rows) = Fleet::read(&self.population)?;
         let content = FleetReport::of(&fleet, &rows, &self.population);
         if self.json {
@@ -33,7 +36,7 @@ impl Report {
         }
         let text = html(&content)?;
         write_atomically(&self.output, text.as_bytes())?;
-        print_line!("{}: {} units, {} kB", self.output.display(), fleet.units, text.len().div_ceil(1000));
+        print_line!("{}: {} devices, {} kB", self.output.display(), fleet.units, text.len().div_ceil(1000));
         Ok(())
     }
 }

@@ -185,7 +185,7 @@ impl CoefficientReport {
         let unit = &self.unit;
         if low <= 0.0 {
             found.push(format!(
-                "The scatter between units is not told from the error of the logs, {} {unit}: it may be none, and is at most {} {unit}. Longer logs tell it.",
+                "The scatter between devices is indistinguishable from the error of the logs, {} {unit}: it may be zero, and is at most {} {unit}. Longer logs separate the two.",
                 number(self.error_of_log),
                 number(high)
             ));

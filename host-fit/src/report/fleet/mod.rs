@@ -158,7 +158,7 @@ fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
     let silent = read.partly + read.nothing;
     if share(silent) > MANY {
         found.push(format!(
-            "{silent} of {} units could not be told, or not in all: if those that fail are unlike the others, what is said here is not of the part.",
+            "{silent} of {} devices have incomplete data: if they differ from the others, these results do not describe the part.",
             read.units
         ));
     }
@@ -172,7 +172,7 @@ fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
         axes.iter().filter(|axis| axis.coefficients.is_empty()).map(|axis| axis.label.as_str()).collect();
     if !without.is_empty() {
         found.push(format!(
-            "There is no population of {}: too few units tell a coefficient.",
+            "No population of {}: too few devices determine a coefficient.",
             without.join(", ")
         ));
     }

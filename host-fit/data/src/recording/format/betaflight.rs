@@ -56,7 +56,7 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
                 }
                 assumed.push_str(&format!("; accSmooth {said}, filtered by the flight controller"));
             }
-            None => assumed.push_str("; accSmooth left out: gravity does not tell how many counts are 1 g"),
+            None => assumed.push_str("; accSmooth excluded: gravity does not show how many counts are 1 g"),
         }
     }
     let by = "Betaflight (gyro zero and accelerometer trim subtracted, turned to the vehicle)";

@@ -42,7 +42,7 @@ pub(super) fn unpacked(
     {
         return Err(RecordingError::OtherFormat {
             path: path.to_owned(),
-            is: format!("it begins as {found} does, and was said to be {given}"),
+            is: format!("it begins like {found}, but the stated format is {given}"),
             help: "leave the format out, so that it is found by the content",
         });
     }

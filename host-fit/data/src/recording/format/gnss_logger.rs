@@ -92,7 +92,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result
     if !streams.iter().any(|stream| !stream.name.ends_with("Mag")) {
         return Err(RecordingError::OtherFormat {
             path: path.to_owned(),
-            is: "there are no rows of accelerometer and gyro in it, as GnssLogger writes them".to_owned(),
+            is: "it has no accelerometer and gyro rows as GnssLogger writes them".to_owned(),
             help: "switch on \"Sensors\" in its settings, and record again",
         });
     }

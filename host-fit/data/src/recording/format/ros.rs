@@ -284,7 +284,7 @@ impl Topics {
         let of_taken = |connection: &&Connection| connection.name == taken.name;
         let unreadable: u64 = self.connections.iter().filter(of_taken).map(|of| of.unreadable).sum();
         let few = few.get(&taken.name).copied().unwrap_or(0);
-        let few = if few > 0 { format!("; {few} messages of other frames left out") } else { String::new() };
+        let few = if few > 0 { format!("; {few} messages of other frames excluded") } else { String::new() };
         choice::refuse_damage(path, format, strict, damage.as_deref(), unreadable)?;
         let others: BTreeSet<&str> = devices
             .iter()

@@ -154,7 +154,7 @@ fn refuse_other_format(path: &Path, given: Option<Format>, found: Format) -> Res
         None => Ok(()),
         Some(given) => Err(RecordingError::OtherFormat {
             path: path.to_owned(),
-            is: format!("its files are those of {found}, and it was said to be {given}"),
+            is: format!("its files are those of {found}, but the stated format is {given}"),
             help: "leave the format out, so that it is found by the content",
         }),
     }

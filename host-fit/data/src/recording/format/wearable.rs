@@ -73,7 +73,7 @@ impl Blocks {
                     "there are {} samples in it, and {damaged} blocks that cannot be read",
                     stamps_ns.len()
                 ),
-                "copy the file from the device again, or record anew",
+                "copy the file from the device again, or record again",
             ));
         }
         let has = |columns: &[Vec<f64>; 3]| columns[0].len() == stamps_ns.len();

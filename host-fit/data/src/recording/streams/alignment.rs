@@ -116,7 +116,7 @@ fn strays(f: &mut fmt::Formatter<'_>, sorted: u64, dropped: u64) -> fmt::Result 
         write!(f, "; {sorted} samples were out of order and were sorted")?;
     }
     if dropped > 0 {
-        write!(f, "; {dropped} samples that were there twice or stamped far off were left out")?;
+        write!(f, "; {dropped} duplicate samples, or samples with wrong timestamps, were excluded")?;
     }
     Ok(())
 }

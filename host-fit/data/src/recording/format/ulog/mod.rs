@@ -518,7 +518,7 @@ impl Gathered {
         let (own, strange): (Vec<usize>, Vec<usize>) =
             [ACCEL, GYRO].into_iter().filter(|at| self.slow[*at].values.len() > 1).partition(is_taken);
         if let ([], [at, ..]) = (&own[..], &strange[..]) {
-            said.push(format!("temperature of {} left out, which is another device", TOPICS[*at].name));
+            said.push(format!("temperature of {} excluded: it is another device", TOPICS[*at].name));
         }
         let temperature = own.first().copied();
         for at in temperature.into_iter().chain([POWER, LOAD]) {

@@ -1,4 +1,4 @@
-//! The commands of docs/coming-from.md, run in its order on logs made for them.
+//! The commands of the tutorials, and of the pages for users of other tools on logs made for them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,10 +39,63 @@ fn write_log(path: &Path, seed: u32, swing: f64) {
     std::fs::write(path, text).expect("written");
 }
 
+fn page(name: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name)).expect("there")
+}
+
+/// Runs the commands of a tutorial and finds every line of its outputs in what they print. A line that ends in … is the
+/// beginning of one.
+fn runs_as_it_stands(name: &str) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let page = page(name);
+    let mut printed = Vec::new();
+    for command in commands(&page) {
+        let words: Vec<&str> = command.iter().map(String::as_str).take_while(|word| *word != "#").collect();
+        match words[..] {
+            ["fos", ref arguments @ .., ">", file] => {
+                std::fs::write(folder.join(file), done(folder, arguments)).expect("written");
+            }
+            ["fos", ref arguments @ ..] => printed.extend(lines_of(&done(folder, arguments))),
+            _ => {} // how fos is installed
+        }
+    }
+    let blocks = page.split("\n```").skip(1).step_by(2).filter(|block| !block.starts_with("sh\n"));
+    for line in blocks.flat_map(|block| lines_of(block.split_once('\n').expect("a line").1)) {
+        let found = match line.strip_suffix('…') {
+            Some(beginning) => printed.iter().any(|line| line.starts_with(beginning.trim_end())),
+            None => printed.contains(&line),
+        };
+        assert!(found || line == "[...]", "{name}: {line}\n\n{}", printed.join("\n"));
+    }
+    if let Ok(image) = folder.join("unit.fosm").metadata() {
+        assert!(
+            page.contains(&format!("{} bytes", image.len())),
+            "{name}: an image of {} bytes",
+            image.len()
+        );
+    }
+}
+
+/// Lines with single spaces, so that a column may be wider.
+fn lines_of(text: &str) -> Vec<String> {
+    text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+}
+
 #[test]
-fn every_command_of_the_page_does_what_it_says() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/coming-from.md");
-    let page = std::fs::read_to_string(page).expect("there");
+fn the_first_tutorial_runs_as_it_stands() {
+    runs_as_it_stands("first-correction.md");
+}
+
+#[test]
+fn the_walk_through_runs_as_it_stands() {
+    runs_as_it_stands("finding-a-missing-effect.md");
+}
+
+#[test]
+fn every_command_of_the_pages_does_what_it_says() {
+    let pages = ["imu-yaml.md", "coming-from.md", "px4.md", "ardupilot.md"].map(page);
+    let page = pages.concat();
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let commands = commands(&page);
