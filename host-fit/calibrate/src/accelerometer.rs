@@ -15,7 +15,7 @@ use crate::gravity::Gravity;
 use crate::imu::{Axes, Imu, Scale};
 use crate::least_squares::student;
 use crate::length_fit::{self, Known, LengthFit, Vector, all_parameters, gradient, sphere};
-use crate::orientation::{Orientation, candidates, count_distinct, furthest, in_words, spread_deg};
+use crate::orientation::{Orientation, candidates, count_distinct, furthest, in_words, spread_deg, unseen};
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::quiet::Windows;
 use crate::rests::{Exclusion, Rest, Rests, SHORTEST_WITH_MARGINS_S, find, unit};
@@ -46,13 +46,16 @@ const NOT_DETERMINED: f64 = 0.3;
 
 /// A parameter is weakly determined if its half-width is above this, m/s² at 1 g (1 mg), and so many times the median.
 const WEAK_MPS2: f64 = 0.01;
-const WEAK_TIMES: f64 = 3.0;
+const WEAK_TIMES: f64 = 2.0;
 
 /// Temperatures at rest that span less than this, K, say nothing about slopes.
 const LEAST_SPAN_K: f64 = 3.0;
 
 /// Chance to exclude a rest of a log without outliers.
 const OUTLIER_CHANCE: f64 = 1e-3;
+
+/// Fewest degrees of freedom to look for outliers.
+const FEWEST_FOR_OUTLIERS: f64 = 5.0;
 
 /// Largest share of the rests that may be outliers.
 const MAX_OUTLIERS: f64 = 0.25;
@@ -118,7 +121,8 @@ pub struct Accelerometer {
     /// Of the parameters, row by row.
     pub correlations: Vec<Vec<f64>>,
     pub rests: Vec<RestResidual>,
-    /// Distinct orientations among the rests that are not excluded.
+    /// Distinct orientations among the rests that are not excluded. With no more than nine the residual shows how well rests
+    /// repeat, not how well the model fits.
     pub orientations: usize,
     pub degrees_of_freedom: f64,
     /// RMS of |a| − g over these rests, m/s²: corrected, and before with the nominal scale (`None` for counts).
@@ -131,6 +135,8 @@ pub struct Accelerometer {
     pub temperature_c: Option<[f64; 2]>,
     /// The largest half-width of bias, sensitivity and cross-axis at 1 g, m/s².
     pub worst_mps2: f64,
+    /// Faces that no rest comes near to: "y pointing up".
+    pub unseen: Vec<String>,
     pub next: Next,
     /// Further dwells until the accuracy is reached: empty if it is, or if none was asked for; `None` if more than 12.
     pub plan: Option<Vec<String>>,
@@ -211,9 +217,9 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
         let next = in_words(&furthest(&seen, 3));
         return Err(CalibrateError::OneOrientation { rests: kept.len(), spread_deg: spread, next });
     }
-    let orientations = count_distinct(&seen);
-    if orientations <= UNKNOWNS {
-        let more = ENOUGH_ORIENTATIONS - orientations;
+    if kept.len() <= UNKNOWNS {
+        let orientations = count_distinct(&seen);
+        let more = ENOUGH_ORIENTATIONS.saturating_sub(orientations).max(3);
         let next = in_words(&furthest(&seen, more));
         let excluded = excluded_in_words(&rests);
         return Err(CalibrateError::NoRedundancy { orientations, unknowns: UNKNOWNS, more, next, excluded });
@@ -254,7 +260,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
         let remaining: Vec<usize> =
             (0..kept.len()).filter(|at| found.iter().all(|(out, _)| out != at)).collect();
         let left: Vec<usize> = remaining.iter().map(|&at| kept[at]).collect();
-        if found.is_empty() || count_distinct(&directions(&rests, &left, &fitted.model)) <= UNKNOWNS {
+        if found.is_empty() || left.len() <= UNKNOWNS {
             break fitted;
         }
         outliers += found.len();
@@ -363,7 +369,8 @@ fn check_gravity(fitted: &LengthFit, g: f64) -> Result<(), CalibrateError> {
 /// Student's t at a chance of [`OUTLIER_CHANCE`] for the whole log (Cook and Weisberg 1982, section 2.2.2).
 fn outlying(fitted: &LengthFit, rests: usize) -> Vec<(usize, f64)> {
     let degrees = fitted.degrees_of_freedom;
-    if degrees < 2.0 {
+    // with fewer, a residual far from the others may be the only right one
+    if degrees < FEWEST_FOR_OUTLIERS {
         return Vec::new();
     }
     let limit = student(1.0 - OUTLIER_CHANCE / rests as f64, degrees - 1.0);
@@ -525,6 +532,7 @@ fn report(
         noise_mps2: noise_variance.sqrt(),
         temperature_c,
         worst_mps2,
+        unseen: unseen(seen).iter().map(Orientation::describe).collect(),
         next,
         plan,
         accuracy,

@@ -90,6 +90,8 @@ pub(crate) fn fit(
     let unscaled = covariance(&minimum.at.jacobian)?;
     let squares = minimum.at.residuals.rows(0, vectors.len()).norm_squared();
     let scale = if degrees_of_freedom > 0.0 { squares / degrees_of_freedom } else { 1.0 };
+    // residuals below the noise of the samples are luck of few rests, not accuracy
+    let scale = if noise.iter().all(|v| *v > 0.0) { scale.max(1.0) } else { scale };
     let leverage = leverages(&minimum.at.jacobian, &unscaled);
     let studentised = minimum.at.residuals.iter().zip(&leverage).take(vectors.len());
     let studentised =

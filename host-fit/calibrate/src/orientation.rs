@@ -84,11 +84,23 @@ pub(crate) fn furthest(directions: &[[f64; 3]], count: usize) -> Vec<Orientation
     chosen
 }
 
-/// Orientations in a sentence: "one dwell with y pointing up, then one with …".
+/// Most orientations in a sentence.
+const MOST_IN_WORDS: usize = 4;
+
+/// Orientations in a sentence: "one dwell with y pointing up, one dwell with …".
 pub(crate) fn in_words(orientations: &[Orientation]) -> String {
-    let listed: Vec<String> =
-        orientations.iter().map(|one| format!("one dwell with {}", one.describe())).collect();
+    let some = orientations.iter().take(MOST_IN_WORDS);
+    let mut listed: Vec<String> = some.map(|one| format!("one dwell with {}", one.describe())).collect();
+    if orientations.len() > MOST_IN_WORDS {
+        listed.push("and others on edges and corners".to_owned());
+    }
     listed.join(", ")
+}
+
+/// Faces that no direction comes near to: within 45°.
+pub(crate) fn unseen(directions: &[[f64; 3]]) -> Vec<Orientation> {
+    let is_seen = |face: &Orientation| directions.iter().any(|one| angle_deg(one, &face.up) < 45.0);
+    candidates().into_iter().take(6).filter(|face| !is_seen(face)).collect()
 }
 
 /// Largest angle between two of the directions, °.

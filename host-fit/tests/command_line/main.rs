@@ -1,5 +1,6 @@
 //! The program on the command line: each test runs it in a folder of its own.
 
+mod calibrate_imu;
 mod cli;
 mod coming_from;
 mod empty_axis;
@@ -20,5 +21,6 @@ mod strangers_file;
 mod study_file;
 mod subcommands;
 mod temperature_tables;
+mod turned_log;
 mod unusual_files;
 mod versions;

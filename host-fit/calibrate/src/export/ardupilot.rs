@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
+use super::in_comment;
 use crate::Calibration;
 
 /// Ranges of the parameters (AP_InertialSensor.cpp, `@Range` of ACCSCAL and ACCOFFS).
@@ -41,10 +42,10 @@ impl ArduPilot {
         };
         let one = &self.parameters;
         let mut text = format!(
-            "# Accelerometer and gyro {instance} (counted from 0), from {}, by fos calibrate-imu\n\
+            "# Accelerometer and gyro {instance} (counted from 0), from {}, by fos\n\
              # Axes are those of the sensor, before AHRS_ORIENTATION. ArduPilot has no cross-axis terms: without them up to\n\
              # {:.1} mg remain at 1 g. It has no gyro scale.\n",
-            log.replace(['\n', '\r'], " "),
+            in_comment(log),
             one.neglected_mps2 / 9.80665e-3
         );
         for (axis, letter) in ["X", "Y", "Z"].iter().enumerate() {

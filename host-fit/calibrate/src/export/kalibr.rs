@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::in_comment;
 use crate::Calibration;
 
 /// Intrinsics in Kalibr's form.
@@ -50,14 +51,14 @@ impl Kalibr {
     /// The file `imu.yaml`'s intrinsics, with the formula that applies them.
     pub fn file(&self, log: &str) -> String {
         let mut text = format!(
-            "# Intrinsics of an IMU, from {}, by fos calibrate-imu\n\
+            "# Intrinsics of an IMU, from {}, by fos\n\
              # Raw values are M a + b (accelerometer) and M C_gyro_i w + A C_gyro_i a + b (gyro), so that\n\
              #   a = inv(M_accel) (raw - b_accel)\n\
              #   w = inv(C_gyro_i) inv(M_gyro) (raw - b_gyro - A C_gyro_i a)\n\
              # in the frame of the IMU, whose x axis is that of the accelerometer.\n\
              model: scale-misalignment\n\
              accelerometers:\n",
-            log.replace(['\n', '\r'], " ")
+            in_comment(log)
         );
         let _ = write!(text, "  M:\n{}", rows(&self.accelerometer_m));
         let _ = writeln!(text, "  b: {}", row(self.accelerometer_bias.as_slice()));

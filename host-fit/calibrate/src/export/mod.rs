@@ -19,3 +19,8 @@ pub use autopilot::{Autopilot, NotForAutopilot};
 pub use imu_tk::{ImuTk, ImuTkTriad};
 pub use kalibr::{Kalibr, KalibrGyro};
 pub use px4::Px4;
+
+/// The name of a log inside a comment: printable ASCII on one line.
+fn in_comment(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
+}

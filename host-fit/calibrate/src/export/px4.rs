@@ -7,6 +7,7 @@
 use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
+use super::in_comment;
 use crate::Calibration;
 
 /// Range of PX4's scales (src/lib/sensor_calibration/Accelerometer.cpp, `set_scale`, refuses 0 and below); offsets have none, and
@@ -32,12 +33,12 @@ impl Px4 {
     pub fn file(&self, log: &str, instance: u8, ids: [u32; 2]) -> String {
         let one = &self.0;
         let mut text = format!(
-            "# Accelerometer and gyro {instance} (counted from 0), from {}, by fos calibrate-imu\n\
+            "# Accelerometer and gyro {instance} (counted from 0), from {}, by fos\n\
              # Load with QGroundControl and restart. CAL_ACC{instance}_ID and CAL_GYRO{instance}_ID must be the device_id of the sensors\n\
              # (as in sensor_accel, sensor_gyro); 0 means that fos does not know it: enter it by hand.\n\
              # PX4 has no cross-axis terms: without them up to {:.1} mg remain at 1 g. It has no gyro scale.\n\
              # Vehicle-Id\tComponent-Id\tName\tValue\tType\n",
-            log.replace(['\n', '\r'], " "),
+            in_comment(log),
             one.neglected_mps2 / 9.80665e-3
         );
         let mut line = |name: &str, value: String, kind: u8| {
