@@ -11,6 +11,7 @@
 
 pub mod bench;
 pub mod calibration;
+pub mod certificate;
 pub mod cli;
 mod command_lines;
 pub mod curves;

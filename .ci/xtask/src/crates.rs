@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ host-fit      fos-data ◄ fos-simulate ◄ host-fit
+//! fos-data ◄ fos-calibrate ◄ host-fit
 //! ```
 //!
 //! Of dependencies that are built for those who use the crate: tests may look at everything.
@@ -19,12 +20,22 @@ const MAY: &[(&str, &[&str])] = &[
     ("fos-embedded", &["fos-core"]),
     ("fos-data", &["fos-core"]),
     ("fos-fit", &["fos-core", "fos-data"]),
+    ("fos-calibrate", &["fos-data"]),
     ("fos-diagnose", &["fos-core", "fos-data", "fos-fit"]),
     ("fos-fleet", &["fos-core", "fos-data", "fos-fit", "fos-diagnose"]),
     ("fos-simulate", &["fos-core", "fos-data"]),
     (
         "host-fit",
-        &["fos-core", "fos-embedded", "fos-data", "fos-fit", "fos-diagnose", "fos-fleet", "fos-simulate"],
+        &[
+            "fos-core",
+            "fos-embedded",
+            "fos-data",
+            "fos-fit",
+            "fos-calibrate",
+            "fos-diagnose",
+            "fos-fleet",
+            "fos-simulate",
+        ],
     ),
     ("xtask", &[]),
 ];

@@ -5,6 +5,8 @@ mod arguments;
 mod batch;
 mod bench;
 mod calibrate;
+mod calibrate_imu;
+mod calibration_summary;
 mod command_tree;
 mod compare;
 mod comparison_summary;
@@ -60,6 +62,7 @@ enum Command {
     Demo(demo::Demo),
     Simulate(simulate::Simulate),
     Noise(noise::Noise),
+    CalibrateImu(calibrate_imu::CalibrateImu),
     Table(table::Table),
     Fit(fit::Fit),
     Compare(compare::Compare),
@@ -91,13 +94,14 @@ fos models the bias drift of MEMS gyros and accelerometers from a log.
 
   fos diagnose LOG             find out why a sensor drifts
   fos fit LOG -o unit.json     fit a model for the device
+  fos calibrate-imu LOG        bias, sensitivity and cross-axis, from hand-turned orientations
   fos noise LOG                noise values for a filter, from a log at rest
 
 `fos demo` shows everything on simulated data, `fos --help` lists all commands.";
 
 /// The subcommands by what they are for.
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Start here", &["demo", "diagnose", "fit", "noise", "serve"]),
+    ("Start here", &["demo", "diagnose", "fit", "calibrate-imu", "noise", "serve"]),
     ("Improve a model", &["compare", "add", "undo", "history", "report", "effects"]),
     ("Device", &["export", "inspect", "replay", "record"]),
     ("Logs", &["formats", "convert", "simulate"]),
@@ -115,7 +119,7 @@ pub fn command() -> clap::Command {
             let known = names.iter().filter_map(|name| program.find_subcommand(name));
             let line = |one: &clap::Command| {
                 let about = one.get_about().map(ToString::to_string).unwrap_or_default();
-                format!("  {:<12} {about}\n", one.get_name())
+                format!("  {:<13} {about}\n", one.get_name())
             };
             format!("{title}:\n{}\n", known.map(line).collect::<String>())
         })
@@ -180,6 +184,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Demo(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Noise(command) => command.run(),
+        Command::CalibrateImu(command) => command.run(),
         Command::Table(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),

@@ -14,8 +14,10 @@ use serde::Serialize;
 pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};
+pub(crate) use render::markdown_environment;
 pub use render::{html, markdown};
 pub use template::RenderError;
+pub(crate) use template::{of_pages as page_environment, style};
 
 use crate::command_lines::command_lines;
 use crate::examine::examine;

@@ -1,7 +1,7 @@
 //! A report as a page, and as Markdown. Nothing is computed here.
 
 use minijinja::value::Serde;
-use minijinja::{AutoEscape, ErrorKind, Value, context};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context};
 
 use super::template::{RenderError, drawn, environment, of_pages, style};
 use super::{Report, markdown_text};
@@ -32,6 +32,16 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
 ///
 /// None that a report can cause.
 pub fn markdown(report: &Report) -> Result<String, RenderError> {
+    let mut environment = markdown_environment()?;
+    environment.add_filter("code", |text: &str| Value::from_safe_string(markdown_text::code(text)));
+    environment
+        .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
+    let template = environment.template_from_str(include_str!("report.md"))?;
+    Ok(template.render(context! { report => Serde(report) })?)
+}
+
+/// For Markdown: text is escaped.
+pub(crate) fn markdown_environment() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Custom("markdown".into()))?;
     environment.set_formatter(|out, _, value| match value.as_str() {
         Some(text) if !value.is_safe() => {
@@ -39,9 +49,5 @@ pub fn markdown(report: &Report) -> Result<String, RenderError> {
         }
         _ => write!(out, "{value}").map_err(|_| ErrorKind::WriteFailure.into()),
     });
-    environment.add_filter("code", |text: &str| Value::from_safe_string(markdown_text::code(text)));
-    environment
-        .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
-    let template = environment.template_from_str(include_str!("report.md"))?;
-    Ok(template.render(context! { report => Serde(report) })?)
+    Ok(environment)
 }

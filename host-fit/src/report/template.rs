@@ -20,7 +20,7 @@ pub enum RenderError {
 }
 
 /// For pages: what is not markup is escaped.
-pub(super) fn of_pages() -> Result<Environment<'static>, Error> {
+pub(crate) fn of_pages() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Html)?;
     environment.set_formatter(|out, state, value| match value.as_str() {
         Some(text) if !value.is_safe() => escape_formatter(out, state, &visible_lines(text).into()),
@@ -36,7 +36,7 @@ pub(super) fn drawn(figure: &Figure) -> Result<Value, RenderError> {
 }
 
 /// How every page looks.
-pub(super) fn style() -> Value {
+pub(crate) fn style() -> Value {
     Value::from_safe_string(include_str!("report.css").to_owned())
 }
 

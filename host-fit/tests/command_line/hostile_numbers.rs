@@ -1,6 +1,7 @@
 //! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory
 //! without end.
 
+use crate::turned_log::turned_log;
 use std::any::TypeId;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -52,6 +53,9 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
         ("export", _) => "export unit.json --instance 0 --px4 unit.params --evaluate-on log.csv",
         ("fleet", _) => "fleet . -o population.json",
         ("noise", _) => "noise log.csv --axis gx",
+        ("calibrate-imu", "rate-table") => "calibrate-imu turned.csv",
+        ("calibrate-imu", "height") => "calibrate-imu turned.csv --latitude 45",
+        ("calibrate-imu", _) => "calibrate-imu turned.csv --px4 turned.params",
         ("convert", _) => "convert log.csv -o out.csv",
         ("demo", _) => "demo",
         ("serve", _) => "serve",
@@ -61,7 +65,9 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
 }
 
 /// Options whose text has numbers in it, and where.
-const TEXTS: [(&str, &str, &[&str]); 9] = [
+const TEXTS: [(&str, &str, &[&str]); 11] = [
+    ("calibrate-imu", "rate-table", &["#rpm", "33.3333rpm,#dps"]),
+    ("calibrate-imu", "accuracy", &["#mg"]),
     ("fleet", "regressor", &["temp_c:lowpass(#)", "temp_c:rate(#)"]),
     ("fit", "train", &["#%", "#s", "#"]),
     ("fit", "memory", &["#", "1,#"]),
@@ -85,9 +91,9 @@ const TEXTS: [(&str, &str, &[&str]); 9] = [
 ];
 
 /// Options that take text without a number, or words that are listed.
-const WORDS: [&str; 16] = [
-    "axis", "axes", "sensor", "part", "target", "method", "search", "stop", "listen", "map", "effect",
-    "input", "physical", "rostopic", "format", "topic",
+const WORDS: [&str; 18] = [
+    "device", "date", "axis", "axes", "sensor", "part", "target", "method", "search", "stop", "listen",
+    "map", "effect", "input", "physical", "rostopic", "format", "topic",
 ];
 
 /// What became of a command line.
@@ -202,6 +208,7 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
     prepare("fit log.csv --axis gx --max-terms 2 -o unit.json");
     prepare("export unit.json --image unit.fosm");
     std::fs::write(folder.path().join("none.stream"), "").expect("written");
+    std::fs::write(folder.path().join("turned.csv"), turned_log()).expect("written");
 
     let (lines, options) = command_lines();
     // without the option each of them works, so that a refusal is one of the number
@@ -228,7 +235,7 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
         while let Some(line) = lines.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
             // one folder each: they write files of one name
             let own = tempfile::tempdir().expect("a folder");
-            for file in ["log.csv", "unit.json", "unit.fosm", "none.stream"] {
+            for file in ["log.csv", "unit.json", "unit.fosm", "none.stream", "turned.csv"] {
                 std::fs::copy(folder.path().join(file), own.path().join(file)).expect("copied");
             }
             let (end, said) = run(own.path(), program, line);

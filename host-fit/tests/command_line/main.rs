@@ -1,5 +1,6 @@
 //! The program on the command line: each test runs it in a folder of its own.
 
+mod calibrate_imu;
 mod cli;
 mod empty_axis;
 mod escaping;
@@ -20,6 +21,7 @@ mod strangers_file;
 mod study_file;
 mod subcommands;
 mod temperature_tables;
+mod turned_log;
 mod tutorials;
 mod unusual_files;
 mod versions;

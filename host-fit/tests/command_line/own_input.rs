@@ -12,6 +12,7 @@ use std::thread;
 
 use crate::session::{done, fails};
 use crate::sources::sources;
+use crate::turned_log::turned_log;
 use host_fit::cli::files::{Role, role_of};
 use host_fit::cli::subcommands;
 
@@ -33,10 +34,47 @@ const EFFECTS: (&str, &str) = ("effects", "effect.toml");
 const FROM: (&str, &str) = ("from", "field.parquet");
 const QUIET: (&str, &str) = ("quiet", "log.parquet");
 const JUDGE: (&str, &str) = ("judge", "later.parquet");
+const TURNED: (&str, &str) = ("logs", "turned.csv");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
 
-const LINES: [Line; 29] = [
+const LINES: [Line; 35] = [
+    Line {
+        output: "output",
+        at: "out.html",
+        words: "calibrate-imu {logs} --map-file {map_file} -o out.html",
+        inputs: &[TURNED, MAP],
+    },
+    Line {
+        output: "px4",
+        at: "out",
+        words: "calibrate-imu {logs} --map-file {map_file} --px4 out",
+        inputs: &[TURNED, MAP],
+    },
+    Line {
+        output: "ardupilot",
+        at: "out",
+        words: "calibrate-imu {logs} --map-file {map_file} --ardupilot out",
+        inputs: &[TURNED, MAP],
+    },
+    Line {
+        output: "kalibr",
+        at: "out",
+        words: "calibrate-imu {logs} --map-file {map_file} --kalibr out",
+        inputs: &[TURNED, MAP],
+    },
+    Line {
+        output: "imu_tk_acc",
+        at: "out",
+        words: "calibrate-imu {logs} --map-file {map_file} --imu-tk-acc out",
+        inputs: &[TURNED, MAP],
+    },
+    Line {
+        output: "imu_tk_gyro",
+        at: "out",
+        words: "calibrate-imu {logs} --map-file {map_file} --imu-tk-gyro out",
+        inputs: &[TURNED, MAP],
+    },
     Line {
         output: "output",
         at: "out.csv",
@@ -280,6 +318,7 @@ fn prepare(folder: &Path) {
     fs::copy(folder.join("unit.json"), folder.join("refined.json")).expect("copied");
     done(folder, &["add", "refined.json", "temp_rate", "--from", "field.parquet"]);
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+    write("turned.csv", turned_log().as_bytes());
     write("map.toml", b"[columns]\ngx_rads = \"gx_rads\"\n");
     write("effect.toml", done(folder, &["effects", "--example"]).as_bytes());
     let stream = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/telemetry_v1.stream");
@@ -491,7 +530,15 @@ fn opens_a_file(source: &str) -> bool {
 
 #[test]
 fn files_come_in_through_one_door() {
-    let all = sources(&["src", "data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]);
+    let all = sources(&[
+        "src",
+        "data/src",
+        "fit/src",
+        "calibrate/src",
+        "simulate/src",
+        "diagnose/src",
+        "fleet/src",
+    ]);
     let mut seen = 0;
     for (name, text) in all.iter().filter(|(name, _)| !name.ends_with("tests.rs")) {
         assert_eq!(

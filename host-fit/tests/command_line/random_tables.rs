@@ -288,13 +288,14 @@ fn failures(table: &Table, seed: u64) -> Vec<String> {
         3 => fit.extend(["--axis", axis, "--max-lag", "3"]),
         _ => {}
     }
-    let lines: [&[&str]; 12] = [
+    let lines: [&[&str]; 13] = [
         &fit,
         &["compare", "study.json"],
         &["compare", "study.json", "log.csv"],
         &["diagnose", "log.csv", "--axis", axis],
         &["add", "study.json", "bias_ramp", "--from", "log.csv"],
         &["noise", "log.csv"],
+        &["calibrate-imu", "log.csv", "-o", "certificate.md"],
         &["convert", "log.csv", "-o", "other.csv"],
         &["report", "study.json", "--from", "log.csv"],
         &["table", "log.csv", "--axis", axis, "--degree", "1", "--max-order", "2", "--repeats", "1"],

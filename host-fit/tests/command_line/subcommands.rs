@@ -161,7 +161,9 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
     options.sort();
     options.dedup();
     let mut found = Vec::new();
-    for (path, text) in &sources(&["data/src", "fit/src", "simulate/src", "diagnose/src", "fleet/src"]) {
+    for (path, text) in
+        &sources(&["data/src", "fit/src", "calibrate/src", "simulate/src", "diagnose/src", "fleet/src"])
+    {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
         found.extend(
             code.flat_map(|line| unknown_words(line, &options)).map(|word| format!("{path}: {word}")),
@@ -203,7 +205,7 @@ fn no_library_names_a_flag_or_a_subcommand() {
     let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 
-    let libraries = sources(&["data/src", "fit/src", "simulate/src", "diagnose/src"]);
+    let libraries = sources(&["data/src", "fit/src", "calibrate/src", "simulate/src", "diagnose/src"]);
     assert!(libraries.len() > 100, "{}", libraries.len());
     let mut found = Vec::new();
     for (path, text) in &libraries {

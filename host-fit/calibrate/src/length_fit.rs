@@ -1,0 +1,182 @@
+//! Estimation of a triad from vectors of known length: gravity at rest, the rate of a turntable.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::least_squares::{CONVERGED, Linearised, covariance, excess_variance, leverages, minimise};
+use crate::triad::{PARAMETERS, TriadModel};
+
+/// Rounds of weights: they depend on the residuals, which depend on them. The change after three is below 1 % of an interval.
+const ROUNDS: usize = 4;
+
+/// Mean of the raw values over a rest or plateau.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vector {
+    pub(crate) raw: [f64; 3],
+    /// Temperature above the reference, K.
+    pub(crate) kelvin: f64,
+    /// True length, m/s² or rad/s.
+    pub(crate) length: f64,
+    /// Variance of the measured length by the noise of the samples, (m/s²)² or (rad/s)².
+    pub(crate) variance: f64,
+}
+
+/// A parameter known before the fit: its index, value and standard deviation.
+pub(crate) type Known = (usize, f64, f64);
+
+/// The fitted triad.
+pub(crate) struct LengthFit {
+    pub(crate) model: TriadModel,
+    /// Indices of the parameters that were estimated, in the order of the covariance.
+    pub(crate) free: Vec<usize>,
+    /// Covariance of the estimated parameters, scaled by the residuals.
+    pub(crate) covariance: DMatrix<f64>,
+    pub(crate) degrees_of_freedom: f64,
+    /// Measured − true length of each vector, m/s² or rad/s.
+    pub(crate) residuals: Vec<f64>,
+    /// Standard deviation of each residual before the fit: noise and scatter from rest to rest.
+    pub(crate) deviations: Vec<f64>,
+    /// The same divided by their standard deviation after the fit (internally studentised).
+    pub(crate) studentised: Vec<f64>,
+    /// Variance from rest to rest beyond the noise of the samples.
+    pub(crate) excess: f64,
+    /// Whitened Jacobian of the vectors, without rows of known parameters.
+    pub(crate) jacobian: DMatrix<f64>,
+    pub(crate) iterations: usize,
+}
+
+/// Fits the parameters `free` to `vectors`, from `start`. Requires more rows than parameters.
+pub(crate) fn fit(
+    vectors: &[Vector],
+    start: &TriadModel,
+    free: &[usize],
+    known: &[Known],
+) -> Option<LengthFit> {
+    let mut degrees_of_freedom = vectors.len() as f64 - free.len() as f64 + known.len() as f64;
+    let mut parameters = DVector::from_iterator(free.len(), free.iter().map(|&i| start.parameters()[i]));
+    let noise: Vec<f64> = vectors.iter().map(|v| v.variance).collect();
+    let model_at = |free_values: &DVector<f64>| {
+        let mut all = start.parameters();
+        free.iter().zip(free_values.iter()).for_each(|(&index, &value)| all[index] = value);
+        TriadModel::of_parameters(&all, start.reference_c)
+    };
+    let mut variances = vec![1.0; vectors.len()];
+    let mut excess = 0.0;
+    let mut iterations = 0;
+    let mut minimum = None;
+    for round in 0..ROUNDS {
+        let found = minimise(parameters.clone(), CONVERGED, |free_values| {
+            linearise(vectors, &variances, &model_at(free_values), free, free_values, known)
+        })?;
+        iterations += found.iterations;
+        parameters.copy_from(&found.parameters);
+        let model = model_at(&parameters);
+        let residuals: Vec<f64> =
+            vectors.iter().map(|v| model.length(&v.raw, v.kelvin).0 - v.length).collect();
+        if let Some(unscaled) = covariance(&found.at.jacobian) {
+            // what is known before the fit takes part of a degree of freedom, or none
+            let leverage = leverages(&found.at.jacobian, &unscaled);
+            degrees_of_freedom = vectors.len() as f64 - leverage.iter().take(vectors.len()).sum::<f64>();
+        }
+        minimum = Some(found);
+        if round + 1 < ROUNDS {
+            excess = excess_variance(&residuals, &noise, degrees_of_freedom);
+            // equal weights where neither noise nor residual exist
+            variances = noise.iter().map(|v| (v + excess).max(1e-18)).collect();
+        }
+    }
+    let minimum = minimum?;
+    let model = model_at(&parameters);
+    let residuals: Vec<f64> = vectors.iter().map(|v| model.length(&v.raw, v.kelvin).0 - v.length).collect();
+    let unscaled = covariance(&minimum.at.jacobian)?;
+    let squares = minimum.at.residuals.rows(0, vectors.len()).norm_squared();
+    let scale = if degrees_of_freedom > 0.0 { squares / degrees_of_freedom } else { 1.0 };
+    // residuals below the noise of the samples are luck of few rests, not accuracy
+    let scale = if noise.iter().all(|v| *v > 0.0) { scale.max(1.0) } else { scale };
+    let leverage = leverages(&minimum.at.jacobian, &unscaled);
+    let studentised = minimum.at.residuals.iter().zip(&leverage).take(vectors.len());
+    let studentised =
+        studentised.map(|(r, h)| r / (scale * (1.0 - h).max(1e-9)).sqrt().max(f64::MIN_POSITIVE)).collect();
+    Some(LengthFit {
+        model,
+        free: free.to_vec(),
+        covariance: unscaled * scale,
+        degrees_of_freedom,
+        residuals,
+        deviations: variances.iter().map(|v| (v * scale).sqrt()).collect(),
+        studentised,
+        excess,
+        jacobian: minimum.at.jacobian.rows(0, vectors.len()).into_owned(),
+        iterations,
+    })
+}
+
+fn linearise(
+    vectors: &[Vector],
+    variances: &[f64],
+    model: &TriadModel,
+    free: &[usize],
+    free_values: &DVector<f64>,
+    known: &[Known],
+) -> Linearised {
+    let rows = vectors.len() + known.len();
+    let mut residuals = DVector::zeros(rows);
+    let mut jacobian = DMatrix::zeros(rows, free.len());
+    for (row, (vector, variance)) in vectors.iter().zip(variances).enumerate() {
+        let (length, gradient) = model.length(&vector.raw, vector.kelvin);
+        let weight = 1.0 / variance.sqrt();
+        residuals[row] = (length - vector.length) * weight;
+        free.iter()
+            .enumerate()
+            .for_each(|(column, &index)| jacobian[(row, column)] = gradient[index] * weight);
+    }
+    for (row, (index, value, deviation)) in known.iter().enumerate() {
+        if let Some(column) = free.iter().position(|free| free == index) {
+            residuals[vectors.len() + row] = (free_values[column] - value) / deviation;
+            jacobian[(vectors.len() + row, column)] = 1.0 / deviation;
+        }
+    }
+    Linearised { residuals, jacobian }
+}
+
+/// Derivatives of the length of one vector by the parameters `free`.
+pub(crate) fn gradient(model: &TriadModel, raw: &[f64; 3], kelvin: f64, free: &[usize]) -> DVector<f64> {
+    let (_, all) = model.length(raw, kelvin);
+    DVector::from_iterator(free.len(), free.iter().map(|&index| all[index]))
+}
+
+/// The sphere nearest to the vectors: centre and radius, by the linear system |x|² = 2c·x + (r² − |c|²). A start for axes of
+/// unknown scale; `None` if the vectors lie in a plane.
+pub(crate) fn sphere(raw: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
+    let count = raw.len() as f64;
+    let mean = [0, 1, 2].map(|axis| raw.iter().map(|r| r[axis]).sum::<f64>() / count);
+    let spread = raw.iter().map(|r| (0..3).map(|i| (r[i] - mean[i]).powi(2)).sum::<f64>()).sum::<f64>();
+    let size = (spread / count).sqrt();
+    if size.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let scaled: Vec<[f64; 3]> = raw.iter().map(|r| [0, 1, 2].map(|i| (r[i] - mean[i]) / size)).collect();
+    let matrix = DMatrix::from_fn(
+        raw.len(),
+        4,
+        |row, column| if column < 3 { 2.0 * scaled[row][column] } else { 1.0 },
+    );
+    let singular = matrix.clone().singular_values();
+    if singular.min() < 1e-3 * singular.max() {
+        return None;
+    }
+    let right =
+        DVector::from_iterator(raw.len(), scaled.iter().map(|r| r.iter().map(|x| x * x).sum::<f64>()));
+    let solution = crate::least_squares::solve(matrix, right)?;
+    let centre = [0, 1, 2].map(|i| solution[i]);
+    let radius = (solution[3] + centre.iter().map(|c| c * c).sum::<f64>()).sqrt();
+    (radius.is_finite() && radius > 0.0)
+        .then(|| ([0, 1, 2].map(|i| mean[i] + size * centre[i]), size * radius))
+}
+
+/// Indices of the parameters without temperature.
+pub(crate) const WITHOUT_TEMPERATURE: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+
+/// All indices.
+pub(crate) fn all_parameters() -> Vec<usize> {
+    (0..PARAMETERS).collect()
+}

@@ -1,0 +1,370 @@
+//! Sensitivity of a gyro from plateaus of constant rate on a turntable: |ω| equals the stated rate.
+//!
+//! The same estimator as for the accelerometer (`triad.rs`), with the length of each vector given by the turntable. The bias
+//! comes from rests in the same log; without rests it is estimated with the rest, and needs plateaus in both directions of
+//! rotation.
+
+use std::ops::Range;
+
+use fos_data::statistics::median_of;
+use serde::Serialize;
+
+use crate::error::CalibrateError;
+use crate::imu::{Axes, Imu, Scale};
+use crate::least_squares::student;
+use crate::length_fit::{self, Known, LengthFit, Vector, sphere};
+use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
+use crate::quiet::{FEWEST_ROWS, WINDOW_S, Windows};
+use crate::rests::{mean, unit};
+use crate::triad::{PAIRS, TriadModel};
+
+/// Shortest plateau between its margins, s.
+const SHORTEST_S: f64 = 1.0;
+
+/// A rate is constant where the standard deviation within a window is below this share of it: a belt drive wobbles by 1 %.
+const CONSTANT_SHARE: f64 = 0.02;
+
+/// It is also constant where it varies by less than this many standard deviations of the noise.
+const CONSTANT_NOISE: f64 = 3.0;
+
+/// A plateau belongs to the stated rate that its own is within this share of: sensitivity errors are below it.
+const SAME_RATE: f64 = 0.12;
+
+/// Rates below this share of the slowest stated rate are rests.
+const REST_SHARE: f64 = 0.1;
+
+/// Parameters of the cosines count as estimated with fewer directions than this: 2° of cross-axis is their spread in parts of this kind.
+const COSINE: f64 = 0.03;
+
+/// Standard error of a sensitivity, relative, above which it is not determined.
+const NOT_DETERMINED: f64 = 0.02;
+
+/// Chance to exclude a plateau of a log without outliers.
+const OUTLIER_CHANCE: f64 = 1e-3;
+const MAX_OUTLIERS: f64 = 0.2;
+
+/// A stretch of constant rate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plateau {
+    /// Start by the time of the log, s.
+    pub start_s: f64,
+    pub duration_s: f64,
+    /// Mean of the gyro, in the unit of the log.
+    pub mean: [f64; 3],
+    /// The stated rate that it belongs to, rad/s.
+    pub rate_rads: f64,
+    /// Direction of the rotation in the frame of the gyro.
+    pub axis: [f64; 3],
+    /// Corrected |ω| over the stated rate, minus 1.
+    pub residual: f64,
+    /// True if its residual is improbably large against the others.
+    pub excluded: bool,
+}
+
+/// Calibration of a gyro on a turntable.
+#[derive(Debug, Clone, Serialize)]
+pub struct Turntable {
+    pub model: TriadModel,
+    pub scale: Scale,
+    /// Stated rates, rad/s.
+    pub rates_rads: Vec<f64>,
+    pub parameters: Vec<Parameter>,
+    pub correlations: Vec<Vec<f64>>,
+    pub plateaus: Vec<Plateau>,
+    /// Rests that the bias comes from; 0 if it was estimated from the plateaus.
+    pub rests: usize,
+    pub degrees_of_freedom: f64,
+    /// RMS of |ω| over the stated rate − 1: corrected, and as logged without the bias (`None` for counts).
+    pub rms: [Option<f64>; 2],
+}
+
+/// Calibrates the gyro of a log that was recorded on a turntable at these rates, rad/s.
+///
+/// # Errors
+/// No gyro, no plateau of a stated rate, a direction that the plateaus do not determine.
+pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable, CalibrateError> {
+    let axes = imu.gyro.as_ref().ok_or(CalibrateError::NoGyro)?;
+    let rates: Vec<f64> = rates_rads.iter().map(|rate| rate.abs()).collect();
+    if let Some(&rate) = rates.iter().find(|rate| !rate.is_finite() || **rate == 0.0) {
+        return Err(CalibrateError::BadRate { rate });
+    }
+    let stretches = constant(imu, axes);
+    let means: Vec<[f64; 3]> = stretches.iter().map(|rows| mean(axes, std::slice::from_ref(rows))).collect();
+    let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
+    let fastest = rates.iter().copied().fold(0.0, f64::max);
+    let (start, scale, is_bias_known) = start(axes, &means, &stretches, slowest, fastest)?;
+    let rate_of = |raw: &[f64; 3]| {
+        let corrected = start.corrected(*raw, start.reference_c);
+        corrected.iter().map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let nearest = |rate: f64| {
+        let distance = |stated: &&f64| (rate / **stated - 1.0).abs();
+        rates
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .copied()
+            .filter(|stated| distance(&stated) < SAME_RATE)
+    };
+    let rests: Vec<usize> = (0..means.len()).filter(|&i| rate_of(&means[i]) < REST_SHARE * slowest).collect();
+    let mut chosen: Vec<(usize, f64)> =
+        (0..means.len()).filter_map(|i| Some((i, nearest(rate_of(&means[i]))?))).collect();
+    let no_plateau = || {
+        let mut found: Vec<f64> =
+            means.iter().map(rate_of).filter(|rate| *rate >= REST_SHARE * slowest).collect();
+        found.truncate(10);
+        CalibrateError::NoPlateau { stated: rates.clone(), found, shortest_s: SHORTEST_S }
+    };
+    if chosen.len() < 4 {
+        return Err(no_plateau());
+    }
+    let (start, mut known) = with_bias(start, &means, &rests, is_bias_known);
+    known.extend((6..9).map(|index| (index, 0.0, COSINE)));
+    let free = length_fit::WITHOUT_TEMPERATURE.to_vec();
+    let excluded_at_most = (MAX_OUTLIERS * chosen.len() as f64) as usize;
+    let mut excluded: Vec<(usize, f64)> = Vec::new();
+    let fitted = loop {
+        let vectors: Vec<Vector> = chosen
+            .iter()
+            .map(|&(index, length)| Vector { raw: means[index], kelvin: 0.0, length, variance: 0.0 })
+            .collect();
+        let fitted = length_fit::fit(&vectors, &start, &free, &known).ok_or_else(no_plateau)?;
+        match outlying(&fitted).filter(|_| excluded.len() < excluded_at_most) {
+            Some(worst) => excluded.push(chosen.remove(worst)),
+            None => break fitted,
+        }
+    };
+    let undetermined: Vec<usize> = (0..3)
+        .filter(|&axis| {
+            let s = fitted.model.sensitivity[axis].abs();
+            let error = fitted.covariance[(3 + axis, 3 + axis)].sqrt() / s;
+            error.is_nan() || error > NOT_DETERMINED
+        })
+        .collect();
+    if !undetermined.is_empty() {
+        let parameters =
+            undetermined.iter().map(|&axis| format!("gyro {} sensitivity", AXES[axis])).collect();
+        let axis = AXES[undetermined[0]];
+        let next =
+            format!("a plateau in each direction of rotation with {axis} along the axis of the turntable");
+        return Err(CalibrateError::NotIdentifiable { parameters, next });
+    }
+    let shown = |&(index, rate): &(usize, f64), excluded: bool| {
+        let corrected = fitted.model.corrected(means[index], fitted.model.reference_c);
+        Plateau {
+            start_s: imu.time_s[stretches[index].start],
+            duration_s: stretches[index].len() as f64 * imu.period_s,
+            mean: means[index],
+            rate_rads: rate,
+            axis: unit(corrected),
+            residual: corrected.iter().map(|x| x * x).sum::<f64>().sqrt() / rate - 1.0,
+            excluded,
+        }
+    };
+    let mut plateaus: Vec<Plateau> = chosen.iter().map(|one| shown(one, false)).collect();
+    plateaus.extend(excluded.iter().map(|one| shown(one, true)));
+    plateaus.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+        (count > 0.0).then(|| f64::sqrt(sum / count))
+    };
+    let bias = fitted.model.bias;
+    let before = chosen.iter().map(|&(index, rate)| {
+        (0..3).map(|i| (means[index][i] - bias[i]).powi(2)).sum::<f64>().sqrt() / rate - 1.0
+    });
+    Ok(Turntable {
+        model: fitted.model,
+        scale,
+        parameters: parameters(&fitted, scale),
+        correlations: correlations(&fitted.covariance),
+        rests: if is_bias_known { rests.len() } else { 0 },
+        degrees_of_freedom: fitted.degrees_of_freedom,
+        rms: [
+            rms(&mut plateaus.iter().filter(|one| !one.excluded).map(|one| one.residual)),
+            if scale == Scale::Si { rms(&mut { before }) } else { None },
+        ],
+        plateaus,
+        rates_rads: rates,
+    })
+}
+
+/// Stretches in which every axis of the gyro is constant to within its noise or a share of the rate.
+fn constant(imu: &Imu, axes: &Axes) -> Vec<Range<usize>> {
+    let window = imu.rows_in(WINDOW_S, FEWEST_ROWS);
+    let windows: Vec<Windows> =
+        axes.values.iter().map(|values| Windows::of(values, &imu.segments, window)).collect();
+    let rests: Vec<f64> = axes.values.iter().map(|values| quiet_level(values, &windows)).collect();
+    let is_constant = |row: usize| {
+        let raw = axes.at(row);
+        let rate = (0..3).map(|i| (raw[i] - rests[i]).powi(2)).sum::<f64>();
+        windows.iter().all(|axis| {
+            let limit =
+                (CONSTANT_SHARE * CONSTANT_SHARE * rate).max(CONSTANT_NOISE * CONSTANT_NOISE * axis.noise);
+            axis.variance[row] <= limit
+        })
+    };
+    let shortest = imu.rows_in(SHORTEST_S, 8);
+    let found =
+        imu.segments.iter().flat_map(|segment| fos_data::recording::runs(segment.clone(), is_constant));
+    let halves =
+        found.filter(|rows| rows.len() >= shortest).flat_map(|rows| steady_pieces(axes, rows, shortest));
+    halves.collect()
+}
+
+/// A stretch cut where its rate changes: where a turntable is slowed by hand the change is slow, and no window shows it.
+fn steady_pieces(axes: &Axes, rows: Range<usize>, shortest: usize) -> Vec<Range<usize>> {
+    let means: Vec<[f64; 3]> = rows
+        .clone()
+        .step_by(shortest)
+        .map(|start| mean(axes, std::slice::from_ref(&(start..(start + shortest).min(rows.end)))))
+        .collect();
+    let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let mut pieces = Vec::new();
+    let mut begin = 0;
+    for at in 1..=means.len() {
+        let ends = at == means.len() || {
+            let first = &means[begin];
+            let change = size(&[0, 1, 2].map(|i| means[at][i] - first[i]));
+            change > 2.0 * CONSTANT_SHARE * size(first).max(size(&means[at]))
+        };
+        if ends {
+            let piece = rows.start + begin * shortest..(rows.start + at * shortest).min(rows.end);
+            if piece.len() >= shortest {
+                pieces.push(piece);
+            }
+            begin = at;
+        }
+    }
+    pieces
+}
+
+/// The level of an axis where all are quietest: its bias if the log has a rest; near 0 for values in rad/s.
+fn quiet_level(values: &[f64], windows: &[Windows]) -> f64 {
+    let quiet =
+        (0..values.len()).filter(|&row| windows.iter().all(|axis| axis.variance[row] <= 4.0 * axis.noise));
+    let level = median_of(quiet.map(|row| values[row]).filter(|value| value.is_finite())).unwrap_or(0.0);
+    // in rad/s a bias is small: a larger level is a plateau
+    if level.abs() < 0.5 || level.abs() > 300.0 { level } else { 0.0 }
+}
+
+fn start(
+    axes: &Axes,
+    means: &[[f64; 3]],
+    stretches: &[Range<usize>],
+    slowest: f64,
+    fastest: f64,
+) -> Result<(TriadModel, Scale, bool), CalibrateError> {
+    let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    match axes.scale {
+        Scale::Si => {
+            let bias = [0, 1, 2].map(|i| {
+                let at_rest = means.iter().filter(|mean| size(mean) < 3.0 * REST_SHARE * slowest);
+                median_of(at_rest.map(|mean| mean[i])).unwrap_or(0.0)
+            });
+            let has_rest = means.iter().any(|mean| size(mean) < 3.0 * REST_SHARE * slowest);
+            Ok((TriadModel { bias, ..TriadModel::default() }, Scale::Si, has_rest))
+        }
+        Scale::Counts => {
+            // the longest stretch at rest is that of the least spread; the fastest plateaus lie on a sphere about it
+            let none = || CalibrateError::NoPlateau {
+                stated: vec![slowest],
+                found: Vec::new(),
+                shortest_s: SHORTEST_S,
+            };
+            let (centre, _) = sphere(means).ok_or_else(none)?;
+            let distance = |mean: &[f64; 3]| size(&[0, 1, 2].map(|i| mean[i] - centre[i]));
+            let longest = means.iter().map(distance).fold(0.0, f64::max);
+            let rests: Vec<&[f64; 3]> = means.iter().filter(|mean| distance(mean) < 0.3 * longest).collect();
+            let bias = [0, 1, 2].map(|i| median_of(rests.iter().map(|mean| mean[i])).unwrap_or(centre[i]));
+            let outer: Vec<[f64; 3]> = means
+                .iter()
+                .copied()
+                .filter(|mean| size(&[0, 1, 2].map(|i| mean[i] - bias[i])) > 0.85 * longest)
+                .collect();
+            let radius = median_of(outer.iter().map(|mean| size(&[0, 1, 2].map(|i| mean[i] - bias[i]))));
+            let radius = radius.filter(|_| !stretches.is_empty()).ok_or_else(none)?;
+            Ok((
+                TriadModel { bias, sensitivity: [radius / fastest; 3], ..TriadModel::default() },
+                Scale::Counts,
+                !rests.is_empty(),
+            ))
+        }
+    }
+}
+
+/// The bias by the rests with its uncertainty, as known before the fit.
+fn with_bias(
+    start: TriadModel,
+    means: &[[f64; 3]],
+    rests: &[usize],
+    is_known: bool,
+) -> (TriadModel, Vec<Known>) {
+    if !is_known || rests.is_empty() {
+        return (start, Vec::new());
+    }
+    let count = rests.len() as f64;
+    let mut bias = start.bias;
+    let mut known = Vec::new();
+    for axis in 0..3 {
+        let average = rests.iter().map(|&i| means[i][axis]).sum::<f64>() / count;
+        let squares: f64 = rests.iter().map(|&i| (means[i][axis] - average).powi(2)).sum();
+        // one rest alone says nothing about its scatter: 0.03 °/s is that of consumer parts between rests
+        let floor = 5e-4 * start.sensitivity[axis];
+        let deviation = if rests.len() > 1 { (squares / (count - 1.0) / count).sqrt() } else { 0.0 };
+        bias[axis] = average;
+        known.push((axis, average, deviation.max(floor / count.sqrt())));
+    }
+    (TriadModel { bias, ..start }, known)
+}
+
+/// The plateau with an improbably large residual (externally studentised), if there is one.
+fn outlying(fitted: &LengthFit) -> Option<usize> {
+    let degrees = fitted.degrees_of_freedom;
+    if degrees < 3.0 {
+        return None;
+    }
+    let limit = student(1.0 - OUTLIER_CHANCE / fitted.studentised.len() as f64, degrees - 1.0);
+    let external = |r: f64| r.abs() * ((degrees - 1.0) / (degrees - r * r).max(1e-9)).sqrt();
+    let (worst, size) =
+        fitted.studentised.iter().map(|r| external(*r)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (size > limit).then_some(worst)
+}
+
+fn parameters(fitted: &LengthFit, scale: Scale) -> Vec<Parameter> {
+    let quantile = student(LEVEL, fitted.degrees_of_freedom);
+    let (log, per) = match scale {
+        Scale::Si => ("rad/s", ""),
+        Scale::Counts => ("counts", "counts/(rad/s)"),
+    };
+    let make = |index: usize| {
+        let (axis, value) = (index % 3, fitted.model.parameters()[index]);
+        let deviation = fitted.covariance[(index, index)].sqrt();
+        let half = quantile * deviation;
+        let (i, j) = PAIRS[axis];
+        let name = AXES[axis];
+        let pair = format!("{}{}", AXES[i], AXES[j]);
+        let (id, label, value, half_width, unit) = match index / 3 {
+            0 => (format!("bias.{name}"), format!("{name} bias"), value, half, log),
+            1 => (format!("sensitivity.{name}"), format!("{name} sensitivity"), value, half, per),
+            _ => {
+                let angle = value.clamp(-1.0, 1.0).acos();
+                (
+                    format!("angle.{pair}"),
+                    format!("angle {pair}"),
+                    angle.to_degrees(),
+                    (half / angle.sin()).to_degrees(),
+                    "°",
+                )
+            }
+        };
+        let is_open = index >= 6 && deviation > 0.5 * COSINE;
+        Parameter {
+            id: format!("gyro.{id}"),
+            label: format!("gyro {label}"),
+            value,
+            half_width,
+            unit: unit.to_owned(),
+            determined: if is_open { Determined::NotByThisLog } else { Determined::Well },
+        }
+    };
+    (0..9).map(make).collect()
+}

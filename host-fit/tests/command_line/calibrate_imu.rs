@@ -1,0 +1,120 @@
+//! `calibrate-imu`: a summary that people read, JSON, certificates, files of other programs, and refusals with the remedy.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::session::{done, fails};
+use crate::turned_log::{ACCELEROMETER, GYRO, turned_log};
+
+#[test]
+fn a_turned_log_is_calibrated_in_a_few_lines() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("turned.csv"), turned_log()).expect("written");
+    let said = done(folder, &["calibrate-imu", "turned.csv", "--latitude", "45.4", "--accuracy", "5mg"]);
+    assert!(said.lines().count() <= 40, "{said}");
+    for part in [
+        "bias, mg",
+        "sensitivity, %",
+        "WGS84 at latitude 45.4°",
+        "next: one dwell with",
+        "accuracy of 5.00 mg",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let all = done(folder, &["calibrate-imu", "turned.csv", "--details", "--units", "si"]);
+    assert!(all.contains("bias, m/s²") && all.contains("from rest") && all.len() > said.len(), "{all}");
+
+    let json: Value =
+        serde_json::from_str(&done(folder, &["calibrate-imu", "turned.csv", "--json"])).expect("JSON");
+    let found = &json["result"]["hand"];
+    let value = |list: &Value, id: &str| {
+        let one = list.as_array().expect("a list").iter().find(|one| one["id"] == id).expect(id).clone();
+        (one["value"].as_f64().expect("a number"), one["half_width"].as_f64().expect("a number"))
+    };
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        let accelerometer = &found["accelerometer"]["parameters"];
+        let gyro = &found["gyro"]["parameters"];
+        // twice the interval: twelve of them are checked
+        for (list, id, truth) in [
+            (accelerometer, "accelerometer.bias", ACCELEROMETER[axis].0),
+            (accelerometer, "accelerometer.sensitivity", ACCELEROMETER[axis].1),
+            (gyro, "gyro.bias", GYRO[axis].0),
+            (gyro, "gyro.sensitivity", GYRO[axis].1),
+        ] {
+            let (value, half) = value(list, &format!("{id}.{name}"));
+            assert!(
+                (value - truth).abs() < 2.0 * half && half < 0.02,
+                "{id}.{name}: {value} ± {half}, {truth}"
+            );
+        }
+    }
+    assert_eq!(json["schema"], "fos-certificate/1");
+    assert_eq!(json["logs"][0]["sha256"].as_str().map(str::len), Some(64));
+}
+
+#[test]
+fn a_certificate_states_what_is_known_and_escapes_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("turned.csv"), turned_log()).expect("written");
+    let device = "No. 7 <script>x()</script> | **b**";
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("written");
+    for name in ["c.html", "c.md", "c.json"] {
+        let said = done(folder, &["calibrate-imu", "turned.csv", "--device", device, "-o", name]);
+        assert!(said.contains(&format!("{name}: certificate")), "{said}");
+    }
+    let (page, text) = (read("c.html"), read("c.md"));
+    for part in
+        ["Calibration certificate", "SHA-256", "|a| = g", "9.80665 m/s², assumed", "accelerometer x bias"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(
+        !page.contains("<script>") && page.contains("&lt;script&gt;") && page.contains("<svg"),
+        "escaped"
+    );
+    assert!(!text.contains("<script>") && text.contains("\\*\\*b"), "{text}");
+    // nothing is invented
+    assert!(!page.contains("<dt>date</dt>") && !page.contains("<dt>part</dt>"));
+    let json: Value = serde_json::from_str(&read("c.json")).expect("JSON");
+    assert_eq!(json["device"], device);
+    assert!(json.get("date").is_none());
+}
+
+#[test]
+fn files_of_other_programs_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("turned.csv"), turned_log()).expect("written");
+    let files = [
+        ("--px4", "CAL_ACC2_XOFF"),
+        ("--ardupilot", "INS_ACC3SCAL_Y"),
+        ("--kalibr", "C_gyro_i"),
+        ("--imu-tk-acc", "e"),
+        ("--imu-tk-gyro", "e"),
+    ];
+    for (option, part) in files {
+        done(folder, &["calibrate-imu", "turned.csv", "--instance", "2", option, "out"]);
+        let text = fs::read_to_string(folder.join("out")).expect("written");
+        assert!(text.contains(part), "{option}: {text}");
+    }
+}
+
+#[test]
+fn logs_that_cannot_be_calibrated_are_refused_with_the_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "rest.csv", "--minutes", "1", "--at-rest"]);
+    let said = fails(folder, 1, &["calibrate-imu", "rest.csv"]);
+    assert!(said.contains("orientation") && said.contains("help: record 12 orientations"), "{said}");
+    let said = fails(folder, 1, &["calibrate-imu", "rest.csv", "--rate-table", "33.3333rpm"]);
+    assert!(said.contains("no stretch of constant rate near 3.4907 rad/s"), "{said}");
+    fs::write(folder.join("gyro.csv"), "t_s,gx_rads,gy_rads,gz_rads\n0,1,2,3\n0.1,1,2,3.1\n0.2,1,2,3\n")
+        .expect("written");
+    let said = fails(folder, 1, &["calibrate-imu", "gyro.csv"]);
+    assert!(said.contains("no accelerometer") && said.contains("--rate-table"), "{said}");
+    let said = fails(folder, 2, &["calibrate-imu", "rest.csv", "--accuracy", "2"]);
+    assert!(said.contains("has no unit; known are mg"), "{said}");
+}
