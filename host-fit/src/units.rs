@@ -88,7 +88,7 @@ impl ShownUnit {
             Units::Field if column.is_angular_rate() => [
                 Self::new("°/√h", size / 60.0),
                 Self::new("°/h", size / 3600.0),
-                Self::new("°/h/√h", size / 3600.0 / 60.0),
+                Self::new("(°/h)/√h", size / 3600.0 / 60.0),
             ],
             Units::Field if column.is_specific_force() => [
                 Self::new("µg/√Hz", 1e-3 * size),

@@ -7,23 +7,21 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::arguments::{OutputFile, Reading, axes, describe, only_ends_in};
-use super::output::{Failure, print_json, print_line, print_warning, spinner, table};
-use super::units::{NoiseLevelUnits, Printed, Units, UnitsOption, three};
-use crate::export::{NoiseModel, NoiseUnits, allan_csv, imu_yaml, orb_slam3, vins};
+use super::output::{Failure, print_json, print_line, spinner, table};
+use super::units::{Printed, UnitsOption, three};
+use crate::export::{NoiseModel, allan_csv, imu_yaml, orb_slam3, vins};
 use crate::figures::noise::allan_of_noise;
 use crate::figures::write_svg;
 use crate::units::{ShownUnit, Units};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::Recording;
-use fos_data::stillness::{self, Stillness};
+use fos_data::stillness;
 use fos_fit::noise::{AxisNoise, Level, axis_noise};
-
-/// A change of temperature above this moves the bias noticeably, K.
-const STEADY_K: f64 = 2.0;
 
 /// Estimate noise density, bias instability and random walk; write imu.yaml
 ///
-/// Each with its 90 % interval. Motion, knocks and outliers are excluded. If the log is too short for K, its upper limit
+/// Each with its 90 % interval, by maximum likelihood. Motion, knocks and outliers are excluded. A drift with the logged
+/// temperature is estimated at the same time and is part of neither B nor K. If the log is too short for K, its upper limit
 /// is printed, with the length that would show half of it. N and K are those that Kalibr, OpenVINS and ORB-SLAM3 need.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos noise rest.parquet --csv allan.csv --svg allan.svg --imu-yaml imu.yaml")]
@@ -87,7 +85,6 @@ impl Noise {
             )?;
             written.push((path, "the same as a figure"));
         }
-        warn(&recording, &stillness);
         if self.json {
             let files: Vec<_> = written.iter().map(|(path, _)| path.display().to_string()).collect();
             return print_json(
@@ -129,29 +126,13 @@ impl Noise {
     }
 }
 
-/// What else may pass as noise.
-fn warn(recording: &Recording, stillness: &Stillness) {
-    let Ok(channel) = recording.channel("temp_c") else { return };
-    let at_rest =
-        channel.values.iter().zip(&stillness.still).filter(|(value, still)| **still && value.is_finite());
-    let (low, high) = at_rest.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (value, _)| {
-        (low.min(*value), high.max(*value))
-    });
-    if high - low > STEADY_K {
-        print_warning(&format!(
-            "the temperature moves from {low:.1} to {high:.1} °C: its effect on the bias counts as B and K here\nhelp: \
-             record at a steady temperature, after a warm-up; or fit the temperature and estimate the noise of the \
-             log that `fos replay` corrects"
-        ));
-    }
-}
-
 /// N, B and K of every axis, and the limits of what the log shows.
-fn print_noise(axes: &[AxisNoise], units: Units) {
-    let shown: Vec<(&AxisNoise, Shown)> = axes.iter().map(|axis| (axis, Shown::of(axis, units))).collect();
+fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
+    let of_axis = |axis: &'a AxisNoise| (axis, ShownUnit::of_noise(&axis.column, units));
+    let shown: Vec<(&AxisNoise, [ShownUnit; 3])> = axes.iter().map(of_axis).collect();
     // axes of one unit together, so that a column has one unit
-    for same in shown.chunk_by(|(_, one), (_, other)| one.names() == other.names()) {
-        let [white, flicker, walk] = same[0].1.names();
+    for same in shown.chunk_by(|(_, one), (_, other)| one == other) {
+        let [white, flicker, walk] = same[0].1.each_ref().map(|unit| &unit.label);
         let header = [
             "  axis".to_owned(),
             format!("N, {white}"),
@@ -163,11 +144,11 @@ fn print_noise(axes: &[AxisNoise], units: Units) {
             "at rest, s".to_owned(),
         ];
         let mut rows = table(&header);
-        for (axis, shown) in same {
+        for (axis, [white, flicker, walk]) in same {
             let mut row = vec![format!("  {}", axis.column)];
-            row.extend(cells(&axis.levels.white, shown.white.1, "–"));
-            row.extend(cells(&axis.levels.flicker, shown.flicker.1, "–"));
-            row.extend(cells(&axis.levels.walk, shown.walk.1, "too short"));
+            row.extend(cells(&axis.levels.white, white, "–"));
+            row.extend(cells(&axis.levels.flicker, flicker, "–"));
+            row.extend(cells(&axis.levels.walk, walk, "too short"));
             row.push(format!("{:.0}", axis.seconds));
             rows.add_row(row);
         }
@@ -176,68 +157,52 @@ fn print_noise(axes: &[AxisNoise], units: Units) {
     if units == Units::Field {
         print_line!("  --units si prints the units of imu.yaml");
     }
-    for (axis, shown) in &shown {
+    for (axis, [_, flicker, _]) in &shown {
+        let Some(drift) = &axis.thermal_drift else { continue };
+        let [low, high] = drift.range_c;
+        print_line!(
+            "  {}: a drift with temperature ({low:.1} to {high:.1} °C) of {} {} RMS is not part of B and K",
+            axis.column,
+            three(drift.rms / flicker.divisor),
+            flicker.label
+        );
+    }
+    for (axis, [_, _, walk]) in &shown {
         let Some(needed) = axis.walk_needs_s else { continue };
         print_line!(
             "  {}: the log is too short for K: {} at rest show none; it is at most {} {} (95 %). About {} would show half as much",
             axis.column,
             duration(axis.span_s),
-            three(axis.levels.walk.high / shown.walk.1),
-            shown.walk.0,
+            three(axis.levels.walk.high / walk.divisor),
+            walk.label,
             duration(needed)
         );
     }
-    for (axis, shown) in &shown {
+    for (axis, [white, flicker, _]) in &shown {
         let Some(step) = axis.step else { continue };
         print_line!(
             "  {}: the sensor's step, {} {}, hides the noise; N is at most {} {} (95 %). Choose a finer range of the sensor",
             axis.column,
-            three(step / shown.flicker.1),
-            shown.flicker.0,
-            three(axis.levels.white.high / shown.white.1),
-            shown.white.0
+            three(step / flicker.divisor),
+            flicker.label,
+            three(axis.levels.white.high / white.divisor),
+            white.label
         );
     }
-    for (axis, shown) in
+    for (axis, [_, flicker, _]) in
         shown.iter().filter(|(axis, _)| axis.levels.flicker.value.is_none() && axis.step.is_none())
     {
         print_line!(
             "  {}: no flicker noise shows between N and K; B is at most {} {} (95 %)",
             axis.column,
-            three(axis.levels.flicker.high / shown.flicker.1),
-            shown.flicker.0
+            three(axis.levels.flicker.high / flicker.divisor),
+            flicker.label
         );
     }
 }
 
-/// The units in which N, B and K of an axis are shown, each with one of it in SI.
-struct Shown {
-    white: (String, f64),
-    flicker: (String, f64),
-    walk: (String, f64),
-}
-
-impl Shown {
-    fn of(axis: &AxisNoise, units: Units) -> Self {
-        match NoiseLevelUnits::of_data_sheets(&axis.column, units) {
-            Some(NoiseLevelUnits { white, flicker, walk }) => {
-                let owned = |(name, si): (&str, f64)| (name.to_owned(), si);
-                Self { white: owned(white), flicker: owned(flicker), walk: owned(walk) }
-            }
-            None => {
-                let NoiseUnits { white, flicker, walk } = NoiseUnits::of(&axis.unit);
-                Self { white: (white, 1.0), flicker: (flicker, 1.0), walk: (walk, 1.0) }
-            }
-        }
-    }
-
-    fn names(&self) -> [&str; 3] {
-        [&self.white.0, &self.flicker.0, &self.walk.0]
-    }
-}
-
-fn cells(level: &Level, unit: f64, none: &str) -> [String; 2] {
-    let show = |value: f64| three(value / unit);
+fn cells(level: &Level, unit: &ShownUnit, none: &str) -> [String; 2] {
+    let show = |value: f64| three(value / unit.divisor);
     match (level.value, level.low) {
         (Some(value), Some(low)) => [show(value), format!("{} … {}", show(low), show(level.high))],
         _ => [none.to_owned(), format!("0 … {}", show(level.high))],

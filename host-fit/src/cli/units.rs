@@ -50,38 +50,6 @@ impl ErrorUnit {
     }
 }
 
-/// Units of N, B and K on one axis, each with one of it in SI.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NoiseLevelUnits {
-    pub(super) white: (&'static str, f64),
-    pub(super) flicker: (&'static str, f64),
-    pub(super) walk: (&'static str, f64),
-}
-
-impl NoiseLevelUnits {
-    /// Those of data sheets; `None` with SI, and for a column that is neither gyro nor accelerometer.
-    pub(super) fn of_data_sheets(column: &str, units: Units) -> Option<Self> {
-        const DEGREE_PER_HOUR: f64 = std::f64::consts::PI / 180.0 / 3600.0;
-        const MICRO_G: f64 = 9.80665e-6;
-        const ROOT_HOUR: f64 = 60.0;
-        let column = Column::named(column);
-        match units {
-            Units::Si => None,
-            Units::Field if column.is_angular_rate() => Some(Self {
-                white: ("°/√h", DEGREE_PER_HOUR * ROOT_HOUR),
-                flicker: ("°/h", DEGREE_PER_HOUR),
-                walk: ("(°/h)/√h", DEGREE_PER_HOUR / ROOT_HOUR),
-            }),
-            Units::Field if column.is_specific_force() => Some(Self {
-                white: ("µg/√Hz", MICRO_G),
-                flicker: ("µg", MICRO_G),
-                walk: ("µg/√h", MICRO_G / ROOT_HOUR),
-            }),
-            Units::Field => None,
-        }
-    }
-}
-
 /// Three significant digits, in plain notation from 0.00001 on.
 pub(super) fn three(value: f64) -> String {
     match value.abs() {
@@ -135,17 +103,6 @@ mod tests {
         assert_eq!(shown(si, 0.02045, "dps/K"), "0.000357 (rad/s)/K");
         assert_eq!(shown(field, 1.5, "mg/K"), "1.50 mg/K");
         assert_eq!(shown(si, 1.5, "mg/K"), "0.0147 (m/s²)/K");
-    }
-
-    /// 1 °/√h is 1/60 (°/s)/√Hz; a walk of 1 (°/h)/√h moves the bias by 1 °/h in an hour.
-    #[test]
-    fn noise_levels_convert_to_the_units_of_data_sheets() {
-        let degree = std::f64::consts::PI / 180.0;
-        let gyro = NoiseLevelUnits::of_data_sheets("gx_rads", Units::Field).expect("a gyro");
-        assert!((degree / 60.0 / gyro.white.1 - 1.0).abs() < 1e-12);
-        assert!((gyro.walk.1 * 3600_f64.sqrt() / gyro.flicker.1 - 1.0).abs() < 1e-12);
-        assert!(NoiseLevelUnits::of_data_sheets("gx_rads", Units::Si).is_none());
-        assert!(NoiseLevelUnits::of_data_sheets("temp_c", Units::Field).is_none());
     }
 
     #[test]

@@ -104,7 +104,7 @@ fn prints_field_units_by_default_and_si_on_request() {
     let noise = done(folder, &["noise", "log.csv", "--axis", "gx,ax"]);
     assert!(noise.contains("N, °/√h") && noise.contains("N, µg/√Hz"), "{noise}");
     let noise = done(folder, &["noise", "log.csv", "--axis", "gx", "--units", "si"]);
-    assert!(noise.contains("N, rad/s/sqrt(Hz)") && !noise.contains("°/√h"), "{noise}");
+    assert!(noise.contains("N, (rad/s)/√Hz") && !noise.contains("°/√h"), "{noise}");
     done(folder, &["fit", "log.csv", "--axis", "gx", "--max-terms", "2", "-o", "unit.json"]);
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("\ngyro x: reference 0 rad/s"));

@@ -59,6 +59,19 @@ class AllanPoint:
 
 
 @dataclass(frozen=True)
+class ThermalDrift:
+    """Drift with temperature that was removed before the noise was estimated.
+
+    Attributes:
+        range_c: Lowest and highest temperature, °C.
+        rms: RMS of the drift about its mean, unit of the axis.
+    """
+
+    range_c: tuple[float, float]
+    rms: float
+
+
+@dataclass(frozen=True)
 class AxisNoise:
     """Noise of one axis at rest. Motion, knocks and outliers are excluded.
 
@@ -74,6 +87,7 @@ class AxisNoise:
         walk_needs_s: How long a log would have to be to tell more of a walk that was not seen, s.
         allan: Allan deviation; none of its differences reaches over a gap or a motion.
         step: Step of the converter where it hides the noise: N, B and K are then limits.
+        thermal_drift: Drift with the logged temperature, estimated together with N, B and K and part of none of them.
     """
 
     column: str
@@ -87,6 +101,7 @@ class AxisNoise:
     walk_needs_s: float | None
     allan: tuple[AllanPoint, ...]
     step: float | None = None
+    thermal_drift: ThermalDrift | None = None
 
     def to_pandas(self) -> pandas.DataFrame:
         """The Allan deviation, one row an averaging time."""
@@ -119,6 +134,8 @@ class AxisNoise:
         notes: list[str] = []
         if self.walk_needs_s is not None:
             notes.append(f"too short for K; about {self.walk_needs_s / 60:.0f} min would show half as much")
+        if self.thermal_drift is not None:
+            notes.append(f"a drift with temperature of {self.thermal_drift.rms:.3g} {self.unit} RMS is not part of B and K")
         return _html.card(
             f"{self.column}: {self.seconds:.0f} s at rest",
             _html.table(("", "likeliest, 90 % interval"), rows),

@@ -53,6 +53,36 @@ fn intervals_of_an_hour_hold_the_truth_in_nine_of_ten_logs() {
     assert!(4 * seen > 3 * logs, "{seen} of {logs}");
 }
 
+/// A warm-up by 15 K drifts the bias by 250 times its random walk over a second; the sensor follows the thermometer late.
+#[test]
+fn a_drift_with_temperature_is_no_random_walk() {
+    let n = 24_000;
+    let temperature: Vec<f64> = (0..n).map(|row| 40.0 - 15.0 * (-(row as f64) / 6_000.0).exp()).collect();
+    let (mut of_sensor, late) = (temperature[0], 1.0 / (30.0 * RATE_HZ));
+    let drift: Vec<f64> = temperature
+        .iter()
+        .map(|measured| {
+            of_sensor += late * (measured - of_sensor);
+            1.2e-4 * (of_sensor - 25.0) + 3e-6 * (of_sensor - 25.0).powi(2)
+        })
+        .collect();
+    for walk in [0.0, K] {
+        let mut held = 0;
+        for seed in 200..205 {
+            let values = simulated(walk, n, seed).iter().zip(&drift).map(|(value, drift)| value + drift);
+            let log = log(values.collect(), vec![("temp_c".to_owned(), temperature.clone())]);
+            let noise = noise_of(&log).expect("long enough");
+            let truths = [(noise.levels.white, N), (noise.levels.flicker, B), (noise.levels.walk, walk)];
+            held += usize::from(truths.iter().all(|(level, truth)| holds(*level, *truth)));
+            assert!(noise.levels.walk.high < 5.0 * K, "K at most {}", noise.levels.walk.high);
+            let removed = noise.thermal_drift.expect("a drift");
+            assert!((5e-4..1.5e-3).contains(&removed.rms), "{removed:?}");
+        }
+        // all three 90 % intervals: 3.6 ± 1 of 5
+        assert!(held >= 2, "{held} of 5");
+    }
+}
+
 #[test]
 fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
     let (mut named, mut held) = (0, 0);

@@ -76,9 +76,15 @@ fn worst(three: &[&AxisNoise], unit: &str, level: impl Fn(&AxisNoise) -> Level) 
         .max_by(|a, b| level(a).at_most().total_cmp(&level(b).at_most()))
         .expect("there are three");
     let Level { low, high, .. } = level(most);
+    let drift = most.thermal_drift.map_or("", |_| "; its drift with temperature is removed");
     let about = match low {
-        Some(low) => format!("{unit}, {}, 90 % in {low:.3e} .. {high:.3e}", most.column),
-        None => format!("{unit}, not seen in any axis: the limit that the log sets (95 %), {}", most.column),
+        Some(low) => format!("{unit}, {}, 90 % in {low:.3e} .. {high:.3e}{drift}", most.column),
+        None => {
+            format!(
+                "{unit}, not seen in any axis: the limit that the log sets (95 %), {}{drift}",
+                most.column
+            )
+        }
     };
     Worst { value: level(most).at_most(), about }
 }

@@ -1,5 +1,8 @@
 //! The noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use fos_data::pose;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
@@ -8,7 +11,9 @@ use serde::Serialize;
 use super::blocks::{Blocks, length_for};
 use super::estimate::{FEWEST_BLOCKS, NoiseEstimate, estimate};
 use super::levels::UnknownLevels;
+use super::model::NoiseLevels;
 use super::step::Rounded;
+use super::thermal_drift::{Temperature, ThermalDrift};
 use crate::signal::allan::{AllanPoint, TAUS_PER_DECADE, allan_deviation, averaging_times};
 use crate::signal::quantisation::{Quantisation, quantisation};
 
@@ -33,6 +38,9 @@ pub struct AxisNoise {
     /// N, B, K.
     #[serde(flatten)]
     pub levels: NoiseEstimate,
+    /// Drift with temperature, which is part of neither the levels nor the Allan deviation; none where the temperature is
+    /// constant or not logged.
+    pub thermal_drift: Option<ThermalDrift>,
     /// Step of the converter, unit of the column, where it hides the noise: N, B and K are then limits.
     pub step: Option<f64>,
     /// How long a log would have to be to tell more of a random walk that was not seen, s.
@@ -68,8 +76,9 @@ pub enum AxisNoiseError {
 
 /// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.
 ///
-/// An accelerometer has a constant of its own in each pose, as gravity is in each. What the axis measures besides, such
-/// as a temperature that changes, counts as noise: mostly as random walk.
+/// An accelerometer has a constant of its own in each pose, as gravity is in each. A drift with the logged temperature is
+/// estimated together with the levels (restricted likelihood) and removed. Any other drift counts as noise: mostly as random
+/// walk.
 ///
 /// # Errors
 ///
@@ -106,16 +115,30 @@ pub fn axis_noise(
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let centred: Vec<f64> = y.iter().map(|value| value - mean).collect();
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0) + blocks.length_s;
-    let stretches = recording.stretches_where(|row| blocks.known()[row]);
-    let stretches: Vec<&[f64]> = stretches
-        .iter()
-        .flat_map(|stretch| pose::levels_between(turns, stretch.clone()))
-        .map(|stretch| &series.values[stretch])
+    let temperature = Temperature::of(recording, &blocks);
+    let mut regressors = vec![constant.as_slice()];
+    regressors.extend(temperature.iter().flat_map(|of| &of.regressors).map(Vec::as_slice));
+    let estimated = estimate(&blocks, &centred, &regressors);
+    let removed = temperature.zip(estimated.as_ref().ok()).map(|(temperature, levels)| {
+        let [white, flicker, walk] = [levels.white, levels.flicker, levels.walk].map(|level| level.at_most());
+        let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
+        temperature.drift(&blocks, &centred, levels, recording.n_rows())
+    });
+    let (drift, thermal_drift) = removed.unzip();
+    let values: Cow<'_, [f64]> = match drift {
+        Some(drift) => series.values.iter().zip(&drift).map(|(value, drift)| value - drift).collect(),
+        None => Cow::Borrowed(&series.values),
+    };
+    let stretches: Vec<Range<usize>> = recording
+        .stretches_where(|row| blocks.known()[row])
+        .into_iter()
+        .flat_map(|stretch| pose::levels_between(turns, stretch))
         .collect();
-    let (levels, step) = match estimate(&blocks, &centred, &[&constant]) {
-        Ok(found) => match quantisation(&stretches) {
+    let measured = parts(&series.values, &stretches);
+    let (levels, step) = match estimated {
+        Ok(found) => match quantisation(&measured) {
             Some(Quantisation { step, .. }) => {
-                let rounded = Rounded::of(&stretches, step, period_s, span_s);
+                let rounded = Rounded::of(&measured, step, period_s, span_s);
                 let (levels, is_hidden) = rounded.before_rounding(found);
                 (levels, is_hidden.then_some(step))
             }
@@ -123,13 +146,14 @@ pub fn axis_noise(
         },
         Err(UnknownLevels) => match recording.hidden_step(&column, &stillness.still) {
             Some(step) => {
-                let samples = stretches.iter().map(|stretch| stretch.len()).sum();
+                let samples = measured.iter().map(|stretch| stretch.len()).sum();
                 (Rounded::of_constant(step, samples, period_s, span_s), Some(step))
             }
             None => return Err(AxisNoiseError::Constant { column, value: mean }),
         },
     };
-    let taus = averaging_times(&stretches, period_s, TAUS_PER_DECADE);
+    let without_drift = parts(&values, &stretches);
+    let taus = averaging_times(&without_drift, period_s, TAUS_PER_DECADE);
     Ok(AxisNoise {
         unit: series.unit.label().to_owned(),
         seconds,
@@ -139,7 +163,12 @@ pub fn axis_noise(
         // a longer log does not show what a step hides
         walk_needs_s: if step.is_some() { None } else { levels.seconds_for_walk(span_s) },
         step,
-        allan: allan_deviation(&stretches, period_s, &taus),
+        thermal_drift,
+        allan: allan_deviation(&without_drift, period_s, &taus),
         column,
     })
+}
+
+fn parts<'v>(values: &'v [f64], ranges: &[Range<usize>]) -> Vec<&'v [f64]> {
+    ranges.iter().map(|range| &values[range.clone()]).collect()
 }

@@ -10,6 +10,7 @@
 //! | `prior` | what is known of them before: data sheet, quiet log |
 //! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
 //! | `step` | the noise behind the steps of a coarse converter |
+//! | `thermal_drift` | the drift with temperature, estimated together with the levels |
 //! | `axis` | the same of an axis of a log, with its Allan deviation |
 
 mod axis;
@@ -20,6 +21,7 @@ mod levels;
 mod model;
 mod prior;
 mod step;
+mod thermal_drift;
 
 #[cfg(test)]
 mod estimate_tests;
@@ -36,3 +38,4 @@ pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
 pub use gls::{Gls, combination, dot};
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels};
 pub use model::{GaussMarkov, NoiseLevels};
+pub use thermal_drift::ThermalDrift;

@@ -1,0 +1,107 @@
+//! Drift with temperature, estimated together with the noise levels: otherwise a sensor that warms up seems to have a
+//! large random walk.
+
+use serde::Serialize;
+
+use super::blocks::Blocks;
+use super::levels::{LevelPrior, Regression};
+use super::model::NoiseLevels;
+use crate::signal::centred;
+use fos_data::recording::Recording;
+
+/// A temperature that changes by less is constant, K: the drift of a usual part is then below its noise.
+const LEAST_SPAN: f64 = 0.5;
+
+/// Spans from which on the drift is curved, and curved more than once, K.
+const CURVED_SPAN: f64 = 5.0;
+const CUBIC_SPAN: f64 = 20.0;
+
+/// Time constant of the second temperature, s: of a sensor that follows the thermometer late. To first order the
+/// difference of the two covers any lag that is short against the changes.
+const LAG_S: f64 = 60.0;
+
+/// Drift with temperature that was removed before the noise was estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ThermalDrift {
+    /// Lowest and highest mean of the temperature over a block, °C.
+    pub range_c: [f64; 2],
+    /// RMS of the drift about its mean, unit of the axis.
+    pub rms: f64,
+}
+
+/// The temperature of a log in the regressors of a drift.
+pub(super) struct Temperature {
+    range_c: [f64; 2],
+    /// Powers of the temperature and the lagged temperature, one value per block each.
+    pub(super) regressors: Vec<Vec<f64>>,
+}
+
+impl Temperature {
+    /// `None` if it is not logged in every block, or constant.
+    pub(super) fn of(recording: &Recording, blocks: &Blocks) -> Option<Self> {
+        let means = blocks.means(&recording.channel("temp_c").ok()?.values);
+        let (low, high) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        let span = high - low;
+        if !(span >= LEAST_SPAN && means.iter().all(|value| value.is_finite())) {
+            return None;
+        }
+        let scaled: Vec<f64> =
+            means.iter().map(|value| (value - 0.5 * (low + high)) / (0.5 * span)).collect();
+        let power = |power: i32| centred(scaled.iter().map(|value| value.powi(power)).collect());
+        let mut regressors = vec![power(1), centred(lagged(&scaled, blocks))];
+        if span >= CURVED_SPAN {
+            regressors.push(power(2));
+        }
+        if span >= CUBIC_SPAN {
+            regressors.push(power(3));
+        }
+        Some(Self { range_c: [low, high], regressors })
+    }
+
+    /// The drift in `y`, block means, under noise levels, in each row of the log: interpolated between blocks, since the
+    /// thermometer's own noise is none of the sensor's.
+    pub(super) fn drift(
+        &self,
+        blocks: &Blocks,
+        y: &[f64],
+        levels: NoiseLevels,
+        rows: usize,
+    ) -> (Vec<f64>, ThermalDrift) {
+        let constant = vec![1.0; blocks.len()];
+        let mut regressors = vec![constant.as_slice()];
+        regressors.extend(self.regressors.iter().map(Vec::as_slice));
+        let prior = LevelPrior::independent(levels.logs(), [1.0; 3]);
+        let fitted = Regression { blocks, y, regressors: &regressors, prior: &prior }.at(levels);
+        let in_blocks = super::combination(&self.regressors, &fitted.gls.coefficients()[1..], blocks.len());
+        let rms = (super::dot(&in_blocks, &in_blocks) / in_blocks.len() as f64).sqrt();
+        let middles: Vec<f64> =
+            blocks.blocks.iter().map(|block| 0.5 * (block.rows.start + block.rows.end) as f64).collect();
+        let of_row = |row: usize| {
+            let (row, after) = (row as f64, middles.partition_point(|middle| *middle <= row as f64));
+            match after {
+                0 => in_blocks[0],
+                after if after == middles.len() => in_blocks[after - 1],
+                after => {
+                    let share = (row - middles[after - 1]) / (middles[after] - middles[after - 1]);
+                    in_blocks[after - 1] + share * (in_blocks[after] - in_blocks[after - 1])
+                }
+            }
+        };
+        ((0..rows).map(of_row).collect(), ThermalDrift { range_c: self.range_c, rms })
+    }
+}
+
+/// First-order low-pass from block to block.
+fn lagged(values: &[f64], blocks: &Blocks) -> Vec<f64> {
+    let mut state = values[0];
+    let mut index = blocks.blocks[0].index;
+    let step = |(value, block): (&f64, &super::Block)| {
+        let elapsed_s = (block.index - index) as f64 * blocks.length_s;
+        index = block.index;
+        state += (1.0 - (-elapsed_s / LAG_S).exp()) * (value - state);
+        state
+    };
+    values.iter().zip(&blocks.blocks).map(step).collect()
+}
