@@ -38,7 +38,7 @@ pub enum CompareError {
     Dependence(#[from] DependenceError),
     /// Nothing is left to judge on.
     #[error(
-        "no row at rest is left to judge on: all {trained} were trained on\nhelp: a smaller `train`, or a longer log"
+        "no row at rest remains for the evaluation: all {trained} were fitted\nhelp: use a smaller `train`, or a longer log"
     )]
     NothingLeft {
         /// Rows that were trained on.

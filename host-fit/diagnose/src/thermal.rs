@@ -34,7 +34,7 @@ pub enum LeftError {
     Physical(#[from] PhysicalError),
     /// Nothing is left to judge on.
     #[error(
-        "{log}: no row at rest is left to judge on\nhelp: a smaller `train`, or another log to `judge` on"
+        "{log}: no row at rest remains for the evaluation\nhelp: use a smaller `train`, or another evaluation log (`judge`)"
     )]
     NothingLeft { log: String },
 }

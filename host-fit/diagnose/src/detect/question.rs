@@ -66,7 +66,7 @@ pub enum DiagnoseError {
     Noise(#[from] fos_fit::noise::UnknownLevels),
     /// The coefficients of an effect have no covariance, as of data that are not finite.
     #[error(
-        "{effect}: how sure its coefficients are cannot be told from this log: their covariance is not positive definite\nhelp: a longer log at rest, without values that are no measurements"
+        "{effect}: the uncertainty of its coefficients is not identifiable from this log: their covariance is not positive definite\nhelp: record a longer log at rest, without outliers"
     )]
     UnknownCoefficients { effect: String },
     /// An effect that was asked for does not show in the log.

@@ -79,6 +79,6 @@ pub enum RefineError {
         changes: String,
     },
     /// There is nothing to take off.
-    #[error("{0}: nothing of it can be taken off sample by sample\nhelp: {1}")]
+    #[error("{0}: it cannot be subtracted sample by sample\nhelp: {1}")]
     NothingToTakeOff(String, &'static str),
 }

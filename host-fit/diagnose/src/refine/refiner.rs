@@ -133,7 +133,7 @@ impl<'a> Refiner<'a> {
     /// What to do instead.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
         if effect.search == Detector::Step && !is_bias_known(&self.field, column) {
-            let help = "at rest an accelerometer shows gravity beside its bias, and a step of the one cannot be told from the other in a later log; with the true values (`ref_…`) it can";
+            let help = "at rest an accelerometer shows gravity beside its bias, and in a later log a step of one is indistinguishable from a step of the other; log the true values (`ref_…`)";
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), help));
         }
         can_be_added(effect)

@@ -122,7 +122,7 @@ fn check_added(Added { effect, finding, .. }: &Added) -> Result<(), String> {
     effect.check()?;
     let Finding { effect: found, correction, limits, .. } = finding;
     if *found != effect.id {
-        return Err(format!("the effect is {:?}, what was found is {found:?}", effect.id));
+        return Err(format!("the effect is {:?}, the finding is {found:?}", effect.id));
     }
     for term in correction {
         if step_time(&term.regressor).is_none() {

@@ -134,7 +134,7 @@ fn lead_of(misshape: &Misshape) -> Lead {
     match misshape {
         Misshape::Jumps { kurtosis, gain } => Lead {
             kind: LeadKind::Jumps,
-            follows: format!("jumps at moments of their own (excess kurtosis {kurtosis:.1} of what is left)"),
+            follows: format!("jumps at irregular times (excess kurtosis {kurtosis:.1} of the residual)"),
             gain: *gain,
             score: *kurtosis,
             share: 0.0,
