@@ -40,7 +40,7 @@ noise_floor: [number, [number, number]] | null,
 floor_cautions: Array<string>,
 /** The rivals, then the model. */
 errors: Array<ModelErrors>,
-/** The five stretches where the model fails worst. */
+/** Stretches whose slow error stands out, worst first: at most five, none where no stretch stands out. */
 worst: Array<Stretch>,
 /** What is left against everything that is logged; absent where that is too little to tell. */
 dependence: Dependence | null, };
@@ -53,21 +53,14 @@ added: Array<string>,
  * unit. */
 slow_before: number | null, slow_now: number | null, errors_in: UnitChoice, };
 
-/** An axis of a part. */
-export type AxisReport = {
-/** As in the log format, as `gx_rads`. */
-column: string,
-/** As in `gyro x`. */
-label: string,
-/** Why there is no population. */
-without: string | null,
-/** Its coefficients. */
-coefficients: Array<CoefficientReport>,
-/** The effects that units were found to have. */
-effects: Array<EffectReport>, };
-
-/** One axis. */
-export type AxisSection = {
+/** An axis with its standing and the units that its numbers are shown in. */
+export type AxisPage = { standing: Standing | null,
+/** Why there is no model, comparison or diagnosis. */
+failure: string | null,
+/** RMS of the slow error in a free run, in the unit: of the constant mean, and of the model. */
+slow_error: [number | null, number | null] | null,
+/** Of each refinement step: whether its effect reduces the error by more than noise. */
+pays: Array<boolean>, units: AxisUnits,
 /** As in the log format, as `gx_rads`. */
 column: string,
 /** As in `gyro x`. */
@@ -88,6 +81,19 @@ offers: Array<Offer>,
 growth: Refinement | null,
 /** The same as a figure. */
 staircase: Figure | null, };
+
+/** An axis of a part. */
+export type AxisReport = {
+/** As in the log format, as `gx_rads`. */
+column: string,
+/** As in `gyro x`. */
+label: string,
+/** Why there is no population. */
+without: string | null,
+/** Its coefficients. */
+coefficients: Array<CoefficientReport>,
+/** The effects that units were found to have. */
+effects: Array<EffectReport>, };
 
 export type AxisSeries = { axis: string, unit: string, from_s: number, to_s: number,
 /** Of the samples, or of the means. */
@@ -129,11 +135,25 @@ valid_share: number | null,
 /** What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests. */
 errors: ModelErrors | null, };
 
+/** Units of an axis for people; the page chooses between field units and SI. */
+export type AxisUnits = {
+/** Measured values. */
+measured: UnitChoice,
+/** Errors and residuals. */
+errors: UnitChoice,
+/** N, B and K. */
+noise: [UnitChoice, UnitChoice, UnitChoice],
+/** Coefficients of findings, by the unit they are stored in. */
+sizes: { [key in string]: UnitChoice }, };
+
 /** Where an effect shows. */
 export type Band = "slow" | "wide" | "data" | "stochastic";
 
 /** What a page is told without asking. */
 export type Beat = { revision: number, job: Job | null, };
+
+/** A channel that is drawn under the same time axis. */
+export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
 
 /** What is left in one bin of a channel. */
 export type Bin = {
@@ -439,7 +459,7 @@ title: string,
 /** From top to bottom. Panels that show the same x range line up. */
 panels: Array<Panel>, };
 
-export type Finding = {
+export type FindingWithRms = {
 /** As in the library, as `thermal_lag`. */
 effect: string, name: string,
 /** In block means, in single samples, in the data themselves, or as noise. */
@@ -474,7 +494,7 @@ shows_from_to_s: [number, number] | null,
 /** Its regressors and their coefficients in SI, as the model takes them. */
 correction: Array<CorrectionTerm>,
 /** Limits that inputs are kept inside, by their text: how far a curve may be followed. */
-limits: { [key in string]: [number, number] }, };
+limits: { [key in string]: [number, number] }, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
 /** What a population says. */
 export type FleetReport = {
@@ -766,6 +786,9 @@ cost: Cost | null,
 /** What speaks for it. */
 evidence: Figure | null, };
 
+/** Outcome for an axis, or the worst of a study's axes; later ones are worse. */
+export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
+
 /** All that a page shows of a study, but for what is drawn sample by sample. */
 export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null,
 /** Rows in which the unit was moved count as any others. */
@@ -863,17 +886,6 @@ column: string, logs: LogSources,
 /** The model before anything was added, then after each effect. */
 stairs: Array<StepWithRms>, };
 
-/** A state of the model, and its errors on rows that were not fitted. */
-export type RefinementStep = {
-/** What was added; none in the state before. */
-added: Added | null, model: unknown,
-/** All errors, on the judged rows. */
-errors: ModelErrors,
-/** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
-left: Left,
-/** What the axis costs on the device. */
-cost: Cost, };
-
 /** An effect that was tried and rejected. */
 export type Rejected = {
 /** As in the library, as `thermal_lag`. */
@@ -956,6 +968,9 @@ mean_s: number,
 /** Time of each mean, s after the first sample, and the signal there, in standard deviations. */
 course: Array<[number, number]>, };
 
+/** A unit as it is spelled for people: a stored value over `divisor` is in it. */
+export type ShownUnit = { label: string, divisor: number, };
+
 /** A coefficient in data-sheet units. */
 export type Size = { of: string,
 /** In `unit`. */
@@ -978,13 +993,28 @@ from_study?: string | null,
 /** As what it was read, where it is not in the log format. */
 read_as?: ReadAs | null, };
 
+/** Standing of one axis. */
+export type Standing = { outcome: Outcome, sentence: string,
+/** What to record so that the tests become possible. */
+record: Array<string>, };
+
+export type StepWithRms = {
+/** What was added; none in the state before. */
+added: Added | null, model: unknown,
+/** All errors, on the judged rows. */
+errors: ModelErrors,
+/** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
+left: Left,
+/** What the axis costs on the device. */
+cost: Cost, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
+
 /** A stretch of the recording. */
 export type Stretch = {
 /** Begin, s as stamped. */
 begin_s: number,
 /** End, s as stamped. */
 end_s: number,
-/** Root mean square of what is left, coasting for at most 60 s, in the axis' unit. */
+/** Slow error: RMS of the 1-s means of the residual in a free run of at most 60 s, in the axis' unit. */
 rms: number,
 /** Mean of what is left. */
 mean: number,
@@ -1051,6 +1081,9 @@ label: string,
 coefficients: Array<UnitCoefficient>,
 /** The effects that a diagnosis found. */
 effects: Array<string>, };
+
+/** A unit in both systems. */
+export type UnitChoice = { field: ShownUnit, si: ShownUnit, };
 
 /** A coefficient of a unit: values in `unit`, each with half of its 90 % interval. */
 export type UnitCoefficient = {
@@ -1135,16 +1168,3 @@ export type ViewKind = "one_step" | "coast" | "slow";
 
 /** What a new study is of. */
 export type Wanted = { example?: boolean, field?: string | null, quiet?: string | null, judged?: string | null, columns?: Array<string>, rate_hz?: number | null, };
-
-export type RmsTwins = { rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
-export type FindingWithRms = Finding & RmsTwins;
-export type StepWithRms = RefinementStep & RmsTwins;
-export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
-export type Standing = { outcome: Outcome, sentence: string,
-/** What to record so that the tests become possible. */
-record: Array<string>, };
-export type ShownUnit = { label: string, divisor: number, };
-export type UnitChoice = { field: ShownUnit, si: ShownUnit, };
-export type AxisUnits = { measured: UnitChoice, errors: UnitChoice, noise: [UnitChoice, UnitChoice, UnitChoice], sizes: { [key in string]: UnitChoice }, };
-export type AxisPage = AxisSection & { standing: Standing | null, failure: string | null, slow_error: [number | null, number | null] | null, pays: Array<boolean>, units: AxisUnits, };
-export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
