@@ -51,7 +51,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   const middle = (/** @type {number} */ at) => 0.5 * (Number(ranges[at]?.from) + Number(ranges[at]?.to));
   const entry = (/** @type {number} */ part) => page.locator(`[data-part="${part}"] .time-chart`).locator("xpath=..").locator(".legend .ink-left-out");
   for (const part of [1, 2]) {
-    assert.match(await entry(part).innerText(), /^left out: the unit was moved/);
+    assert.match(await entry(part).innerText(), /^excluded: detected motion/);
     const usual = await coloursAt(page, part, 45);
     for (const at of [0, 1]) assert.notEqual(await coloursAt(page, part, middle(at)), usual, `part ${part}, knock ${at}`);
   }

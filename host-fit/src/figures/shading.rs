@@ -66,7 +66,7 @@ pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
             says: says.clone(),
         })
     });
-    Shading { label: "left out: the unit was moved".into(), tone: Tone::LeftOut, ranges: ranges.collect() }
+    Shading { label: "excluded: detected motion".into(), tone: Tone::LeftOut, ranges: ranges.collect() }
 }
 
 #[cfg(test)]

@@ -451,7 +451,7 @@ fn write_knocked_log(path: &Path) {
 }
 
 /// What a figure or a report calls where the unit was moved.
-const MOVED: &str = "left out: the unit was moved";
+const MOVED: &str = "excluded: detected motion";
 
 #[tokio::test]
 async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {

@@ -83,7 +83,7 @@ impl fmt::Display for ClockProblem {
                 let stamped = stamped_hz.map_or_else(|| "no rate".to_owned(), |hz| format!("{hz:.4} Hz"));
                 write!(
                     f,
-                    "the stated rate of {rate_hz} Hz replaces the time stamps (column \"{column}\"), which show {stamped}: rows count in their order, and gaps between the stamps still end segments. If the stamps are right, leave `rate_hz` out; if they are in another unit, name it in the column map, as in t_s={column}:ms"
+                    "the stated rate of {rate_hz} Hz replaces the time stamps (column \"{column}\"), which show {stamped}: rows count in their order, and gaps between the stamps still end segments. If the timestamps are right, omit `rate_hz`; if they are in another unit, name it in the column map, as in t_s={column}:ms"
                 )
             }
             Self::TooFast { column, thermometer, kelvin, seconds } => write!(
