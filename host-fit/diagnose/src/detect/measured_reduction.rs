@@ -67,8 +67,12 @@ pub fn with_measured_reduction(
         with.push(finding.clone());
         let fall = 1.0 - left(&with, &finding)? / before;
         finding.measured_reduction = Some(fall);
-        // what its own log leaves open, the other decides; of an implausible size neither says why
-        if finding.predicted_reduction_interval[0] <= 0.0 && fall >= CONFIRMED * finding.predicted_reduction {
+        // its own log leaves the effect open, and the other log decides; a course of the clock fits any drift of another
+        // log, and an implausible size stays one
+        if finding.shows_against.is_some()
+            && finding.predicted_reduction_interval[0] <= 0.0
+            && fall >= CONFIRMED * finding.predicted_reduction
+        {
             is_confirmed |= finding.doubt.take().is_some();
         }
         if finding.band == Band::Slow && fall < -LEAST_RISE && finding.predicted_reduction_interval[0] > 0.0 {

@@ -31,7 +31,9 @@ pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str
         let Some(reason) = not_identifiable(finding, effect, column) else { continue };
         let reason = match finding.effect == added.effect {
             true => reason,
-            false => format!("in this log {} of the model is indistinguishable from it: {reason}", finding.name),
+            false => {
+                format!("in this log {} of the model is indistinguishable from it: {reason}", finding.name)
+            }
         };
         let experiment = library.get(&added.effect)?.experiment.clone();
         return Err(RefineError::NotIdentifiable { effect: added.effect.clone(), reason, experiment });
