@@ -22,9 +22,9 @@ pub enum CalibrateError {
     NoRest { shortest_s: f64, duration_s: f64 },
     /// All rests in nearly the same direction.
     #[error(
-        "{} within {spread_deg:.0}° of one orientation: bias and sensitivity are indistinguishable\n\
+        "{}: bias and sensitivity are indistinguishable\n\
          help: record 12 orientations or more: each face down once, and six askew on edges and corners; next: {next}",
-        if *rests == 1 { "one rest was found,".to_owned() } else { format!("all {rests} rests lie") }
+        if *rests == 1 { "one rest in one orientation".to_owned() } else { format!("all {rests} rests lie within {spread_deg:.0}° of one orientation") }
     )]
     OneOrientation { rests: usize, spread_deg: f64, next: String },
     /// No more orientations than unknowns.

@@ -19,7 +19,7 @@ use crate::least_squares::{
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::rests::{Rests, has_clipped, range, unit};
 use crate::triad::{PAIRS, TriadModel};
-use crate::turn::{Rates, tangents};
+use crate::turn::{Prepared, Rates, angles, tangents};
 
 /// Longer turns are not used, s: the bias drifts.
 const LONGEST_TURN_S: f64 = 60.0;
@@ -106,19 +106,6 @@ pub struct Gyro {
     pub degrees_of_freedom: f64,
     /// RMS angle between turned and measured direction, °: with the matrix, and with the nominal scale (`None` for counts).
     pub rms_deg: [Option<f64>; 2],
-}
-
-/// One turn, ready to be integrated.
-pub(crate) struct Prepared {
-    pub(crate) rates: Rates,
-    /// Directions of gravity at the rests before and after.
-    pub(crate) up: [Vector3<f64>; 2],
-    /// Variance of one component of the direction after the turn, rad², by noise; times the scale of the log for the gyro.
-    direction: f64,
-    /// Variance of the integrated noise, in the unit of the log.
-    integrated: f64,
-    /// Index among the turns.
-    pub(crate) turn: usize,
 }
 
 /// Calibrates the gyro of a log with these rests.
@@ -395,14 +382,6 @@ fn residuals(prepared: &[Prepared], matrix: &Matrix3<f64>) -> DVector<f64> {
         }
     }
     all
-}
-
-/// The angle by which each turn ends off, rad.
-pub(crate) fn angles(prepared: &[Prepared], matrix: &Matrix3<f64>) -> Vec<f64> {
-    let off = |turn: &Prepared| {
-        2.0 * (0.5 * (turn.rates.turned(matrix, turn.up[0]) - turn.up[1]).norm()).min(1.0).asin()
-    };
-    prepared.iter().map(off).collect()
 }
 
 fn to_matrix(entries: &DVector<f64>, unit: f64) -> Matrix3<f64> {

@@ -4,9 +4,9 @@ use nalgebra::Matrix3;
 
 use fos_data::statistics::median_of;
 
-use crate::gyro::{Prepared, angles};
 use crate::imu::Scale;
 use crate::parameter::AXES;
+use crate::turn::{Prepared, angles};
 
 /// A guess whose turns end this far off, rad, in the median, explains them: 15°.
 const GOOD: f64 = 0.26;

@@ -255,12 +255,19 @@ fn clips(axes: &Axes, parts: &[Range<usize>], ends: &[[f64; 2]; 3]) -> Option<us
     })
 }
 
-/// True where an axis stays at the end of its range for some samples in these rows.
+/// True where an axis stays at the end of its range for some samples in these rows. Of a sensor whose values are held for
+/// several rows, for as many times longer.
 pub(crate) fn has_clipped(axes: &Axes, ends: &[[f64; 2]; 3], rows: &Range<usize>) -> bool {
     axes.values.iter().zip(ends).any(|(values, &[low, high])| {
         let at_end = |value: f64| value == low || value == high;
-        let runs = fos_data::recording::runs(rows.clone(), |row| at_end(values[row]));
-        high > low && runs.iter().any(|run| run.len() >= CLIPPED_IN_A_ROW)
+        let longest = fos_data::recording::runs(rows.clone(), |row| at_end(values[row]))
+            .iter()
+            .map(Range::len)
+            .max()
+            .unwrap_or(0);
+        let changes = values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !at_end(pair[0]));
+        let held = (rows.len() - longest) / (changes.count() + 1);
+        high > low && longest >= CLIPPED_IN_A_ROW * held.max(1)
     })
 }
 

@@ -72,6 +72,27 @@ impl Rates {
     }
 }
 
+/// One turn, ready to be integrated.
+pub(crate) struct Prepared {
+    pub(crate) rates: Rates,
+    /// Directions of gravity at the rests before and after.
+    pub(crate) up: [Vector3<f64>; 2],
+    /// Variance of one component of the direction after the turn, rad², by noise; times the scale of the log for the gyro.
+    pub(crate) direction: f64,
+    /// Variance of the integrated noise, in the unit of the log.
+    pub(crate) integrated: f64,
+    /// Index among the turns.
+    pub(crate) turn: usize,
+}
+
+/// The angle by which each turn ends off, rad.
+pub(crate) fn angles(prepared: &[Prepared], matrix: &Matrix3<f64>) -> Vec<f64> {
+    let off = |turn: &Prepared| {
+        2.0 * (0.5 * (turn.rates.turned(matrix, turn.up[0]) - turn.up[1]).norm()).min(1.0).asin()
+    };
+    prepared.iter().map(off).collect()
+}
+
 /// Exp of a rotation vector (Rodrigues' formula).
 pub(crate) fn rotation(vector: Vector3<f64>) -> Matrix3<f64> {
     let square = vector.norm_squared();

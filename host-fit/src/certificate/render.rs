@@ -3,8 +3,9 @@
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
+use super::content::Certificate;
 use super::picture::Picture;
-use super::{Certificate, exclusion};
+use super::shown::exclusion;
 use crate::report::{RenderError, markdown_environment, page_environment, style};
 
 fn content(certificate: &Certificate) -> Value {
@@ -54,4 +55,28 @@ pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = markdown_environment()?;
     let template = environment.template_from_str(include_str!("certificate.md"))?;
     Ok(template.render(content(certificate))?)
+}
+
+/// The JSON form.
+///
+/// # Errors
+///
+/// None that a certificate can cause.
+pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
+    serde_json::to_vec_pretty(certificate)
+}
+
+/// The form that a file name asks for: `.md`, `.json`, else HTML.
+///
+/// # Errors
+///
+/// It cannot be rendered.
+pub fn of_form(certificate: &Certificate, extension: Option<&str>) -> Result<Vec<u8>, RenderError> {
+    Ok(match extension {
+        Some("md") => markdown(certificate)?.into_bytes(),
+        Some("json") => json(certificate).map_err(|error| {
+            minijinja::Error::new(minijinja::ErrorKind::BadSerialization, error.to_string())
+        })?,
+        _ => html(certificate)?.into_bytes(),
+    })
 }

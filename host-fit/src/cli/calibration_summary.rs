@@ -210,7 +210,8 @@ fn print_rests(rests: &[RestResidual]) {
             format!("{:.1}", one.rest.start_s),
             format!("{:.1}", one.rest.duration_s),
         ];
-        row.extend(one.up.map(|part| format!("{part:.2}")));
+        // a small negative part is 0.00, not -0.00
+        row.extend(one.up.map(|part| format!("{:.2}", (100.0 * part).round() / 100.0 + 0.0)));
         row.push(format!("{:.2}", one.residual_mps2 / MG));
         row.push(format!("{:.2}", one.deviation_mps2 / MG));
         row.push(one.rest.excluded.as_ref().map(exclusion).unwrap_or_default());
@@ -288,7 +289,7 @@ pub(super) fn print_turntable(found: &Turntable, printed: Printed) {
                 format!("{:.1}", one.duration_s),
                 three(one.rate_rads.to_degrees()),
             ];
-            row.extend(one.axis.map(|part| format!("{part:.2}")));
+            row.extend(one.axis.map(|part| format!("{:.2}", (100.0 * part).round() / 100.0 + 0.0)));
             row.push(format!("{:.3}", 100.0 * one.residual));
             row.push(if one.excluded { "outlier".to_owned() } else { String::new() });
             rows.add_row(row);

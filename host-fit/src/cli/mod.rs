@@ -119,7 +119,7 @@ pub fn command() -> clap::Command {
             let known = names.iter().filter_map(|name| program.find_subcommand(name));
             let line = |one: &clap::Command| {
                 let about = one.get_about().map(ToString::to_string).unwrap_or_default();
-                format!("  {:<13} {about}\n", one.get_name())
+                format!("  {:<14} {about}\n", one.get_name())
             };
             format!("{title}:\n{}\n", known.map(line).collect::<String>())
         })

@@ -39,7 +39,7 @@ pub(crate) fn turned_log() -> String {
         }
         // quarter turns reach the faces, thirds of a right angle what lies between
         let axis = [Vector3::x(), Vector3::y(), Vector3::new(0.6, 0.0, 0.8)][n as usize % 3];
-        let whole = axis * if n < 6 { 1.5708 } else { 1.1 };
+        let whole = axis * if n < 6 { std::f64::consts::FRAC_PI_2 } else { 1.1 };
         let from = attitude;
         for step in 0..75 {
             let phase = std::f64::consts::TAU * f64::from(step) / 75.0;
