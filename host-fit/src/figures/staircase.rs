@@ -71,7 +71,7 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
         }
     });
     let coast = Panel {
-        title: "free run, so many seconds ahead".into(),
+        title: "free run".into(),
         x: x(),
         y: Axis::log(format!("RMS ({unit})")),
         series: coast.collect(),

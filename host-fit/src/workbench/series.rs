@@ -19,8 +19,8 @@ pub(super) enum ViewKind {
     Slow,
 }
 
-/// Channels that are drawn under the same time axis, where they are logged.
-const BESIDE: [&str; 2] = ["temp_c", "supply_v"];
+/// Channels that are drawn under the same time axis, where they are logged, and their names.
+const BESIDE: [(&str, &str); 2] = [("temp_c", "temperature"), ("supply_v", "supply voltage")];
 
 /// Most buckets that are given at once.
 pub(super) const WIDEST: usize = 8192;
@@ -126,7 +126,8 @@ pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, wid
     let width = width.clamp(2, WIDEST);
     let Joined { kind, mean_s } = joined;
     let period_s = rows.recording.rate.period_s;
-    let beside: Vec<_> = BESIDE.iter().filter_map(|column| rows.recording.channel(column).ok()).collect();
+    let beside: Vec<_> =
+        BESIDE.iter().filter_map(|(column, _)| rows.recording.channel(column).ok()).collect();
     let held: Vec<Vec<f64>> =
         beside.iter().map(|channel| rows.recording.held_from_first(channel).to_vec()).collect();
     let values = |row: usize| {
@@ -174,9 +175,9 @@ pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, wid
     }
     let [measured, left, left_before, first, second, predicted, predicted_before] = columns;
     let beside = beside.iter().zip([first, second]).map(|(channel, values)| {
-        let column = Column::named(&channel.name);
-        let (label, unit) = (column.label().to_owned(), column.unit().label());
-        Beside { column: channel.name.clone(), label, unit, values }
+        let unit = Column::named(&channel.name).unit().label();
+        let label = BESIDE.iter().find(|(column, _)| *column == channel.name).map_or("", |(_, label)| label);
+        Beside { column: channel.name.clone(), label: label.to_owned(), unit, values }
     });
     let beside = beside.collect();
     let is_slow = kind == ViewKind::Slow;

@@ -69,7 +69,7 @@ fn a_drift_with_temperature_is_no_random_walk() {
     for walk in [0.0, K] {
         let mut held = 0;
         for seed in 200..205 {
-            let values = simulated(walk, n, seed).iter().zip(&drift).map(|(value, drift)| value + drift);
+            let values = simulated(walk, n, seed).into_iter().zip(&drift).map(|(value, drift)| value + drift);
             let log = log(values.collect(), vec![("temp_c".to_owned(), temperature.clone())]);
             let noise = noise_of(&log).expect("long enough");
             let truths = [(noise.levels.white, N), (noise.levels.flicker, B), (noise.levels.walk, walk)];

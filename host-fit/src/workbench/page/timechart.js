@@ -161,7 +161,7 @@ export class TimeChart {
       this.#values.set(label, value);
       const kind = `entry ${ink.replace("--ink", "ink")}`;
       const swatch = el("i", { class: `swatch ${isExact ? "line" : "band"}` });
-      if (drawn.length === 1) return el("span", { class: `${kind} single` }, swatch, label, value);
+      if (drawn.length === 1) return el("span", { class: `${kind} single` }, label ? swatch : null, label, value);
       const toggle = el("button", { type: "button", class: "toggle", "aria-pressed": String(!this.#off.has(label)), onclick: () => this.#toggle(label, at, toggle) }, swatch, label);
       return el("span", { class: kind }, toggle, value);
     });
