@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails};
 use serde_json::Value;
 
 /// Ten minutes at rest, and all that is written of it.
