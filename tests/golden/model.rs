@@ -139,7 +139,7 @@ fn the_model_comes_to_the_bits_of_its_test_vector() {
 /// Test vector: 66 samples, and the bits that a hub made of them on the host, in f32.
 /// From power-on, at rest: until the history is full and 30 samples more; then one with everything below its fitted range and one
 /// with everything above; each quantity absent once; all codes saturated once; each axis at its full scale once, where codes reach it;
-/// 8 samples in motion; 3 missing; then more missing than any axis coasts over, and the history filled anew.
+/// 8 samples in motion; 3 missing; then more missing than any axis coasts over, and the history refilled.
 /// The remainder of an axis is drawn evenly from its fitted range, a quantity wanders through its own in steps of 0.03 % to 30 %.
 /// Random numbers: x = 1664525 x + 1013904223 modulo 2^32 from x = 1, the upper 24 bits.
 /// Not shown: detection of stillness, stuck axes, coasting beyond its limit, the watch over the innovations.
