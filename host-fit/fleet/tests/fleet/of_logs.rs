@@ -110,7 +110,7 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
     assert_eq!(Fleet::read(&path).expect("what was written"), (fleet, found));
     std::fs::write(rows_beside(&path), &cut).expect("rows");
     let error = Fleet::read(&path).expect_err("rows are missing").to_string();
-    assert!(error.contains(" rows of 16 units") && error.contains("help: "), "{error}");
+    assert!(error.contains(" rows of 16 devices") && error.contains("help: "), "{error}");
     std::fs::write(&path, "{}").expect("a file");
     assert!(Fleet::read(&path).expect_err("no population").to_string().contains("help: "));
 }
