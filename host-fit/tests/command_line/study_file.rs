@@ -34,7 +34,7 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
         (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
         (&format!("{step}/added"), Value::Null, "each step but the first"),
         (&format!("{step}/added/effect/id"), json!("Thermal Lag"), "small letters"),
-        (&format!("{step}/added/finding/effect"), json!("bias_ramp"), "what was found is"),
+        (&format!("{step}/added/finding/effect"), json!("bias_ramp"), "the finding is"),
         (&format!("{step}/added/finding/correction/0/regressor"), json!("temp_c:lowpas(3)"), "lowpas"),
         (&format!("{step}/added/finding/limits"), json!({ "temp_c": [2, 1] }), "the wrong way round"),
     ] {

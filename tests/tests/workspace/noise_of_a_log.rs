@@ -66,11 +66,16 @@ fn a_drift_with_temperature_is_no_random_walk() {
             1.2e-4 * (of_sensor - 25.0) + 3e-6 * (of_sensor - 25.0).powi(2)
         })
         .collect();
-    for walk in [0.0, K] {
+    // a thermometer of steps of 0.5 K that answers every third time, too
+    let coarse = |(row, measured): (usize, &f64)| {
+        if row % 3 == 0 { (measured / 0.5).round() * 0.5 } else { f64::NAN }
+    };
+    let coarse: Vec<f64> = temperature.iter().enumerate().map(coarse).collect();
+    for (walk, logged) in [(0.0, &temperature), (K, &coarse)] {
         let mut held = 0;
         for seed in 200..205 {
             let values = simulated(walk, n, seed).into_iter().zip(&drift).map(|(value, drift)| value + drift);
-            let log = log(values.collect(), vec![("temp_c".to_owned(), temperature.clone())]);
+            let log = log(values.collect(), vec![("temp_c".to_owned(), logged.clone())]);
             let noise = noise_of(&log).expect("long enough");
             let truths = [(noise.levels.white, N), (noise.levels.flicker, B), (noise.levels.walk, walk)];
             held += usize::from(truths.iter().all(|(level, truth)| holds(*level, *truth)));

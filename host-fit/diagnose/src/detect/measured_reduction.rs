@@ -54,7 +54,7 @@ pub fn with_measured_reduction(
     let mut held: Vec<Finding> = Vec::new();
     let mut is_confirmed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
-        if finding.correction.is_empty() || finding.predicted_reduction <= 0.0 {
+        if finding.correction.is_empty() {
             held.push(finding);
             continue;
         }
@@ -70,6 +70,7 @@ pub fn with_measured_reduction(
         // its own log leaves the effect open, and the other log decides; a course of the clock fits any drift of another
         // log, and an implausible size stays one
         if finding.shows_against.is_some()
+            && finding.predicted_reduction > 0.0
             && finding.predicted_reduction_interval[0] <= 0.0
             && fall >= CONFIRMED * finding.predicted_reduction
         {

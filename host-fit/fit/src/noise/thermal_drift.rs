@@ -37,9 +37,15 @@ pub(super) struct Temperature {
 }
 
 impl Temperature {
-    /// `None` if it is not logged in every block, or constant.
+    /// `None` if it is not logged, or constant. Cells without a value hold the one before; between two steps of a coarse
+    /// thermometer the temperature follows a smooth curve.
     pub(super) fn of(recording: &Recording, blocks: &Blocks) -> Option<Self> {
-        let means = blocks.means(&recording.channel("temp_c").ok()?.values);
+        let channel = recording.channel("temp_c").ok()?;
+        let held = recording.held_from_first(channel);
+        let means = match recording.coarse_step(channel) {
+            Some(step) => blocks.means(&recording.between_steps(&held, step)),
+            None => blocks.means(&held),
+        };
         let (low, high) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(*value), high.max(*value))
         });
