@@ -20,8 +20,8 @@ use super::error::RefineError;
 use super::identifiable;
 use super::terms;
 use crate::detect::{
-    Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction, diagnose,
-    estimate, is_bias_known, is_step, with_measured_reduction,
+    DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction,
+    diagnose, estimate, is_bias_known, is_step, with_measured_reduction,
 };
 use crate::effects::{Band, Detector, Effect, Library};
 use crate::physical::physical;
@@ -218,7 +218,14 @@ impl<'a> Refiner<'a> {
         let found = diagnosis.findings.iter().filter(|f| f.band == Band::Slow && f.doubt.is_none());
         wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
         let field = self.without_base(refinement, &[])?;
-        let mut findings = estimate(&self.question(&field, &refinement.column, &library), &wanted)?;
+        let question = self.question(&field, &refinement.column, &library);
+        let mut findings = match estimate(&question, &wanted) {
+            // of the others, one that cannot be estimated together with these does not keep them from being added
+            Err(DiagnoseError::NotThere { effect, .. }) if wanted[in_model..].contains(&effect) => {
+                estimate(&question, &wanted[..in_model])?
+            }
+            findings => findings?,
+        };
         let in_question = in_model - 1;
         identifiable::identifiable(&findings[..in_model], &library, &refinement.column)?;
         let [first, ..] = &refinement.steps[..] else {
@@ -282,7 +289,11 @@ impl<'a> Refiner<'a> {
                 break;
             };
             let step = match self.add_beside(&refinement, self.library.get(&best.effect)?, &diagnosis) {
-                Err(RefineError::NotIdentifiable { .. } | RefineError::MakesWorse { .. }) => {
+                Err(
+                    RefineError::NotIdentifiable { .. }
+                    | RefineError::MakesWorse { .. }
+                    | RefineError::Diagnose(DiagnoseError::NotThere { .. }),
+                ) => {
                     refused.push(best.effect.clone());
                     continue;
                 }
