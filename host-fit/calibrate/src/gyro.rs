@@ -557,7 +557,7 @@ fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [
     let accelerometer = model.axes();
     let mut all = [0.0; 15];
     // a gyro whose axes are named otherwise is compared with the axes that it belongs to
-    let along: Matrix3<f64> = sensor * pairing.transpose();
+    let along: Matrix3<f64> = sensor * pairing;
     let rows: Vec<Vector3<f64>> = (0..3).map(|i| sensor.row(i).transpose().normalize()).collect();
     let mut cross = 3;
     for i in 0..3 {
@@ -571,7 +571,7 @@ fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [
         all[9 + pair] = rows[i].dot(&rows[j]).clamp(-1.0, 1.0).acos().to_degrees();
     }
     for i in 0..3 {
-        let target = pairing.transpose() * Vector3::ith(i, 1.0);
+        let target = pairing * Vector3::ith(i, 1.0);
         let axis: Vector3<f64> =
             (0..3).map(|k| accelerometer.row(k).transpose() * target[k]).sum::<Vector3<f64>>();
         all[12 + i] = rows[i].cross(&axis).norm().clamp(0.0, 1.0).asin().to_degrees();
