@@ -10,6 +10,11 @@ pub enum CalibrateError {
         columns.join(", ")
     )]
     NoTriad { path: String, columns: Vec<String> },
+    /// An axis that repeats one value.
+    #[error(
+        "{column} repeats one value, {value:?}: stuck or not connected\nhelp: check the wiring, the driver and the column map of this axis"
+    )]
+    StuckAxis { column: String, value: f64 },
     /// An accelerometer is needed.
     #[error(
         "no accelerometer with three axes: gravity is the reference of a calibration by hand\nhelp: a gyro alone is calibrated on a turntable, with `rate_table`"

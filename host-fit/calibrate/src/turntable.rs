@@ -88,6 +88,9 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
     if let Some(&rate) = rates.iter().find(|rate| !rate.is_finite() || **rate == 0.0) {
         return Err(CalibrateError::BadRate { rate });
     }
+    if let Some((column, value)) = axes.stuck() {
+        return Err(CalibrateError::StuckAxis { column: column.to_owned(), value });
+    }
     let stretches = constant(imu, axes);
     let means: Vec<[f64; 3]> = stretches.iter().map(|rows| mean(axes, std::slice::from_ref(rows))).collect();
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
