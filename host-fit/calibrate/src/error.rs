@@ -10,6 +10,11 @@ pub enum CalibrateError {
         columns.join(", ")
     )]
     NoTriad { path: String, columns: Vec<String> },
+    /// An axis that repeats one value.
+    #[error(
+        "{column} repeats one value, {value:?}: stuck or not connected\nhelp: check the wiring, the driver and the column map of this axis"
+    )]
+    StuckAxis { column: String, value: f64 },
     /// An accelerometer is needed.
     #[error(
         "no accelerometer with three axes: gravity is the reference of a calibration by hand\nhelp: a gyro alone is calibrated on a turntable, with `rate_table`"
@@ -60,10 +65,20 @@ pub enum CalibrateError {
         listed(stated), if found.is_empty() { "none".to_owned() } else { listed(found) }
     )]
     NoPlateau { stated: Vec<f64>, found: Vec<f64>, shortest_s: f64 },
+    /// Too few plateaus for the unknowns.
+    #[error(
+        "{plateaus} plateaus leave {degrees_of_freedom:.1} degrees of freedom, {FEWEST_DEGREES} are needed for intervals\n\
+         help: record {more} more at least, in other orientations on the turntable{}",
+        if *has_rest { "" } else { ", and 10 s at rest for the bias" }
+    )]
+    FewPlateaus { plateaus: usize, degrees_of_freedom: f64, more: usize, has_rest: bool },
     /// A rate that is not usable.
     #[error("{rate} rad/s is no rate of a turntable\nhelp: state its magnitude, as in 33.3333rpm or 90dps")]
     BadRate { rate: f64 },
 }
+
+/// Fewest degrees of freedom of a turntable calibration: with 3, Student's t is 1.6 times the normal quantile, with 1 6.5 times.
+pub(crate) const FEWEST_DEGREES: usize = 3;
 
 fn listed(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.4}")).collect::<Vec<_>>().join(", ")

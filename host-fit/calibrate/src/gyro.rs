@@ -93,7 +93,7 @@ pub struct Gyro {
     pub is_g_sensitive: bool,
     /// ω = G·(raw − bias), rad/s, in the frame of the accelerometer; `None` if it was not estimated.
     pub matrix: Option<[[f64; 3]; 3]>,
-    /// Reason why there is no matrix.
+    /// Reason why there is no matrix. A gyro with a stuck axis has no parameters either.
     pub refused: Option<String>,
     /// Correspondence of the gyro's axes to those of the accelerometer, where it is not x to x, y to y, z to z.
     pub axis_order: Option<String>,
@@ -113,6 +113,12 @@ pub(crate) fn calibrate(imu: &Imu, axes: &Axes, accelerometer: &Accelerometer, r
     let used: Vec<usize> =
         (0..rests.rests.len()).filter(|&index| rests.rests[index].excluded.is_none()).collect();
     let mut gyro = bias(axes, accelerometer, rests, &used);
+    if let Some((column, value)) = axes.stuck() {
+        gyro.parameters.clear();
+        (gyro.g_sensitivity, gyro.bias_per_k, gyro.is_g_sensitive) = (None, None, false);
+        gyro.refused = Some(format!("{column} repeats one value, {value:?}: stuck or not connected"));
+        return gyro;
+    }
     let (turns, prepared) = prepare(imu, axes, accelerometer, rests, &used, &gyro);
     gyro.turns = turns;
     let clipped = gyro.turns.iter().filter(|turn| turn.excluded == Some(TurnExclusion::Clips)).count();
@@ -557,7 +563,7 @@ fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [
     let accelerometer = model.axes();
     let mut all = [0.0; 15];
     // a gyro whose axes are named otherwise is compared with the axes that it belongs to
-    let along: Matrix3<f64> = sensor * pairing.transpose();
+    let along: Matrix3<f64> = sensor * pairing;
     let rows: Vec<Vector3<f64>> = (0..3).map(|i| sensor.row(i).transpose().normalize()).collect();
     let mut cross = 3;
     for i in 0..3 {
@@ -571,7 +577,7 @@ fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [
         all[9 + pair] = rows[i].dot(&rows[j]).clamp(-1.0, 1.0).acos().to_degrees();
     }
     for i in 0..3 {
-        let target = pairing.transpose() * Vector3::ith(i, 1.0);
+        let target = pairing * Vector3::ith(i, 1.0);
         let axis: Vector3<f64> =
             (0..3).map(|k| accelerometer.row(k).transpose() * target[k]).sum::<Vector3<f64>>();
         all[12 + i] = rows[i].cross(&axis).norm().clamp(0.0, 1.0).asin().to_degrees();

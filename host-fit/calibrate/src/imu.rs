@@ -31,6 +31,15 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// The first axis whose values are all equal: its column and the value. The noise of a connected sensor changes some.
+    pub(crate) fn stuck(&self) -> Option<(&str, f64)> {
+        self.values.iter().zip(&self.columns).find_map(|(values, column)| {
+            let mut finite = values.iter().copied().filter(|value| value.is_finite());
+            let first = finite.next()?;
+            finite.all(|value| value == first).then_some((column.as_str(), first))
+        })
+    }
+
     /// The three values of a row.
     pub fn at(&self, row: usize) -> [f64; 3] {
         [self.values[0][row], self.values[1][row], self.values[2][row]]

@@ -1,7 +1,7 @@
 //! Weighted nonlinear least squares by Levenberg–Marquardt with orthogonal factorisations.
 
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF as _, StudentsT};
+use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 /// Most iterations; ellipsoid fits need 5 to 15.
 pub(crate) const MAX_ITERATIONS: usize = 100;
@@ -17,6 +17,10 @@ pub(crate) struct Linearised {
     pub(crate) residuals: DVector<f64>,
     pub(crate) jacobian: DMatrix<f64>,
 }
+
+/// More degrees of freedom than this use the normal quantile, which is within 1e-4 of Student's. The inverse of Student's
+/// distribution does not end for absurdly many.
+const NORMAL_DEGREES: f64 = 1e5;
 
 /// A minimum.
 pub(crate) struct Minimum {
@@ -99,14 +103,18 @@ pub(crate) fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     covariance.iter().all(|value| value.is_finite()).then_some(covariance)
 }
 
-/// Leverages: the diagonal of J(JᵀJ)⁻¹Jᵀ.
+/// Leverages: the diagonal of J(JᵀJ)⁻¹Jᵀ. Rounding of a rank-deficient J gives values outside 0 … 1, which are clamped.
 pub(crate) fn leverages(jacobian: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
-    (jacobian * covariance).component_mul(jacobian).row_iter().map(|row| row.sum()).collect()
+    let of_row = |sum: f64| if sum.is_nan() { 1.0 } else { sum.clamp(0.0, 1.0) };
+    (jacobian * covariance).component_mul(jacobian).row_iter().map(|row| of_row(row.sum())).collect()
 }
 
 /// Two-sided quantile of Student's t that holds a share `level` of it; of the normal distribution in the limit.
 pub(crate) fn student(level: f64, degrees_of_freedom: f64) -> f64 {
     let tail = 0.5 + 0.5 * level;
+    if degrees_of_freedom > NORMAL_DEGREES {
+        return Normal::standard().inverse_cdf(tail);
+    }
     StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(tail))
 }
 
@@ -163,6 +171,18 @@ mod tests {
         for (degrees, quantile) in [(1.0, 12.706), (3.0, 3.182), (10.0, 2.228), (30.0, 2.042)] {
             assert!((student(0.95, degrees) - quantile).abs() < 6e-4, "{degrees}");
         }
+        for degrees in [1.1e5, 1e15, 1e300, f64::INFINITY] {
+            assert!((student(0.95, degrees) - 1.960).abs() < 1e-3, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn leverages_of_a_rank_deficient_problem_stay_between_0_and_1() {
+        let jacobian = DMatrix::from_fn(9, 3, |i, j| if j < 2 { 0.1 * (i as f64 + 1.0) } else { 1e-9 });
+        let garbage = DMatrix::from_element(3, 3, 1e30);
+        assert!(leverages(&jacobian, &garbage).iter().all(|h| (0.0..=1.0).contains(h)));
+        let garbage = DMatrix::from_element(3, 3, f64::NAN);
+        assert!(leverages(&jacobian, &garbage).iter().all(|h| *h == 1.0));
     }
 
     #[test]

@@ -5,8 +5,15 @@ use nalgebra::{DMatrix, DVector};
 use crate::least_squares::{CONVERGED, Linearised, covariance, excess_variance, leverages, minimise};
 use crate::triad::{PARAMETERS, TriadModel};
 
-/// Rounds of weights: they depend on the residuals, which depend on them. The change after three is below 1 % of an interval.
-const ROUNDS: usize = 4;
+/// Most rounds of weights: they depend on the residuals, which depend on them.
+const MAX_ROUNDS: usize = 30;
+
+/// Relative change of the variances at which the rounds end: 0.1 % of an interval.
+const SAME_WEIGHTS: f64 = 2e-3;
+
+/// Scatter that the first round assumes, relative to the length: 1 mg at 1 g. A larger one would give the values known before the
+/// fit more weight than the vectors, and the rounds would not leave them.
+const FIRST_SCATTER: f64 = 1e-3;
 
 /// Mean of the raw values over a rest or plateau.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +58,8 @@ pub(crate) fn fit(
     free: &[usize],
     known: &[Known],
 ) -> Option<LengthFit> {
-    let mut degrees_of_freedom = vectors.len() as f64 - free.len() as f64 + known.len() as f64;
+    let most_degrees = vectors.len() as f64 - free.len() as f64 + known.len() as f64;
+    let mut degrees_of_freedom = most_degrees;
     let mut parameters = DVector::from_iterator(free.len(), free.iter().map(|&i| start.parameters()[i]));
     let noise: Vec<f64> = vectors.iter().map(|v| v.variance).collect();
     let model_at = |free_values: &DVector<f64>| {
@@ -59,11 +67,12 @@ pub(crate) fn fit(
         free.iter().zip(free_values.iter()).for_each(|(&index, &value)| all[index] = value);
         TriadModel::of_parameters(&all, start.reference_c)
     };
-    let mut variances = vec![1.0; vectors.len()];
+    let mut variances: Vec<f64> =
+        vectors.iter().map(|v| v.variance + (FIRST_SCATTER * v.length).powi(2)).collect();
     let mut excess = 0.0;
     let mut iterations = 0;
     let mut minimum = None;
-    for round in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let found = minimise(parameters.clone(), CONVERGED, |free_values| {
             linearise(vectors, &variances, &model_at(free_values), free, free_values, known)
         })?;
@@ -75,16 +84,22 @@ pub(crate) fn fit(
         if let Some(unscaled) = covariance(&found.at.jacobian) {
             // what is known before the fit takes part of a degree of freedom, or none
             let leverage = leverages(&found.at.jacobian, &unscaled);
-            degrees_of_freedom = vectors.len() as f64 - leverage.iter().take(vectors.len()).sum::<f64>();
+            let taken: f64 = leverage.iter().take(vectors.len()).sum();
+            let least = (vectors.len() as f64 - free.len() as f64).max(0.0);
+            degrees_of_freedom = (vectors.len() as f64 - taken).clamp(least, least.max(most_degrees));
         }
-        minimum = Some(found);
-        if round + 1 < ROUNDS {
-            excess = excess_variance(&residuals, &noise, degrees_of_freedom);
-            // equal weights where neither noise nor residual exist
-            variances = noise.iter().map(|v| (v + excess).max(1e-18)).collect();
+        minimum = Some((found, variances.clone()));
+        excess = excess_variance(&residuals, &noise, degrees_of_freedom);
+        // equal weights where neither noise nor residual exist
+        let next: Vec<f64> = noise.iter().map(|v| (v + excess).max(1e-18)).collect();
+        let change = next.iter().zip(&variances).map(|(new, old)| (new / old - 1.0).abs());
+        let is_done = change.fold(0.0, f64::max) < SAME_WEIGHTS;
+        variances = next;
+        if is_done {
+            break;
         }
     }
-    let minimum = minimum?;
+    let (minimum, variances) = minimum?;
     let model = model_at(&parameters);
     let residuals: Vec<f64> = vectors.iter().map(|v| model.length(&v.raw, v.kelvin).0 - v.length).collect();
     let unscaled = covariance(&minimum.at.jacobian)?;

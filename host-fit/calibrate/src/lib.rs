@@ -45,6 +45,9 @@ pub struct Calibration {
 /// # Errors
 /// [`CalibrateError`].
 pub fn calibrate(imu: &Imu, options: &Options) -> Result<Calibration, CalibrateError> {
+    if let Some((column, value)) = imu.accelerometer.as_ref().and_then(Axes::stuck) {
+        return Err(CalibrateError::StuckAxis { column: column.to_owned(), value });
+    }
     let windows = quiet::windows(imu);
     let found = accelerometer::calibrate(imu, &windows, options)?;
     let gyro = imu.gyro.as_ref().map(|axes| gyro::calibrate(imu, axes, &found.accelerometer, &found.rests));

@@ -9,7 +9,7 @@ use std::ops::Range;
 use fos_data::statistics::median_of;
 use serde::Serialize;
 
-use crate::error::CalibrateError;
+use crate::error::{CalibrateError, FEWEST_DEGREES};
 use crate::imu::{Axes, Imu, Scale};
 use crate::least_squares::student;
 use crate::length_fit::{self, Known, LengthFit, Vector, sphere};
@@ -88,11 +88,16 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
     if let Some(&rate) = rates.iter().find(|rate| !rate.is_finite() || **rate == 0.0) {
         return Err(CalibrateError::BadRate { rate });
     }
-    let stretches = constant(imu, axes);
+    if let Some((column, value)) = axes.stuck() {
+        return Err(CalibrateError::StuckAxis { column: column.to_owned(), value });
+    }
+    let window = imu.rows_in(WINDOW_S, FEWEST_ROWS);
+    let windows: Vec<Windows> =
+        axes.values.iter().map(|values| Windows::of(values, &imu.segments, window)).collect();
+    let stretches = constant(imu, axes, &windows);
     let means: Vec<[f64; 3]> = stretches.iter().map(|rows| mean(axes, std::slice::from_ref(rows))).collect();
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
-    let fastest = rates.iter().copied().fold(0.0, f64::max);
-    let (start, scale, is_bias_known) = start(axes, &means, &stretches, slowest, fastest)?;
+    let (start, scale, is_bias_known) = start(axes, &means, &stretches, &rates)?;
     let rate_of = |raw: &[f64; 3]| {
         let corrected = start.corrected(*raw, start.reference_c);
         corrected.iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -114,7 +119,7 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
         found.truncate(10);
         CalibrateError::NoPlateau { stated: rates.clone(), found, shortest_s: SHORTEST_S }
     };
-    if chosen.len() < 4 {
+    if chosen.is_empty() {
         return Err(no_plateau());
     }
     let (start, mut known) = with_bias(start, &means, &rests, is_bias_known);
@@ -125,9 +130,25 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
     let fitted = loop {
         let vectors: Vec<Vector> = chosen
             .iter()
-            .map(|&(index, length)| Vector { raw: means[index], kelvin: 0.0, length, variance: 0.0 })
+            .map(|&(index, length)| {
+                let of_axis = |i: usize| windows[i].noise / start.sensitivity[i].powi(2);
+                let variance = (0..3).map(of_axis).sum::<f64>() / 3.0 / stretches[index].len() as f64;
+                Vector { raw: means[index], kelvin: 0.0, length, variance }
+            })
             .collect();
+        let few = |degrees_of_freedom: f64| CalibrateError::FewPlateaus {
+            plateaus: vectors.len(),
+            degrees_of_freedom,
+            more: (FEWEST_DEGREES as f64 - degrees_of_freedom).ceil().max(1.0) as usize,
+            has_rest: is_bias_known,
+        };
+        if vectors.len() + known.len() < free.len() + FEWEST_DEGREES {
+            return Err(few((vectors.len() + known.len()) as f64 - free.len() as f64));
+        }
         let fitted = length_fit::fit(&vectors, &start, &free, &known).ok_or_else(no_plateau)?;
+        if fitted.degrees_of_freedom < FEWEST_DEGREES as f64 {
+            return Err(few(fitted.degrees_of_freedom));
+        }
         match outlying(&fitted).filter(|_| excluded.len() < excluded_at_most) {
             Some(worst) => excluded.push(chosen.remove(worst)),
             None => break fitted,
@@ -188,11 +209,8 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
 }
 
 /// Stretches in which every axis of the gyro is constant to within its noise or a share of the rate.
-fn constant(imu: &Imu, axes: &Axes) -> Vec<Range<usize>> {
-    let window = imu.rows_in(WINDOW_S, FEWEST_ROWS);
-    let windows: Vec<Windows> =
-        axes.values.iter().map(|values| Windows::of(values, &imu.segments, window)).collect();
-    let rests: Vec<f64> = axes.values.iter().map(|values| quiet_level(values, &windows)).collect();
+fn constant(imu: &Imu, axes: &Axes, windows: &[Windows]) -> Vec<Range<usize>> {
+    let rests: Vec<f64> = axes.values.iter().map(|values| quiet_level(values, windows)).collect();
     let is_constant = |row: usize| {
         let raw = axes.at(row);
         let rate = (0..3).map(|i| (raw[i] - rests[i]).powi(2)).sum::<f64>();
@@ -246,22 +264,44 @@ fn quiet_level(values: &[f64], windows: &[Windows]) -> f64 {
     if level.abs() < 0.5 || level.abs() > 300.0 { level } else { 0.0 }
 }
 
+/// The stretches at rest of a gyro in rad/s, whatever its bias: seen from a rest, every other stretch is a rest too or turns at a
+/// stated rate. A plateau sees the rests at its rate, but few of the other plateaus.
+fn resting(means: &[[f64; 3]], rates: &[f64]) -> Vec<usize> {
+    let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
+    let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+    let turns = |rate: f64| rates.iter().any(|stated| (rate / stated - 1.0).abs() < SAME_RATE);
+    let near = |centre: &[f64; 3]| -> Vec<usize> {
+        (0..means.len()).filter(|&i| distance(&means[i], centre) < REST_SHARE * slowest).collect()
+    };
+    let explained = |centre: &[f64; 3]| {
+        let at_rate = means.iter().filter(|mean| turns(distance(mean, centre))).count();
+        (at_rate, at_rate + near(centre).len())
+    };
+    let size = |mean: &[f64; 3]| distance(mean, &[0.0; 3]);
+    let best = means
+        .iter()
+        .max_by(|a, b| explained(a).1.cmp(&explained(b).1).then_with(|| size(b).total_cmp(&size(a))));
+    best.filter(|centre| {
+        let (at_rate, all) = explained(centre);
+        at_rate > 0 && 2 * all > means.len()
+    })
+    .map_or_else(Vec::new, near)
+}
+
 fn start(
     axes: &Axes,
     means: &[[f64; 3]],
     stretches: &[Range<usize>],
-    slowest: f64,
-    fastest: f64,
+    rates: &[f64],
 ) -> Result<(TriadModel, Scale, bool), CalibrateError> {
+    let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
+    let fastest = rates.iter().copied().fold(0.0, f64::max);
     let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     match axes.scale {
         Scale::Si => {
-            let bias = [0, 1, 2].map(|i| {
-                let at_rest = means.iter().filter(|mean| size(mean) < 3.0 * REST_SHARE * slowest);
-                median_of(at_rest.map(|mean| mean[i])).unwrap_or(0.0)
-            });
-            let has_rest = means.iter().any(|mean| size(mean) < 3.0 * REST_SHARE * slowest);
-            Ok((TriadModel { bias, ..TriadModel::default() }, Scale::Si, has_rest))
+            let rests = resting(means, rates);
+            let bias = [0, 1, 2].map(|i| median_of(rests.iter().map(|&rest| means[rest][i])).unwrap_or(0.0));
+            Ok((TriadModel { bias, ..TriadModel::default() }, Scale::Si, !rests.is_empty()))
         }
         Scale::Counts => {
             // the longest stretch at rest is that of the least spread; the fastest plateaus lie on a sphere about it

@@ -165,6 +165,10 @@ impl Certificate {
                 }
                 let gyro = found.gyro.iter().flat_map(|gyro| gyro.refused.clone());
                 all.extend(gyro.map(|reason| format!("The gyro's sensitivity was not estimated: {reason}.")));
+                let order = found.gyro.iter().flat_map(|gyro| gyro.axis_order.clone());
+                all.extend(order.map(|order| {
+                    format!("The axes of the gyro are not those of the accelerometer: {order}. Cross-axis angles are between axes that belong together.")
+                }));
                 all.push("Angles and cross-axis refer to the sensor itself; the rotation of the sensor in its housing is not part of it.".to_owned());
             }
             Outcome::Turntable(_) => all.push(

@@ -40,7 +40,8 @@ impl Autopilot {
         if accelerometer.scale == Scale::Counts {
             return Err(NotForAutopilot::Counts);
         }
-        let gyro = calibration.gyro.as_ref();
+        // a gyro with a stuck axis has no parameters
+        let gyro = calibration.gyro.as_ref().filter(|gyro| !gyro.parameters.is_empty());
         if gyro.is_some_and(|gyro| gyro.scale == Scale::Counts) {
             return Err(NotForAutopilot::Counts);
         }

@@ -156,6 +156,29 @@ fn intervals_hold_with_temperature() {
     assert!(all.contains_key("accelerometer.bias_per_k.x"), "slopes are estimated");
 }
 
+/// Slopes far beyond those of typical parts are not pulled to 0, and their intervals are neither too wide nor too narrow.
+#[test]
+fn large_temperature_slopes_are_estimated() {
+    let (mut squares, mut count) = (0.0, 0.0);
+    let slopes = [0.02, -0.01, 0.005];
+    for seed in 0..24 {
+        let mut rng = rng(7_000 + seed);
+        let device =
+            Device { bias_per_k: slopes, sensitivity_per_k: [1e-4, -2e-4, 0.0], ..Device::random(&mut rng) };
+        let handling = Handling { temperature_c: Some([20.0, 40.0]), ..Handling::default() };
+        let log = Imu { gyro: None, ..device.log(&orientations(36, &mut rng), &handling, &mut rng) };
+        let found = calibrate(&log, &Options::default()).expect("a calibration").accelerometer;
+        for (slope, one) in slopes.iter().zip(&found.parameters[9..12]) {
+            assert!(one.half_width < 1e-3, "{one:?}");
+            // half of the interval is two standard deviations
+            squares += (2.0 * (one.value - slope) / one.half_width).powi(2);
+            count += 1.0;
+        }
+    }
+    let rms = f64::sqrt(squares / count);
+    assert!((0.8..1.25).contains(&rms), "{rms}");
+}
+
 /// Errors are near the Cramér–Rao bound: that of the same Jacobian with the true variance of each rest.
 #[test]
 fn errors_are_close_to_the_least_possible() {

@@ -70,6 +70,42 @@ proptest! {
     }
 }
 
+/// A gyro whose axes are named otherwise has the same cross-axis angles, under the other names.
+#[test]
+fn permuted_gyro_axes_keep_their_cross_axis_angles() {
+    let imu = log(11);
+    let angles = |imu: &Imu| {
+        let gyro = found(imu).gyro.expect("a gyro");
+        let of = |id: String| gyro.parameters.iter().chain(&gyro.derived).find(|one| one.id == id).cloned();
+        let cross = [0, 1, 2].map(|i| {
+            [0, 1, 2].map(|j| {
+                let id = format!("gyro.cross.{}{}", ["x", "y", "z"][i], ["x", "y", "z"][j]);
+                of(id).map_or(0.0, |one| one.value)
+            })
+        });
+        let to =
+            ["x", "y", "z"].map(|axis| of(format!("gyro.to_accelerometer.{axis}")).expect("there").value);
+        (cross, to)
+    };
+    let (cross, to) = angles(&imu);
+    // from[i]: the axis that is logged as i now, and its sign: two three-cycles and a rotation by 90° about z
+    for (from, sign) in [([1, 2, 0], [1.0; 3]), ([2, 0, 1], [1.0; 3]), ([1, 0, 2], [1.0, -1.0, 1.0])] {
+        let mut other = imu.clone();
+        let (before, after) = (imu.gyro.as_ref().expect("there"), other.gyro.as_mut().expect("there"));
+        for i in 0..3 {
+            after.values[i] = before.values[from[i]].iter().map(|value| sign[i] * value).collect();
+        }
+        let (permuted, to_permuted) = angles(&other);
+        for i in 0..3 {
+            assert!((to_permuted[i] - to[from[i]]).abs() < 1e-3, "{from:?} {to:?} {to_permuted:?}");
+            for j in 0..3 {
+                let expected = sign[i] * sign[j] * cross[from[i]][from[j]];
+                assert!((permuted[i][j] - expected).abs() < 1e-3, "{from:?}: {cross:?} {permuted:?}");
+            }
+        }
+    }
+}
+
 /// A dwell in the suggested orientation narrows the widest interval about as far as predicted.
 #[test]
 fn the_suggested_dwell_does_what_was_predicted() {

@@ -204,3 +204,55 @@ fn another_order_of_the_gyro_s_axes_is_reported() {
     assert_eq!(found.axis_order.as_deref(), Some("x is y, y is x, z is −z"), "{:?}", found.refused);
     assert!(found.matrix.is_some());
 }
+
+#[test]
+fn a_stuck_axis_is_named() {
+    for (value, scale) in [(5.0, Scale::Si), (0.0, Scale::Si), (2048.0, Scale::Counts)] {
+        for axis in 0..3 {
+            let mut stuck = log(&orientations(14, &mut rng(1)), &Handling::default());
+            let axes = stuck.accelerometer.as_mut().expect("there");
+            axes.scale = scale;
+            axes.values[axis].iter_mut().for_each(|one| *one = value);
+            let error = calibrate(&stuck, &Options::default()).expect_err("refused").to_string();
+            assert!(
+                error.starts_with(&format!("{} repeats one value, {value:?}", axes_column(axis))),
+                "{error}"
+            );
+        }
+    }
+}
+
+fn axes_column(axis: usize) -> String {
+    format!("a{}_mps2", ["x", "y", "z"][axis])
+}
+
+/// Nearly stuck: the noise of one axis is a millionth of the others', so that it is not recognised by its values.
+#[test]
+fn an_axis_that_hardly_changes_ends_in_an_error() {
+    let mut dead = log(&orientations(14, &mut rng(1)), &Handling::default());
+    let axes = dead.accelerometer.as_mut().expect("there");
+    axes.values[1].iter_mut().for_each(|one| *one = 5.0 + 1e-9 * *one);
+    assert!(calibrate(&dead, &Options::default()).is_err());
+}
+
+#[test]
+fn a_gyro_with_a_stuck_axis_has_no_numbers() {
+    let mut dead = log(&orientations(14, &mut rng(1)), &Handling::default());
+    dead.gyro.as_mut().expect("there").values[1].iter_mut().for_each(|one| *one = 0.0);
+    let gyro = calibrate(&dead, &Options::default()).expect("an accelerometer").gyro.expect("a gyro");
+    assert!(gyro.parameters.is_empty() && gyro.matrix.is_none());
+    let reason = gyro.refused.expect("a reason");
+    assert!(reason.starts_with("gy_rads repeats one value, 0.0: stuck"), "{reason}");
+}
+
+#[test]
+fn large_cross_axis_angles_are_estimated() {
+    let mut generator = rng(3);
+    let device = Device { cosine: [0.156, -0.1, 0.05], ..Device::random(&mut generator) };
+    let log = device.log(&orientations(18, &mut generator), &Handling::default(), &mut generator);
+    let found = calibrate(&log, &Options::default()).expect("a calibration").accelerometer;
+    for pair in 0..3 {
+        let error = found.model.cosine[pair] - device.cosine[pair];
+        assert!(error.abs() < 2e-3, "{pair}: {error}");
+    }
+}

@@ -61,6 +61,33 @@ fn intervals_hold_the_sensitivities() {
 }
 
 #[test]
+fn plateaus_without_redundancy_are_refused() {
+    let device = Device::random(&mut rng(2));
+    for plateaus in [4, 5] {
+        let error = calibrate_on_turntable(&log(&device, &[3.49066], plateaus, 2), &[3.49066]);
+        let error = error.expect_err("refused");
+        assert!(matches!(error, CalibrateError::FewPlateaus { .. }), "{error}");
+    }
+    // noise limits the intervals even where the residuals are small
+    let found = calibrate_on_turntable(&log(&device, &[3.49066], 12, 2), &[3.49066]).expect("calibrated");
+    assert!(found.parameters.iter().all(|one| one.half_width > 1e-5), "{:?}", found.parameters);
+}
+
+/// A bias of a third of the rate: rests are not recognised by their size.
+#[test]
+fn a_large_bias_at_a_slow_rate_is_found() {
+    let rate = 5_f64.to_radians();
+    let bias = [0.0181, -0.0181, 0.0181];
+    let device = Device { gyro_bias: bias, ..Device::random(&mut rng(3)) };
+    let found = calibrate_on_turntable(&log(&device, &[rate], 24, 3), &[rate]).expect("calibrated");
+    assert!(found.rests > 0 && found.plateaus.len() == 24, "{} {}", found.rests, found.plateaus.len());
+    for axis in 0..3 {
+        assert!((found.model.bias[axis] - bias[axis]).abs() < 1e-3, "{:?}", found.model.bias);
+        assert!(found.parameters[3 + axis].holds(device.gyro.row(axis).norm(), 1e-3));
+    }
+}
+
+#[test]
 fn a_rate_that_was_not_stated_is_refused() {
     let device = Device { gyro: Matrix3::identity(), ..Device::random(&mut rng(1)) };
     let log = log(&device, &[3.0], 12, 1);
