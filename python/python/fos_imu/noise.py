@@ -135,7 +135,9 @@ class AxisNoise:
         if self.walk_needs_s is not None:
             notes.append(f"too short for K; about {self.walk_needs_s / 60:.0f} min would show half as much")
         if self.thermal_drift is not None:
-            notes.append(f"a drift with temperature of {self.thermal_drift.rms:.3g} {self.unit} RMS is not part of B and K")
+            notes.append(
+                f"a drift with temperature of {self.thermal_drift.rms:.3g} {self.unit} RMS is not part of B and K"
+            )
         return _html.card(
             f"{self.column}: {self.seconds:.0f} s at rest",
             _html.table(("", "likeliest, 90 % interval"), rows),
