@@ -48,6 +48,12 @@ const NOT_DETERMINED: f64 = 0.3;
 const WEAK_MPS2: f64 = 0.01;
 const WEAK_TIMES: f64 = 2.0;
 
+/// It is weakly determined in any case if its half-width is above this, m/s² at 1 g (20 mg): all may be equally bad.
+const SURELY_WEAK_MPS2: f64 = 0.2;
+
+/// Bias and sensitivity are six unknowns, however often each orientation is repeated.
+const FEWEST_ORIENTATIONS: usize = 6;
+
 /// Temperatures at rest that span less than this, K, say nothing about slopes.
 const LEAST_SPAN_K: f64 = 3.0;
 
@@ -273,9 +279,19 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
     check_gravity(&fitted, g)?;
     let seen = directions(&rests, &kept, &fitted.model);
     let undetermined = undetermined(&fitted);
+    let orientations = count_distinct(&seen);
+    if orientations < FEWEST_ORIENTATIONS {
+        let more = ENOUGH_ORIENTATIONS - orientations;
+        let next = in_words(&furthest(&seen, more));
+        let excluded = excluded_in_words(&rests);
+        return Err(CalibrateError::NoRedundancy { orientations, unknowns: UNKNOWNS, more, next, excluded });
+    }
     if undetermined.iter().any(|&index| index < 6) {
         let parameters = undetermined.iter().map(|&index| label(index)).collect();
-        return Err(CalibrateError::NotIdentifiable { parameters, next: in_words(&furthest(&seen, 2)) });
+        return Err(CalibrateError::NotIdentifiable {
+            parameters,
+            next: in_words(&furthest(&seen, undetermined.len().clamp(2, 6))),
+        });
     }
     let accelerometer = report(&fitted, &rests, &kept, scale, options, &undetermined, span, &seen);
     Ok(Found { accelerometer, rests })
@@ -477,6 +493,7 @@ fn report(
             index >= 9 && covariance[(column, column)].sqrt() > 0.5 * plausible(&model, index);
         let determined = match size {
             _ if undetermined.contains(&index) || is_slope_unknown => Determined::NotByThisLog,
+            Some(size) if size > SURELY_WEAK_MPS2 => Determined::Weakly,
             Some(size) if size > WEAK_MPS2 && size > WEAK_TIMES * typical => Determined::Weakly,
             _ => Determined::Well,
         };

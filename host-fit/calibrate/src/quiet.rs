@@ -81,7 +81,7 @@ fn quietest(mut variances: Vec<f64>) -> f64 {
 }
 
 /// The step of a digital axis: its smallest change. Close to 0 where the values are not on a grid.
-fn step(values: &[f64]) -> f64 {
+pub(crate) fn step(values: &[f64]) -> f64 {
     let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
     let smallest = changes.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use fos_data::statistics::{median, median_of};
 use serde::Serialize;
 
-use crate::imu::{Axes, Imu};
-use crate::quiet::{Windows, quiet};
+use crate::imu::{Axes, Imu, Scale};
+use crate::quiet::{Windows, quiet, step};
 
 /// Shortest rest between the margins, s.
 pub(crate) const SHORTEST_S: f64 = 0.5;
@@ -134,6 +134,11 @@ pub(crate) fn find(imu: &Imu, accelerometer: &Axes, windows: &[Windows], ratio: 
         }
     }
     let ends = accelerometer.values.each_ref().map(|values| range(values));
+    // the accelerometer's windows come first
+    let is_coarse = [0, 1, 2].map(|axis| {
+        let step = step(&accelerometer.values[axis]);
+        windows.get(axis).is_some_and(|windows| windows.noise < step * step)
+    });
     let size =
         median_of(means.iter().map(|m| (0..3).map(|i| (m[i] - centre[i]).powi(2)).sum::<f64>().sqrt()));
     let size = size.unwrap_or(0.0).max(f64::MIN_POSITIVE);
@@ -144,9 +149,9 @@ pub(crate) fn find(imu: &Imu, accelerometer: &Axes, windows: &[Windows], ratio: 
         // the bias of a long rest drifts: it moves nobody
         let is_long = count as f64 * imu.period_s > LONGEST_S;
         let moves = if is_long { 0.0 } else { moves(accelerometer, &parts, &accelerometer_batch, batch) };
-        let excluded = match (clips(accelerometer, &parts, &ends), moves / size) {
+        let excluded = match (clips(accelerometer, &parts, &ends, &is_coarse), moves / size) {
             (Some(axis), _) => Some(Exclusion::Clips { axis }),
-            (None, share) if share > MOVES_SHARE => Some(Exclusion::Moves { share }),
+            (None, share) if share.is_finite() && share > MOVES_SHARE => Some(Exclusion::Moves { share }),
             _ => None,
         };
         Rest {
@@ -244,14 +249,26 @@ pub(crate) fn range(values: &[f64]) -> [f64; 2] {
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// The axis that lies at the end of its range. Handling shakes a device: an axis whose range does not end exceeds its value
-/// at rest somewhere in the log.
-fn clips(axes: &Axes, parts: &[Range<usize>], ends: &[[f64; 2]; 3]) -> Option<usize> {
+/// A rest does not exceed this on an axis in m/s², 1.5 g: a larger value at the end of the range is a rail.
+const SURELY_RAIL_MPS2: f64 = 14.7;
+
+/// The axis that lies at the end of its range: many samples on the extreme, and more than on the value next to it. An axis whose
+/// noise is below one step rests on few codes, and one of them is the extreme without clipping.
+fn clips(axes: &Axes, parts: &[Range<usize>], ends: &[[f64; 2]; 3], is_coarse: &[bool; 3]) -> Option<usize> {
     (0..3).find(|&axis| {
-        let inside = || parts.iter().flat_map(|rows| axes.values[axis][rows.clone()].iter());
-        let at_end = inside().filter(|value| ends[axis].contains(value)).count();
-        let [low, high] = ends[axis];
-        high > low && at_end as f64 > CLIPPED_SHARE * inside().count() as f64
+        let inside = || parts.iter().flat_map(|rows| axes.values[axis][rows.clone()].iter().copied());
+        let total = inside().count() as f64;
+        let piles_up = |end: f64| {
+            let count = |code: f64| inside().filter(|value| *value == code).count();
+            let at_end = count(end);
+            let distance = |value: &f64| (value - end).abs();
+            let others = inside().filter(|value| value.is_finite() && *value != end);
+            let next = others.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let is_rail = axes.scale == Scale::Si && end.abs() > SURELY_RAIL_MPS2;
+            at_end as f64 > CLIPPED_SHARE * total
+                && (is_rail || (!is_coarse[axis] && next.is_none_or(|code| at_end > count(code))))
+        };
+        ends[axis][1] > ends[axis][0] && ends[axis].into_iter().any(piles_up)
     })
 }
 

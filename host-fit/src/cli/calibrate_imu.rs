@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 
-use super::arguments::{OutputFile, Reading, read_all};
+use super::arguments::{OutputFile, Reading, only_ends_in, read_all};
 use super::calibration_summary::{print_hand, print_turntable};
 use super::numbers::within;
 use super::output::{
@@ -16,8 +16,8 @@ use crate::certificate::{Certificate, Outcome, Stated, of_form};
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
 use fos_calibrate::{Calibration, Gravity, Imu, Options, calibrate, calibrate_on_turntable};
 use fos_data::column::Triad;
-use fos_data::file::{name_of, write_atomically};
-use fos_data::recording::{Oddity, Recording, SensorProvenance};
+use fos_data::file::{check_output, folder_of, name_of, write_atomically};
+use fos_data::recording::{Oddity, Recording, SensorProvenance, Source};
 
 /// Calibrate bias, sensitivity and cross-axis from hand-turned orientations
 ///
@@ -140,6 +140,14 @@ fn with_unit(text: &str, units: &[(&str, f64)]) -> Result<f64, String> {
     Ok(number * size)
 }
 
+/// Paths of the first two sources that have the same content.
+fn same_content(sources: &[Source]) -> Option<[&str; 2]> {
+    sources.iter().enumerate().find_map(|(index, second)| {
+        let first = sources[..index].iter().find(|first| *first == second)?;
+        Some([first.path.as_str(), second.path.as_str()])
+    })
+}
+
 impl CalibrateImu {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let has_exports = [&self.px4, &self.ardupilot, &self.kalibr, &self.imu_tk_acc, &self.imu_tk_gyro]
@@ -148,7 +156,16 @@ impl CalibrateImu {
         if has_exports && !self.rate_table.is_empty() {
             return Err("a turntable alone gives no accelerometer: nothing to export\nhelp: leave --rate-table out, or give -o for a certificate".into());
         }
+        if let Some(path) = &self.output {
+            only_ends_in(path, "--output", &["html", "md", "json"])?;
+        }
         let recording = read_all(&self.logs, &self.reading.options()?)?;
+        if let Some([first, second]) = same_content(&recording.sources) {
+            return Err(format!(
+                "{second} has the same content as {first}: a log given twice would halve the intervals without new information\nhelp: give each log once"
+            )
+            .into());
+        }
         let imu = Imu::of(&recording)?;
         let spinner = spinner("calibrating");
         let result = if self.rate_table.is_empty() {
@@ -210,6 +227,18 @@ impl CalibrateImu {
         if let Outcome::Hand(found) = &certificate.result {
             self.exports(found, recording, &mut files)?;
         }
+        for (path, ..) in &files {
+            let folder = folder_of(path.as_ref());
+            if !folder.is_dir() {
+                return Err(format!(
+                    "{}: the folder {} does not exist; no file was written\nhelp: mkdir -p {1}",
+                    path.display(),
+                    folder.display()
+                )
+                .into());
+            }
+            check_output(path.as_ref())?;
+        }
         let mut written = Vec::new();
         for (path, content, what) in files {
             write_atomically(path, &content)?;
@@ -256,6 +285,14 @@ impl CalibrateImu {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_same_content_under_two_names_is_found() {
+        let source = |path: &str, sha256: &str| Source { sha256: sha256.to_owned(), ..Source::made_by(path) };
+        let sources = [source("a.csv", "01"), source("b.csv", "02"), source("copy.csv", "01")];
+        assert_eq!(same_content(&sources), Some(["a.csv", "copy.csv"]));
+        assert_eq!(same_content(&sources[..2]), None);
+    }
 
     #[test]
     fn sizes_and_rates_need_a_unit() {

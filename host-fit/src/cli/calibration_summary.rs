@@ -82,6 +82,9 @@ fn print_accelerometer(found: &Accelerometer, printed: Printed) {
         ("sensitivity_per_k", "sensitivity slope"),
     ];
     print_axes(&found.parameters, &kinds, printed);
+    if !of_kind(&found.parameters, "bias_per_k").is_empty() {
+        print_line!("  bias and sensitivity hold at {:.1} °C", found.model.reference_c);
+    }
     print_line!("  angles between axes: {}", listed(&of_kind(&found.parameters, "angle"), printed));
     let [after, before] = found.rms_mps2.map(|rms| rms.map(|rms| three(rms / MG)));
     let before = before.map_or_else(String::new, |before| format!("{before} → "));
@@ -127,6 +130,10 @@ fn print_accelerometer(found: &Accelerometer, printed: Printed) {
 fn print_gyro(gyro: &Gyro, printed: Printed) {
     let used = gyro.turns.iter().filter(|turn| turn.excluded.is_none()).count();
     print_line!("\ngyro: {} between rests, in the frame of the accelerometer", counted(used, "turn"));
+    if gyro.parameters.is_empty() {
+        print_line!("  caution: excluded: {}", gyro.refused.as_deref().unwrap_or("no rests"));
+        return;
+    }
     print_axes(
         &gyro.parameters,
         &[("bias", "bias"), ("sensitivity", "sensitivity"), ("bias_per_k", "bias slope")],
