@@ -72,7 +72,7 @@ pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
 ///
 /// It cannot be rendered.
 pub fn of_form(certificate: &Certificate, extension: Option<&str>) -> Result<Vec<u8>, RenderError> {
-    Ok(match extension {
+    Ok(match extension.map(str::to_ascii_lowercase).as_deref() {
         Some("md") => markdown(certificate)?.into_bytes(),
         Some("json") => json(certificate).map_err(|error| {
             minijinja::Error::new(minijinja::ErrorKind::BadSerialization, error.to_string())
