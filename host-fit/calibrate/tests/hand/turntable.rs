@@ -81,8 +81,8 @@ fn a_large_bias_at_a_slow_rate_is_found() {
     let device = Device { gyro_bias: bias, ..Device::random(&mut rng(3)) };
     let found = calibrate_on_turntable(&log(&device, &[rate], 24, 3), &[rate]).expect("calibrated");
     assert!(found.rests > 0 && found.plateaus.len() == 24, "{} {}", found.rests, found.plateaus.len());
-    for axis in 0..3 {
-        assert!((found.model.bias[axis] - bias[axis]).abs() < 1e-3, "{:?}", found.model.bias);
+    for (axis, bias) in bias.into_iter().enumerate() {
+        assert!((found.model.bias[axis] - bias).abs() < 1e-3, "{:?}", found.model.bias);
         assert!(found.parameters[3 + axis].holds(device.gyro.row(axis).norm(), 1e-3));
     }
 }
