@@ -26,7 +26,7 @@ function knockedCsv() {
 /** The colours of the chart over time of a part, at a time, from its upper edge eight pixels down. @param {import("playwright-core").Page} page @param {number} part @param {number} at seconds */
 async function coloursAt(page, part, at) {
   const [from, to] = await shownBy(page);
-  return page.locator(`[data-part="${part}"] .time-chart`).evaluate((chart, share) => {
+  return page.locator(`[data-part="${part}"] .time-chart`).first().evaluate((chart, share) => {
     const canvas = /** @type {HTMLCanvasElement} */ (chart.querySelector("canvas"));
     const [outer, over] = [canvas.getBoundingClientRect(), /** @type {Element} */ (chart.querySelector(".u-over")).getBoundingClientRect()];
     const scale = canvas.width / outer.width;
@@ -49,7 +49,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   assert.equal(ranges.length, KNOCKS.length, JSON.stringify(ranges));
   assert.equal(left.keeps_moved, false);
   const middle = (/** @type {number} */ at) => 0.5 * (Number(ranges[at]?.from) + Number(ranges[at]?.to));
-  const entry = (/** @type {number} */ part) => page.locator(`[data-part="${part}"] .time-chart`).locator("xpath=..").locator(".legend .ink-left-out");
+  const entry = (/** @type {number} */ part) => page.locator(`[data-part="${part}"] .time-chart`).first().locator("xpath=..").locator(".legend .ink-left-out");
   for (const part of [1, 2]) {
     assert.match(await entry(part).innerText(), /^excluded: detected motion/);
     const usual = await coloursAt(page, part, 45);

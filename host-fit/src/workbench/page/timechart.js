@@ -73,7 +73,7 @@ export class TimeChart {
         tabindex: 0,
         role: "group",
         "data-key": `chart:${options.label}`,
-        "aria-label": `${options.label}. Plus and minus zoom, arrows pan, Home shows the whole log.`,
+        "aria-label": keysOf(options.label),
       },
       this.#picture,
     );
@@ -112,6 +112,7 @@ export class TimeChart {
   /** What the chart is of, as the axis is called. @param {string} label */
   setLabel(label) {
     this.#label = label;
+    this.#focus.setAttribute("aria-label", keysOf(label));
     this.#plot?.redraw(false, true);
     this.#describe();
   }
@@ -374,6 +375,9 @@ export class TimeChart {
     this.#picture.setAttribute("aria-label", `${capitalised(this.#label)} over time, ${seconds(from)} to ${seconds(to)}: ${parts.join("; ")}.`);
   }
 }
+
+/** @param {string} label */
+const keysOf = (label) => `${capitalised(label)}. Plus and minus zoom, arrows pan, Home shows the whole log.`;
 
 /** @param {Series} series @param {Drawn} trace @returns {LowAndHigh | null} */
 const traceOf = (series, { of }) => (typeof of === "number" ? (series.beside[of]?.values ?? null) : series[of]);

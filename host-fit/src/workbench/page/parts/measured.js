@@ -40,7 +40,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     click: (shade) => shade && choose({ from: shade.from, to: shade.to, mark: shade.mark }),
   });
   chart.resized = (width) => source.setWidth(width);
-  const beside = [0, 1].map((at) => new TimeChart({ label: "", height: 110, time, traces: [{ of: at, label: "", ink: "--ink-other" }] }));
+  const beside = [0, 1].map((at) => new TimeChart({ label: `channel ${at + 1}`, height: 110, time, traces: [{ of: at, label: "", ink: "--ink-other" }] }));
   const means = el("div", { class: "means" });
   const overview = new Overview(time);
   const views = el("div", {});
