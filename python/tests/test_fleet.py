@@ -102,7 +102,7 @@ def test_rows_beside_a_population_are_what_the_program_reports_from(rows, progra
     program("fleet", "report", "mine.json", "-o", "fleet.html", folder=tmp_path)
     assert "cut.parquet" in (tmp_path / "fleet.html").read_text()
     before = (tmp_path / "mine.json").read_bytes()
-    with pytest.raises(FleetError, match="rows of 7 units"):
+    with pytest.raises(FleetError, match="rows of 7 devices"):
         fos.population(rows).save(tmp_path / "mine.json", rows=rows[1:])
     assert (tmp_path / "mine.json").read_bytes() == before
 
@@ -110,7 +110,7 @@ def test_rows_beside_a_population_are_what_the_program_reports_from(rows, progra
 def test_rows_that_are_no_fleet_are_refused(line, rows):
     other = fos.unit_row(line / "u2.parquet", unit="other", part="bmi270", regressors=["temp_c * temp_c"])
     for some, says in (
-        ([], "no row"),
+        ([], "the fleet is empty"),
         ([*rows, rows[0]], '"u1" of "bmi270" is there twice'),
         ([*rows, other], r'asked different things: regressors \["temp_c"\] and'),
         (["{}"], "is not the row of a device"),
@@ -118,7 +118,7 @@ def test_rows_that_are_no_fleet_are_refused(line, rows):
         with pytest.raises(FleetError, match=says) as error:
             fos.population(some)
         assert error.value.remedy
-    with pytest.raises(FleetError, match="is no row"):
+    with pytest.raises(FleetError, match="is not the row of a device"):
         fos.UnitRow.from_json("[]")
     with pytest.raises(FleetError, match="is no regressor"):
         fos.unit_row(line / "u1.parquet", regressors=["temp_c:lowpas(1)"])
