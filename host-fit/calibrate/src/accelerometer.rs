@@ -13,13 +13,14 @@ use fos_data::statistics::median_of;
 use crate::error::CalibrateError;
 use crate::gravity::Gravity;
 use crate::imu::{Axes, Imu, Scale};
-use crate::least_squares::student;
+use crate::least_squares::{rms, student};
 use crate::length_fit::{self, Known, LengthFit, Vector, all_parameters, gradient, sphere};
 use crate::orientation::{Orientation, candidates, count_distinct, furthest, in_words, spread_deg, unseen};
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::quiet::Windows;
-use crate::rests::{Exclusion, Rest, Rests, SHORTEST_WITH_MARGINS_S, find, unit};
+use crate::rests::{Exclusion, Rest, Rests, SHORTEST_WITH_MARGINS_S, find};
 use crate::triad::{PAIRS, TriadModel};
+use crate::vector::{norm, unit};
 
 /// Limits of the variance at rest over that of the noise. The log decides: a hand shakes more than a table. imu_tk tries 2 … 10
 /// times the standard deviation of a rest of 30 s to 50 s.
@@ -57,10 +58,7 @@ const FEWEST_ORIENTATIONS: usize = 6;
 /// Temperatures at rest that span less than this, K, say nothing about slopes.
 const LEAST_SPAN_K: f64 = 3.0;
 
-/// Chance to exclude a rest of a log without outliers.
-const OUTLIER_CHANCE: f64 = 1e-3;
-
-/// Fewest degrees of freedom to look for outliers.
+/// Fewest degrees of freedom to look for outliers: with fewer, a residual far from the others may be the only right one.
 const FEWEST_FOR_OUTLIERS: f64 = 5.0;
 
 /// Largest share of the rests that may be outliers.
@@ -109,7 +107,7 @@ pub struct RestResidual {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Next {
     pub orientation: Orientation,
-    /// As "one dwell with y pointing up".
+    /// Spelled for people: "one dwell with y pointing up".
     pub instruction: String,
     /// The widest half-width now and after this dwell of 3 s, m/s² at 1 g.
     pub worst_mps2: [f64; 2],
@@ -124,7 +122,7 @@ pub struct Accelerometer {
     pub scale: Scale,
     pub gravity: Gravity,
     pub parameters: Vec<Parameter>,
-    /// Of the parameters, row by row.
+    /// Correlations of the parameters, row by row.
     pub correlations: Vec<Vec<f64>>,
     pub rests: Vec<RestResidual>,
     /// Distinct orientations among the rests that are not excluded. With no more than nine the residual shows how well rests
@@ -260,7 +258,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
         let Some(fitted) = fitted else {
             return Err(CalibrateError::NoFit { iterations: 0, residual_mps2: f64::NAN });
         };
-        let found = outlying(&fitted, kept.len());
+        let found = fitted.outlying(FEWEST_FOR_OUTLIERS);
         let room = most_outliers.saturating_sub(outliers).min(kept.len() / 50 + 1);
         let found: Vec<(usize, f64)> = found.into_iter().take(room).collect();
         let remaining: Vec<usize> =
@@ -297,7 +295,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
     Ok(Found { accelerometer, rests })
 }
 
-/// What is known of parts of this kind before the log: cosines near 0, small slopes.
+/// Knowledge of parts of this kind before the log: cosines near 0, small slopes.
 fn known(start: &TriadModel, has_slopes: bool) -> Vec<Known> {
     let mut known: Vec<Known> = (6..9).map(|index| (index, 0.0, PLAUSIBLE[2])).collect();
     if has_slopes {
@@ -323,7 +321,7 @@ fn excluded_in_words(rests: &Rests) -> String {
     }
 }
 
-/// Where the iteration starts: the nominal scale, or for counts the nearest sphere.
+/// Start of the iteration: the nominal scale, or for counts the nearest sphere.
 fn start(
     axes: &Axes,
     rests: &Rests,
@@ -332,8 +330,7 @@ fn start(
 ) -> Result<(TriadModel, Scale), CalibrateError> {
     let raw: Vec<[f64; 3]> = kept.iter().map(|&index| rests.rests[index].accelerometer).collect();
     let g = options.gravity.mps2;
-    let length = |raw: &[f64; 3]| raw.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let typical = median_of(raw.iter().map(length)).unwrap_or(f64::NAN);
+    let typical = median_of(raw.iter().copied().map(norm)).unwrap_or(f64::NAN);
     let scale = if axes.scale == Scale::Si && typical > SURELY_COUNTS { Scale::Counts } else { axes.scale };
     if scale == Scale::Si {
         if raw.is_empty() {
@@ -379,22 +376,6 @@ fn check_gravity(fitted: &LengthFit, g: f64) -> Result<(), CalibrateError> {
         return Ok(());
     }
     Err(CalibrateError::NoFit { iterations: fitted.iterations, residual_mps2: rms })
-}
-
-/// Rests whose residual is improbably large against the others, the worst first: externally studentised residuals beyond
-/// Student's t at a chance of [`OUTLIER_CHANCE`] for the whole log (Cook and Weisberg 1982, section 2.2.2).
-fn outlying(fitted: &LengthFit, rests: usize) -> Vec<(usize, f64)> {
-    let degrees = fitted.degrees_of_freedom;
-    // with fewer, a residual far from the others may be the only right one
-    if degrees < FEWEST_FOR_OUTLIERS {
-        return Vec::new();
-    }
-    let limit = student(1.0 - OUTLIER_CHANCE / rests as f64, degrees - 1.0);
-    let external = |r: f64| r.abs() * ((degrees - 1.0) / (degrees - r * r).max(1e-9)).sqrt();
-    let mut found: Vec<(usize, f64)> =
-        fitted.studentised.iter().map(|r| external(*r)).enumerate().filter(|(_, t)| *t > limit).collect();
-    found.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
-    found
 }
 
 /// Plausible standard deviation of a parameter, in its unit.
@@ -516,17 +497,12 @@ fn report(
         RestResidual {
             rest: rest.clone(),
             up: unit(corrected),
-            residual_mps2: corrected.iter().map(|x| x * x).sum::<f64>().sqrt() - g,
+            residual_mps2: norm(corrected) - g,
             deviation_mps2: at.map_or(typical_deviation, |at| fitted.deviations[at]),
         }
     });
     let shown: Vec<RestResidual> = shown.collect();
-    let rms = |values: &mut dyn Iterator<Item = f64>| {
-        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
-        (count > 0.0).then(|| f64::sqrt(sum / count))
-    };
-    let length = |raw: [f64; 3]| raw.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let before = kept.iter().map(|&index| length(rests.rests[index].accelerometer) - g);
+    let before = kept.iter().map(|&index| norm(rests.rests[index].accelerometer) - g);
     let noise = rests.accelerometer_variance(DWELL_S);
     let noise_variance = (0..3).map(|i| noise[i] / model.sensitivity[i].powi(2)).sum::<f64>() / 3.0;
     let mut plan = Planner::of(fitted, &covariance, noise_variance, g);
@@ -542,8 +518,8 @@ fn report(
         orientations: count_distinct(seen),
         degrees_of_freedom: fitted.degrees_of_freedom,
         rms_mps2: [
-            rms(&mut fitted.residuals.iter().copied()),
-            if scale == Scale::Si { rms(&mut { before }) } else { None },
+            rms(fitted.residuals.iter().copied()),
+            if scale == Scale::Si { rms(before) } else { None },
         ],
         scatter_mps2: fitted.excess.sqrt(),
         noise_mps2: noise_variance.sqrt(),

@@ -14,12 +14,14 @@ use crate::accelerometer::Accelerometer;
 use crate::gyro_start::start;
 use crate::imu::{Axes, Imu, Scale};
 use crate::least_squares::{
-    CONVERGED, Linearised, NEARLY, covariance, excess_variance, leverages, minimise, student,
+    CONVERGED, Linearised, NEARLY, OUTLIER_CHANCE, covariance, excess_variance, leverages, minimise, rms,
+    student,
 };
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
-use crate::rests::{Rests, has_clipped, range, unit};
+use crate::rests::{Rests, has_clipped, range};
 use crate::triad::{PAIRS, TriadModel};
 use crate::turn::{Prepared, Rates, angles, tangents};
+use crate::vector::unit;
 
 /// Longer turns are not used, s: the bias drifts.
 const LONGEST_TURN_S: f64 = 60.0;
@@ -35,8 +37,7 @@ const NOT_DETERMINED: f64 = 0.3;
 /// Turns that end further off than this after the fit do not belong to this gyro, °.
 const MAX_RESIDUAL_DEG: f64 = 20.0;
 
-/// Chance to exclude a turn of a log without outliers, and the largest share that may be excluded.
-const OUTLIER_CHANCE: f64 = 1e-3;
+/// Largest share of the turns that may be outliers.
 const MAX_OUTLIERS: f64 = 0.25;
 
 /// Fewest rests for a bias that depends on the orientation (four unknowns per axis) and fewest for a slope.
@@ -556,7 +557,7 @@ fn outlying(fitted: &Fitted, turns: usize) -> Option<usize> {
     (size(worst) > limit.max(20.0)).then_some(worst)
 }
 
-/// What people read of a matrix: sensitivities, cross-axis angles (°), angles between axes (°) and to the accelerometer's (°).
+/// The figures of a matrix for people: sensitivities, cross-axis angles (°), angles between axes (°) and to the accelerometer's (°).
 fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [f64; 15] {
     // rows: what each axis of the gyro shows of a rate in the frame of the accelerometer
     let sensor = matrix.try_inverse().unwrap_or_else(|| Matrix3::from_element(f64::NAN));
@@ -622,7 +623,7 @@ fn write(
         let turned = |up: &Vector3<f64>| {
             let raw =
                 model.measured([up.x, up.y, up.z].map(|x| x * accelerometer.gravity.mps2), model.reference_c);
-            Vector3::from(crate::rests::unit(moved.corrected(raw, model.reference_c)))
+            Vector3::from(crate::vector::unit(moved.corrected(raw, model.reference_c)))
         };
         let other: Vec<Prepared> = prepared
             .iter()
@@ -676,9 +677,10 @@ fn write(
     gyro.correlations = correlations(&covariance.view((0, 0), (9, 9)).into_owned());
     gyro.degrees_of_freedom = fitted.degrees_of_freedom;
     gyro.matrix = Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)])));
-    let rms = |off: &[f64]| (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt().to_degrees();
     let off = angles(prepared, &matrix);
-    gyro.rms_deg = [Some(rms(&off)), (gyro.scale == Scale::Si).then(|| rms(&angles(prepared, nominal)))];
+    let rms_deg = |off: &[f64]| rms(off.iter().copied()).map(f64::to_degrees);
+    gyro.rms_deg =
+        [rms_deg(&off), (gyro.scale == Scale::Si).then(|| rms_deg(&angles(prepared, nominal))).flatten()];
     for (turn, off) in prepared.iter().zip(off) {
         let shown = &mut gyro.turns[turn.turn];
         shown.residual_deg = off.to_degrees();

@@ -103,6 +103,9 @@ pub(crate) fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     covariance.iter().all(|value| value.is_finite()).then_some(covariance)
 }
 
+/// Chance to exclude a rest, a turn or a plateau of a log without outliers.
+pub(crate) const OUTLIER_CHANCE: f64 = 1e-3;
+
 /// Leverages: the diagonal of J(JᵀJ)⁻¹Jᵀ. Rounding of a rank-deficient J gives values outside 0 … 1, which are clamped.
 pub(crate) fn leverages(jacobian: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let of_row = |sum: f64| if sum.is_nan() { 1.0 } else { sum.clamp(0.0, 1.0) };
@@ -116,6 +119,12 @@ pub(crate) fn student(level: f64, degrees_of_freedom: f64) -> f64 {
         return Normal::standard().inverse_cdf(tail);
     }
     StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(tail))
+}
+
+/// Root mean square; `None` without values.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+    (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
 /// The variance, common to all residuals, that brings the weighted sum of squares to its expectation (Paule and Mandel

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::least_squares::{CONVERGED, Linearised, covariance, excess_variance, leverages, minimise};
+use crate::least_squares::{
+    CONVERGED, Linearised, OUTLIER_CHANCE, covariance, excess_variance, leverages, minimise, student,
+};
 use crate::triad::{PARAMETERS, TriadModel};
 
 /// Most rounds of weights: they depend on the residuals, which depend on them.
@@ -49,6 +51,24 @@ pub(crate) struct LengthFit {
     /// Whitened Jacobian of the vectors, without rows of known parameters.
     pub(crate) jacobian: DMatrix<f64>,
     pub(crate) iterations: usize,
+}
+
+impl LengthFit {
+    /// Vectors whose residual is improbably large against the others, the worst first: externally studentised residuals beyond
+    /// Student's t at a chance of [`OUTLIER_CHANCE`] for the whole log (Cook and Weisberg 1982, section 2.2.2). None with fewer
+    /// degrees of freedom than `fewest`.
+    pub(crate) fn outlying(&self, fewest: f64) -> Vec<(usize, f64)> {
+        let degrees = self.degrees_of_freedom;
+        if degrees < fewest {
+            return Vec::new();
+        }
+        let limit = student(1.0 - OUTLIER_CHANCE / self.studentised.len() as f64, degrees - 1.0);
+        let external = |r: &f64| r.abs() * ((degrees - 1.0) / (degrees - r * r).max(1e-9)).sqrt();
+        let sizes = self.studentised.iter().map(external).enumerate();
+        let mut found: Vec<(usize, f64)> = sizes.filter(|(_, size)| *size > limit).collect();
+        found.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
+        found
+    }
 }
 
 /// Fits the parameters `free` to `vectors`, from `start`. Requires more rows than parameters.

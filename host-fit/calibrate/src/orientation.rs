@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::rests::{angle_deg, unit};
+use crate::vector::{angle_deg, unit};
 
 /// An orientation: the direction that points up, in the frame of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -19,9 +19,9 @@ pub enum Determined {
 /// One number of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
-    /// As `accelerometer.bias.x`.
+    /// Identifier, `accelerometer.bias.x`.
     pub id: String,
-    /// As "accelerometer x bias".
+    /// Spelled for people: "accelerometer x bias".
     pub label: String,
     pub value: f64,
     /// Half the width of the 95 % interval, in `unit`.

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::imu::{Axes, Imu, Scale};
 use crate::quiet::{Windows, quiet, step};
+use crate::vector::{angle_deg, distance, unit};
 
 /// Shortest rest between the margins, s.
 pub(crate) const SHORTEST_S: f64 = 0.5;
@@ -139,8 +140,7 @@ pub(crate) fn find(imu: &Imu, accelerometer: &Axes, windows: &[Windows], ratio: 
         let step = step(&accelerometer.values[axis]);
         windows.get(axis).is_some_and(|windows| windows.noise < step * step)
     });
-    let size =
-        median_of(means.iter().map(|m| (0..3).map(|i| (m[i] - centre[i]).powi(2)).sum::<f64>().sqrt()));
+    let size = median_of(means.iter().map(|mean| distance(*mean, centre)));
     let size = size.unwrap_or(0.0).max(f64::MIN_POSITIVE);
     let rests = groups.into_iter().map(|group| {
         let parts: Vec<Range<usize>> = group.iter().map(|&index| stretches[index].clone()).collect();
@@ -239,8 +239,8 @@ fn moves(axes: &Axes, parts: &[Range<usize>], batch_variance: &[f64; 3], batch: 
     let (before, after) = (mean(axes, &first), mean(axes, &second));
     let batches = (count as f64 / 2.0 / batch as f64).max(0.5);
     let error: f64 = batch_variance.iter().map(|variance| 2.0 * variance / batches).sum();
-    let distance = (0..3).map(|i| (after[i] - before[i]).powi(2)).sum::<f64>().sqrt();
-    if distance > MOVES_ERRORS * error.sqrt() { distance } else { 0.0 }
+    let moved = distance(after, before);
+    if moved > MOVES_ERRORS * error.sqrt() { moved } else { 0.0 }
 }
 
 /// The smallest and the largest value.
@@ -286,17 +286,4 @@ pub(crate) fn has_clipped(axes: &Axes, ends: &[[f64; 2]; 3], rows: &Range<usize>
         let held = (rows.len() - longest) / (changes.count() + 1);
         high > low && longest >= CLIPPED_IN_A_ROW * held.max(1)
     })
-}
-
-/// The direction of a vector; NaN of the zero vector.
-pub(crate) fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    vector.map(|x| x / length)
-}
-
-/// The angle between two unit vectors, °.
-pub(crate) fn angle_deg(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let difference = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-    // exact for small angles, where the arc cosine is not
-    2.0 * (0.5 * difference).clamp(0.0, 1.0).asin().to_degrees()
 }

@@ -11,12 +11,13 @@ use serde::Serialize;
 
 use crate::error::{CalibrateError, FEWEST_DEGREES};
 use crate::imu::{Axes, Imu, Scale};
-use crate::least_squares::student;
+use crate::least_squares::{rms, student};
 use crate::length_fit::{self, Known, LengthFit, Vector, sphere};
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::quiet::{FEWEST_ROWS, WINDOW_S, Windows};
-use crate::rests::{mean, unit};
+use crate::rests::mean;
 use crate::triad::{PAIRS, TriadModel};
+use crate::vector::{distance, norm, unit};
 
 /// Shortest plateau between its margins, s.
 const SHORTEST_S: f64 = 1.0;
@@ -39,8 +40,7 @@ const COSINE: f64 = 0.03;
 /// Standard error of a sensitivity, relative, above which it is not determined.
 const NOT_DETERMINED: f64 = 0.02;
 
-/// Chance to exclude a plateau of a log without outliers.
-const OUTLIER_CHANCE: f64 = 1e-3;
+/// Largest share of the plateaus that may be outliers.
 const MAX_OUTLIERS: f64 = 0.2;
 
 /// A stretch of constant rate.
@@ -98,17 +98,14 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
     let means: Vec<[f64; 3]> = stretches.iter().map(|rows| mean(axes, std::slice::from_ref(rows))).collect();
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
     let (start, scale, is_bias_known) = start(axes, &means, &stretches, &rates)?;
-    let rate_of = |raw: &[f64; 3]| {
-        let corrected = start.corrected(*raw, start.reference_c);
-        corrected.iter().map(|x| x * x).sum::<f64>().sqrt()
-    };
+    let rate_of = |raw: &[f64; 3]| norm(start.corrected(*raw, start.reference_c));
     let nearest = |rate: f64| {
-        let distance = |stated: &&f64| (rate / **stated - 1.0).abs();
+        let off = |stated: &&f64| (rate / **stated - 1.0).abs();
         rates
             .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
             .copied()
-            .filter(|stated| distance(&stated) < SAME_RATE)
+            .filter(|stated| off(&stated) < SAME_RATE)
     };
     let rests: Vec<usize> = (0..means.len()).filter(|&i| rate_of(&means[i]) < REST_SHARE * slowest).collect();
     let mut chosen: Vec<(usize, f64)> =
@@ -149,8 +146,8 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
         if fitted.degrees_of_freedom < FEWEST_DEGREES as f64 {
             return Err(few(fitted.degrees_of_freedom));
         }
-        match outlying(&fitted).filter(|_| excluded.len() < excluded_at_most) {
-            Some(worst) => excluded.push(chosen.remove(worst)),
+        match fitted.outlying(FEWEST_DEGREES as f64).first().filter(|_| excluded.len() < excluded_at_most) {
+            Some(&(worst, _)) => excluded.push(chosen.remove(worst)),
             None => break fitted,
         }
     };
@@ -177,21 +174,15 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
             mean: means[index],
             rate_rads: rate,
             axis: unit(corrected),
-            residual: corrected.iter().map(|x| x * x).sum::<f64>().sqrt() / rate - 1.0,
+            residual: norm(corrected) / rate - 1.0,
             excluded,
         }
     };
     let mut plateaus: Vec<Plateau> = chosen.iter().map(|one| shown(one, false)).collect();
     plateaus.extend(excluded.iter().map(|one| shown(one, true)));
     plateaus.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
-    let rms = |values: &mut dyn Iterator<Item = f64>| {
-        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
-        (count > 0.0).then(|| f64::sqrt(sum / count))
-    };
     let bias = fitted.model.bias;
-    let before = chosen.iter().map(|&(index, rate)| {
-        (0..3).map(|i| (means[index][i] - bias[i]).powi(2)).sum::<f64>().sqrt() / rate - 1.0
-    });
+    let before = chosen.iter().map(|&(index, rate)| distance(means[index], bias) / rate - 1.0);
     Ok(Turntable {
         model: fitted.model,
         scale,
@@ -200,8 +191,8 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
         rests: if is_bias_known { rests.len() } else { 0 },
         degrees_of_freedom: fitted.degrees_of_freedom,
         rms: [
-            rms(&mut plateaus.iter().filter(|one| !one.excluded).map(|one| one.residual)),
-            if scale == Scale::Si { rms(&mut { before }) } else { None },
+            rms(plateaus.iter().filter(|one| !one.excluded).map(|one| one.residual)),
+            if scale == Scale::Si { rms(before) } else { None },
         ],
         plateaus,
         rates_rads: rates,
@@ -235,14 +226,12 @@ fn steady_pieces(axes: &Axes, rows: Range<usize>, shortest: usize) -> Vec<Range<
         .step_by(shortest)
         .map(|start| mean(axes, std::slice::from_ref(&(start..(start + shortest).min(rows.end)))))
         .collect();
-    let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut pieces = Vec::new();
     let mut begin = 0;
     for at in 1..=means.len() {
         let ends = at == means.len() || {
             let first = &means[begin];
-            let change = size(&[0, 1, 2].map(|i| means[at][i] - first[i]));
-            change > 2.0 * CONSTANT_SHARE * size(first).max(size(&means[at]))
+            distance(means[at], *first) > 2.0 * CONSTANT_SHARE * norm(*first).max(norm(means[at]))
         };
         if ends {
             let piece = rows.start + begin * shortest..(rows.start + at * shortest).min(rows.end);
@@ -268,19 +257,17 @@ fn quiet_level(values: &[f64], windows: &[Windows]) -> f64 {
 /// stated rate. A plateau sees the rests at its rate, but few of the other plateaus.
 fn resting(means: &[[f64; 3]], rates: &[f64]) -> Vec<usize> {
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
-    let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
     let turns = |rate: f64| rates.iter().any(|stated| (rate / stated - 1.0).abs() < SAME_RATE);
     let near = |centre: &[f64; 3]| -> Vec<usize> {
-        (0..means.len()).filter(|&i| distance(&means[i], centre) < REST_SHARE * slowest).collect()
+        (0..means.len()).filter(|&i| distance(means[i], *centre) < REST_SHARE * slowest).collect()
     };
     let explained = |centre: &[f64; 3]| {
-        let at_rate = means.iter().filter(|mean| turns(distance(mean, centre))).count();
+        let at_rate = means.iter().filter(|mean| turns(distance(**mean, *centre))).count();
         (at_rate, at_rate + near(centre).len())
     };
-    let size = |mean: &[f64; 3]| distance(mean, &[0.0; 3]);
     let best = means
         .iter()
-        .max_by(|a, b| explained(a).1.cmp(&explained(b).1).then_with(|| size(b).total_cmp(&size(a))));
+        .max_by(|a, b| explained(a).1.cmp(&explained(b).1).then_with(|| norm(**b).total_cmp(&norm(**a))));
     best.filter(|centre| {
         let (at_rate, all) = explained(centre);
         at_rate > 0 && 2 * all > means.len()
@@ -296,7 +283,6 @@ fn start(
 ) -> Result<(TriadModel, Scale, bool), CalibrateError> {
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
     let fastest = rates.iter().copied().fold(0.0, f64::max);
-    let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     match axes.scale {
         Scale::Si => {
             let rests = resting(means, rates);
@@ -311,16 +297,13 @@ fn start(
                 shortest_s: SHORTEST_S,
             };
             let (centre, _) = sphere(means).ok_or_else(none)?;
-            let distance = |mean: &[f64; 3]| size(&[0, 1, 2].map(|i| mean[i] - centre[i]));
-            let longest = means.iter().map(distance).fold(0.0, f64::max);
-            let rests: Vec<&[f64; 3]> = means.iter().filter(|mean| distance(mean) < 0.3 * longest).collect();
+            let longest = means.iter().map(|mean| distance(*mean, centre)).fold(0.0, f64::max);
+            let rests: Vec<&[f64; 3]> =
+                means.iter().filter(|mean| distance(**mean, centre) < 0.3 * longest).collect();
             let bias = [0, 1, 2].map(|i| median_of(rests.iter().map(|mean| mean[i])).unwrap_or(centre[i]));
-            let outer: Vec<[f64; 3]> = means
-                .iter()
-                .copied()
-                .filter(|mean| size(&[0, 1, 2].map(|i| mean[i] - bias[i])) > 0.85 * longest)
-                .collect();
-            let radius = median_of(outer.iter().map(|mean| size(&[0, 1, 2].map(|i| mean[i] - bias[i]))));
+            let outer: Vec<[f64; 3]> =
+                means.iter().copied().filter(|mean| distance(*mean, bias) > 0.85 * longest).collect();
+            let radius = median_of(outer.iter().map(|mean| distance(*mean, bias)));
             let radius = radius.filter(|_| !stretches.is_empty()).ok_or_else(none)?;
             Ok((
                 TriadModel { bias, sensitivity: [radius / fastest; 3], ..TriadModel::default() },
@@ -354,19 +337,6 @@ fn with_bias(
         known.push((axis, average, deviation.max(floor / count.sqrt())));
     }
     (TriadModel { bias, ..start }, known)
-}
-
-/// The plateau with an improbably large residual (externally studentised), if there is one.
-fn outlying(fitted: &LengthFit) -> Option<usize> {
-    let degrees = fitted.degrees_of_freedom;
-    if degrees < 3.0 {
-        return None;
-    }
-    let limit = student(1.0 - OUTLIER_CHANCE / fitted.studentised.len() as f64, degrees - 1.0);
-    let external = |r: f64| r.abs() * ((degrees - 1.0) / (degrees - r * r).max(1e-9)).sqrt();
-    let (worst, size) =
-        fitted.studentised.iter().map(|r| external(*r)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (size > limit).then_some(worst)
 }
 
 fn parameters(fitted: &LengthFit, scale: Scale) -> Vec<Parameter> {

@@ -26,7 +26,7 @@ pub struct Stated {
 /// A log that was calibrated from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Log {
-    /// As it was given.
+    /// Name or path, as the user stated it.
     pub path: String,
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,

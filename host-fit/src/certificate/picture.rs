@@ -1,6 +1,6 @@
 //! Residual of each rest, with the range in which 95 % are expected, as points of a small figure.
 
-use fos_calibrate::RestResidual;
+use fos_calibrate::{MG_MPS2, RestResidual};
 use serde::Serialize;
 
 const WIDTH: f64 = 720.0;
@@ -27,9 +27,9 @@ pub struct Picture {
     pub width: f64,
     /// Height of the picture.
     pub height: f64,
-    /// Where the axis begins.
+    /// Left end of the axis.
     pub left: f64,
-    /// Where a residual of 0 lies, from the top.
+    /// Height of a residual of 0, from the top.
     pub zero: f64,
     /// A point for each rest, in the order of the log.
     pub points: Vec<Point>,
@@ -56,7 +56,7 @@ impl Picture {
             range: [1.96, -1.96].map(|times| y(times * one.deviation_mps2)),
             excluded: one.rest.excluded.is_some(),
         });
-        let top_mg = format!("{:.2}", top / 9.806_65e-3);
+        let top_mg = format!("{:.2}", top / MG_MPS2);
         Some(Self { width: WIDTH, height: HEIGHT, left: LEFT, zero, points: points.collect(), top_mg })
     }
 }

@@ -1,5 +1,6 @@
 //! A certificate as a page and as Markdown. Nothing is computed here.
 
+use fos_calibrate::MG_MPS2;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
@@ -19,7 +20,7 @@ fn content(certificate: &Certificate) -> Value {
                 start => format!("{:.1}", one.rest.start_s),
                 duration => format!("{:.1}", one.rest.duration_s),
                 up => one.up.map(|part| format!("{part:+.2}").replace('-', "−")).join(" "),
-                residual => format!("{:+.2}", one.residual_mps2 / 9.806_65e-3).replace('-', "−"),
+                residual => format!("{:+.2}", one.residual_mps2 / MG_MPS2).replace('-', "−"),
                 excluded => one.rest.excluded.as_ref().map(exclusion),
             }
         })

@@ -1,15 +1,12 @@
 //! Numbers of a calibration as a data sheet writes them.
 
-use fos_calibrate::{Determined, Exclusion, Parameter};
+use fos_calibrate::{Determined, Exclusion, MG_MPS2, Parameter, STANDARD_GRAVITY_MPS2};
 use serde::Serialize;
-
-/// One mg, m/s².
-const MG: f64 = 9.806_65e-3;
 
 /// A parameter as people read it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
-    /// As `accelerometer x bias`.
+    /// Spelled for people: `accelerometer x bias`.
     pub label: String,
     /// The value, without its unit.
     pub value: String,
@@ -34,12 +31,14 @@ pub fn shown(parameter: &Parameter, field: bool) -> Shown {
     let is_ratio = parameter.unit.is_empty();
     let (offset, size, unit) = match parameter.unit.as_str() {
         _ if !field => (0.0, 1.0, parameter.unit.as_str()),
-        "m/s²" => (0.0, MG, "mg"),
-        "m/s²/K" => (0.0, MG, "mg/K"),
+        "m/s²" => (0.0, MG_MPS2, "mg"),
+        "m/s²/K" => (0.0, MG_MPS2, "mg/K"),
         "rad/s" => (0.0, degree, "°/s"),
         "rad/s/K" => (0.0, degree, "(°/s)/K"),
-        "(rad/s)/(m/s²)" => (0.0, degree / 9.806_65, "(°/s)/g"),
-        "counts/(m/s²)" if parameter.id.contains("g_sensitivity") => (0.0, 1.0 / 9.806_65, "counts/g"),
+        "(rad/s)/(m/s²)" => (0.0, degree / STANDARD_GRAVITY_MPS2, "(°/s)/g"),
+        "counts/(m/s²)" if parameter.id.contains("g_sensitivity") => {
+            (0.0, 1.0 / STANDARD_GRAVITY_MPS2, "counts/g")
+        }
         "1/K" => (0.0, 0.01, "%/K"),
         "" => (1.0, 0.01, "%"),
         other => (0.0, 1.0, other),

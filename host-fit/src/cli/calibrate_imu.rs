@@ -14,7 +14,9 @@ use super::output::{
 use super::units::Printed;
 use crate::certificate::{Certificate, Outcome, Stated, of_form};
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
-use fos_calibrate::{Calibration, Gravity, Imu, Options, calibrate, calibrate_on_turntable};
+use fos_calibrate::{
+    Calibration, Gravity, Imu, MG_MPS2, Options, STANDARD_GRAVITY_MPS2, calibrate, calibrate_on_turntable,
+};
 use fos_data::column::Triad;
 use fos_data::file::{check_output, folder_of, name_of, write_atomically};
 use fos_data::recording::{Oddity, Recording, SensorProvenance, Source};
@@ -96,7 +98,7 @@ impl FromStr for Accuracy {
     fn from_str(text: &str) -> Result<Self, String> {
         let size = with_unit(
             text,
-            &[("mg", 9.806_65e-3), ("mps2", 1.0), ("m/s2", 1.0), ("m/s²", 1.0), ("g", 9.806_65)],
+            &[("mg", MG_MPS2), ("mps2", 1.0), ("m/s2", 1.0), ("m/s²", 1.0), ("g", STANDARD_GRAVITY_MPS2)],
         )?;
         if (1e-6..=10.0).contains(&size) {
             Ok(Self(size))

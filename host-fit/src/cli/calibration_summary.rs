@@ -1,16 +1,15 @@
 //! Calibrations as the command line prints them.
 
-use fos_calibrate::{Accelerometer, Calibration, Determined, Gyro, Parameter, RestResidual, Turntable};
+use fos_calibrate::{
+    Accelerometer, Calibration, Determined, Gyro, MG_MPS2, Parameter, RestResidual, Turntable,
+};
 
 use super::output::{first, print_hint, print_line, table};
 use super::units::{Printed, Units, counted, three};
 use crate::certificate::{Shown, exclusion, gravity, shown};
 
-/// One mg, m/s².
-const MG: f64 = 9.806_65e-3;
-
 /// A residual beyond this, m/s² (3 mg), is not that of a device that lies still.
-const RESTLESS_MPS2: f64 = 3.0 * MG;
+const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;
 
 /// Correlations beyond this are printed with `--details`.
 const CORRELATED: f64 = 0.8;
@@ -86,7 +85,7 @@ fn print_accelerometer(found: &Accelerometer, printed: Printed) {
         print_line!("  bias and sensitivity hold at {:.1} °C", found.model.reference_c);
     }
     print_line!("  angles between axes: {}", listed(&of_kind(&found.parameters, "angle"), printed));
-    let [after, before] = found.rms_mps2.map(|rms| rms.map(|rms| three(rms / MG)));
+    let [after, before] = found.rms_mps2.map(|rms| rms.map(|rms| three(rms / MG_MPS2)));
     let before = before.map_or_else(String::new, |before| format!("{before} → "));
     print_line!("  |a| − g at rest: {before}{} mg RMS", after.unwrap_or_else(|| "–".to_owned()));
     if let Some(share) = found.gravity.unknown_share() {
@@ -111,7 +110,7 @@ fn print_accelerometer(found: &Accelerometer, printed: Printed) {
     if let Some(rms) = found.rms_mps2[0].filter(|rms| *rms > RESTLESS_MPS2) {
         print_line!(
             "  caution: a residual of {} mg: the device did not lie still, or it is not linear",
-            three(rms / MG)
+            three(rms / MG_MPS2)
         );
     }
     if !found.unseen.is_empty() {
@@ -173,14 +172,14 @@ fn print_gyro(gyro: &Gyro, printed: Printed) {
 
 fn print_next(found: &Accelerometer) {
     let next = &found.next;
-    let [now, then] = next.worst_mps2.map(|size| three(size / MG));
+    let [now, then] = next.worst_mps2.map(|size| three(size / MG_MPS2));
     print_line!(
         "\nnext: {}, 3 s: the widest interval ({}) narrows from ± {now} to ± {then} mg at 1 g",
         next.instruction,
         next.parameter
     );
     if let Some((accuracy, is_reached)) = found.accuracy {
-        let asked = three(accuracy / MG);
+        let asked = three(accuracy / MG_MPS2);
         match (is_reached, &found.plan) {
             (true, _) => {
                 print_line!("accuracy of {asked} mg: reached, all intervals are within ± {now} mg at 1 g")
@@ -192,7 +191,7 @@ fn print_next(found: &Accelerometer) {
             ),
             (false, None) => print_line!(
                 "accuracy of {asked} mg: not reached, and 12 more dwells are not enough: the residual of {} mg limits it; check that the device lies firmly and is warm",
-                found.rms_mps2[0].map_or_else(|| "–".to_owned(), |rms| three(rms / MG))
+                found.rms_mps2[0].map_or_else(|| "–".to_owned(), |rms| three(rms / MG_MPS2))
             ),
         }
     }
@@ -219,8 +218,8 @@ fn print_rests(rests: &[RestResidual]) {
         ];
         // a small negative part is 0.00, not -0.00
         row.extend(one.up.map(|part| format!("{:.2}", (100.0 * part).round() / 100.0 + 0.0)));
-        row.push(format!("{:.2}", one.residual_mps2 / MG));
-        row.push(format!("{:.2}", one.deviation_mps2 / MG));
+        row.push(format!("{:.2}", one.residual_mps2 / MG_MPS2));
+        row.push(format!("{:.2}", one.deviation_mps2 / MG_MPS2));
         row.push(one.rest.excluded.as_ref().map(exclusion).unwrap_or_default());
         rows.add_row(row);
     }

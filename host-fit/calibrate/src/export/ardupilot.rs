@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
 use super::in_comment;
-use crate::Calibration;
+use crate::{Calibration, MG_MPS2};
 
 /// Ranges of the parameters (AP_InertialSensor.cpp, `@Range` of ACCSCAL and ACCOFFS).
 const SCALE: [f64; 2] = [0.8, 1.2];
@@ -46,7 +46,7 @@ impl ArduPilot {
              # Axes are those of the sensor, before AHRS_ORIENTATION. ArduPilot has no cross-axis terms: without them up to\n\
              # {:.1} mg remain at 1 g. It has no gyro scale.\n",
             in_comment(log),
-            one.neglected_mps2 / 9.80665e-3
+            one.neglected_mps2 / MG_MPS2
         );
         for (axis, letter) in ["X", "Y", "Z"].iter().enumerate() {
             // writing to a string does not fail

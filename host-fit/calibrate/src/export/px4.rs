@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
 use super::in_comment;
-use crate::Calibration;
+use crate::{Calibration, MG_MPS2};
 
 /// Range of PX4's scales (src/lib/sensor_calibration/Accelerometer.cpp, `set_scale`, refuses 0 and below); offsets have none, and
 /// half of gravity is a fault.
@@ -39,7 +39,7 @@ impl Px4 {
              # PX4 has no cross-axis terms: without them up to {:.1} mg remain at 1 g. It has no gyro scale.\n\
              # Vehicle-Id\tComponent-Id\tName\tValue\tType\n",
             in_comment(log),
-            one.neglected_mps2 / 9.80665e-3
+            one.neglected_mps2 / MG_MPS2
         );
         let mut line = |name: &str, value: String, kind: u8| {
             // writing to a string does not fail
