@@ -116,13 +116,13 @@ pub fn axis_noise(
     let centred: Vec<f64> = y.iter().map(|value| value - mean).collect();
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0) + blocks.length_s;
     let temperature = Temperature::of(recording, &blocks);
-    let mut regressors = vec![constant.as_slice()];
-    regressors.extend(temperature.iter().flat_map(|of| &of.regressors).map(Vec::as_slice));
+    let regressors =
+        temperature.as_ref().map_or_else(|| vec![constant.as_slice()], |of| of.beside(&constant));
     let estimated = estimate(&blocks, &centred, &regressors);
-    let removed = temperature.zip(estimated.as_ref().ok()).map(|(temperature, levels)| {
+    let removed = temperature.as_ref().zip(estimated.as_ref().ok()).map(|(temperature, levels)| {
         let [white, flicker, walk] = [levels.white, levels.flicker, levels.walk].map(|level| level.at_most());
         let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
-        temperature.drift(&blocks, &centred, levels, recording.n_rows())
+        temperature.drift(&blocks, &centred, &levels, recording.n_rows())
     });
     let (drift, thermal_drift) = removed.unzip();
     let values: Cow<'_, [f64]> = match drift {

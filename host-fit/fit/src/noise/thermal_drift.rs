@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::blocks::Blocks;
-use super::levels::{LevelPrior, Regression};
+use super::gls::Gls;
 use super::model::NoiseLevels;
 use crate::signal::centred;
 use fos_data::recording::Recording;
@@ -33,7 +33,7 @@ pub struct ThermalDrift {
 pub(super) struct Temperature {
     range_c: [f64; 2],
     /// Powers of the temperature and the lagged temperature, one value per block each.
-    pub(super) regressors: Vec<Vec<f64>>,
+    regressors: Vec<Vec<f64>>,
 }
 
 impl Temperature {
@@ -66,21 +66,23 @@ impl Temperature {
         Some(Self { range_c: [low, high], regressors })
     }
 
+    /// The constant, then the regressors of the drift.
+    pub(super) fn beside<'r>(&'r self, constant: &'r [f64]) -> Vec<&'r [f64]> {
+        std::iter::once(constant).chain(self.regressors.iter().map(Vec::as_slice)).collect()
+    }
+
     /// The drift in `y`, block means, under noise levels, in each row of the log: interpolated between blocks, since the
     /// thermometer's own noise is none of the sensor's.
     pub(super) fn drift(
         &self,
         blocks: &Blocks,
         y: &[f64],
-        levels: NoiseLevels,
+        levels: &NoiseLevels,
         rows: usize,
     ) -> (Vec<f64>, ThermalDrift) {
         let constant = vec![1.0; blocks.len()];
-        let mut regressors = vec![constant.as_slice()];
-        regressors.extend(self.regressors.iter().map(Vec::as_slice));
-        let prior = LevelPrior::independent(levels.logs(), [1.0; 3]);
-        let fitted = Regression { blocks, y, regressors: &regressors, prior: &prior }.at(levels);
-        let in_blocks = super::combination(&self.regressors, &fitted.gls.coefficients()[1..], blocks.len());
+        let coefficients = Gls::new(blocks, levels, y, &self.beside(&constant)).coefficients();
+        let in_blocks = super::combination(&self.regressors, &coefficients[1..], blocks.len());
         let rms = (super::dot(&in_blocks, &in_blocks) / in_blocks.len() as f64).sqrt();
         let middles: Vec<f64> =
             blocks.blocks.iter().map(|block| 0.5 * (block.rows.start + block.rows.end) as f64).collect();
