@@ -1,6 +1,6 @@
 //! The name nearest to one that was not found, for messages.
 
-/// What people call a channel, and its column.
+/// Everyday names of channels, each with its column.
 const OTHER_WORDS: [(&str, &str); 10] = [
     ("temperature", "temp_c"),
     ("temp", "temp_c"),

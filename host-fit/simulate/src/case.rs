@@ -49,7 +49,7 @@ pub struct Truth {
     pub disturbed_field: Vec<Disturbed>,
     /// When the evaluation is.
     pub disturbed_eval: Vec<Disturbed>,
-    /// What a perfect model subtracts from the field, and what it is made of; in truth_log.parquet.
+    /// Error that a perfect model subtracts from the log to explain, and its parts; in truth_log.parquet.
     #[serde(skip)]
     pub field: LogTruth,
     /// The same of the evaluation; in truth_evaluation.parquet.

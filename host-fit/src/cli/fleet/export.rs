@@ -21,7 +21,7 @@ use fos_data::file::write_atomically;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fleet export population.json -o shipment --sensor bmi270")]
 pub(super) struct Export {
-    /// The population, as `fos fleet` wrote it, with its rows beside it
+    /// The population, as `fos fleet` wrote it, with its rows next to it
     population: PathBuf,
     /// The folder to write: part.fosm, units.csv, and a file for each device in units/
     #[arg(short, long, default_value = "shipment")]

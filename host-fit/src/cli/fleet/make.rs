@@ -21,7 +21,7 @@ pub(super) struct Make {
     /// The folder: a log for each device, in a folder for each lot; or a case folder for each; or a table units.csv: unit,part,lot,log
     #[arg(required = true)] // unless there is a subcommand
     folder: Option<PathBuf>,
-    /// The populations to write; the rows of the devices are stored beside it, under the same name with .rows appended
+    /// The populations to write; the rows of the devices are stored next to it, under the same name with .rows appended
     #[arg(short, long, default_value = "population.json")]
     output: OutputFile,
     /// A regressor beside the bias at 25 °C, as in effect files: "temp_c * temp_c", "temp_c:lowpass(60)". May be repeated

@@ -14,7 +14,7 @@ use fos_fleet::Fleet;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fleet report population.json -o fleet.html")]
 pub(super) struct Report {
-    /// The population; its rows are beside it, under the same name with .rows appended
+    /// The population; its rows are next to it, under the same name with .rows appended
     population: PathBuf,
     /// The page to write
     #[arg(short, long, default_value = "fleet.html")]

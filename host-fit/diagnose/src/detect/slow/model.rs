@@ -119,7 +119,7 @@ impl SlowSearch<'_> {
         self.at(&all, noise, levels).deviance
     }
 
-    /// What `k` coefficients and the search for a parameter cost on top of the effects of `accepted`.
+    /// Price of `k` coefficients and of the search for a parameter on top of the effects of `accepted`.
     pub(super) fn price(&self, k: usize, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
         let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
