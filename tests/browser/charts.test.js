@@ -16,7 +16,6 @@ before(async () => {
   await openExample(page);
 });
 
-const plot = () => plotOf(page);
 const shown = () => shownBy(page);
 const rest = () => page.waitForTimeout(400);
 
@@ -35,7 +34,7 @@ test("a drag zooms to what it spans, down to single samples", { timeout: SLOW },
   await page.getByRole("button", { name: "Show the whole log" }).click();
   await rest();
   const whole = await shown();
-  const { x, y, width } = await plot();
+  const { x, y, width } = await plotOf(page);
   await page.mouse.move(x + 0.25 * width, y);
   await page.mouse.down();
   await page.mouse.move(x + 0.75 * width, y, { steps: 5 });
@@ -51,7 +50,8 @@ test("a drag zooms to what it spans, down to single samples", { timeout: SLOW },
   const finest = await shown();
   assert.ok(finest[1] - finest[0] < 0.1, `zoomed in to ${finest}`);
   await page.waitForFunction(() => document.querySelector(".time-chart")?.closest(".card")?.querySelector(".swatch.line") !== null);
-  await page.mouse.dblclick(x + 0.5 * width, y);
+  const finestPlot = await plotOf(page);
+  await page.mouse.dblclick(finestPlot.x + 0.5 * finestPlot.width, finestPlot.y);
   await rest();
   assert.deepEqual(await shown(), whole);
 });

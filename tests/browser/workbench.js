@@ -213,9 +213,10 @@ export async function shownBy(page) {
 
 /** Frames a second under a real hand, from the whole log four steps in. @param {Page} page */
 export async function framesWhilePanningAndZooming(page) {
-  const { x, y, width } = await plotOf(page);
   for (let n = 0; n < 4; n += 1) await page.getByRole("button", { name: "Zoom in" }).click();
   await page.waitForTimeout(400);
+  // A click may scroll the page, so the plot is looked for after it.
+  const { x, y, width } = await plotOf(page);
   const before = await shownBy(page);
   const panning = await framesPerSecond(page, async () => {
     await page.keyboard.down("Shift");
